@@ -14,8 +14,8 @@ import numpy as np
 import tool0
 from tool0.api.channel import LocalChannel
 from tool0.control.default_controllers import controllers_yaml, default_controllers
-from tool0.control.joint_trajectory import JointTrajectorySpec
 from tool0.control.parameters import Gains, RobotJoints
+from tool0.control.ros1.joint_trajectory import JointTrajectorySpec
 from tool0.description.catalogue import NO_GRIPPER, arms, grippers
 from tool0.description.model import Inertial, RobotModel
 from tool0.description.robot import RobotDescription, assemble
@@ -211,7 +211,7 @@ def _robot(
 def _gains(description: RobotDescription) -> dict[str, Gains]:
     """Return the gains of all driven joints, those of the arm first."""
     config, model = default_controllers(description), description.model
-    interfaces = {item.joint: item.interface for item in model.transmissions}
+    interfaces = {item.joint: item.interfaces for item in model.transmissions}
     joints = RobotJoints(model.joint_by_name, interfaces)
     specs = [config.spec(name, joints) for name in config.names]
     return {

@@ -49,6 +49,7 @@ def latency() -> Latency:
         **os.environ,
         "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
         "ROS_IP": "127.0.0.1",
+        "TOOL0_KERNEL": "python",  # the engine is watched at each step
     }
     answer = subprocess.run(
         [sys.executable, __file__, "robot"],

@@ -26,12 +26,14 @@ from benchmarks import (
     rest,
     robosuite,
     ros1,
+    ros2,
     streams,
     tick,
 )
 from tool0.description.catalogue import arms, grippers
 from tool0.installation.gazebo.status import gazebo_status
 from tool0.installation.ros1.packages import ros1_status
+from tool0.installation.ros2.installation import find_ros2
 
 N_HANDOVERS = 20
 
@@ -107,6 +109,10 @@ def figures() -> Iterator[Figure]:
         yield from _ros1_figures()
     else:
         print(f"no ROS 1 can run here, so none is measured: {why}")
+    if find_ros2() is not None:
+        yield from _ros2_figures()
+    else:
+        print("no ROS 2 can run here, so none is measured")
     found = gazebo_status()
     if found.can_run:
         yield from _gazebo_figures()
@@ -207,6 +213,22 @@ def _ros1_figures() -> Iterator[Figure]:
     yield Figure("ROS 1: command → effort, p99 [ms]", 1e3 * delay.p99, 50.0, 10.0)
     ratio = delay.p50 / delay.plain_p50
     yield Figure("ROS 1: command → effort ÷ rospy alone, p50", ratio, 5.0, 2.0)
+
+
+def _ros2_figures() -> Iterator[Figure]:
+    states = ros2.joint_states()
+    error = abs(states.rate - ros2.RATE)
+    yield Figure("ROS 2: /joint_states at 500 Hz: error of the rate", error, 1.0, 0.1)
+    yield Figure("ROS 2: their age at a subscriber, p50 [ms]", 1e3 * states.p50, 2, 0.5)
+    yield Figure("ROS 2: their age at a subscriber, p99 [ms]", 1e3 * states.p99, 3, 1.5)
+    for realtime, name in ((True, "in real time"), (False, "as fast as possible")):
+        ratio = ros2.speed_ratio(realtime=realtime)
+        yield Figure(f"ROS 2: steps/s with the node ÷ without, {name}", ratio, 0.97, 1)
+    delay = ros2.latency()
+    yield Figure("ROS 2: command → effort, p50 [ms]", 1e3 * delay.p50, 5.0, 2.0)
+    yield Figure("ROS 2: command → effort, p99 [ms]", 1e3 * delay.p99, 50.0, 10.0)
+    start = ros2.start_seconds()
+    yield Figure("ROS 2: bring-up until all controllers are active [s]", start, 5, 2.5)
 
 
 def _panel_figures() -> Iterator[Figure]:

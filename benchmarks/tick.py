@@ -10,6 +10,7 @@ import mujoco
 
 import tool0
 from benchmarks.gazebo import ORIGINAL_STEPS
+from tool0.control.controller import Role
 from tool0.engines.mujoco.engine import MujocoEngine
 
 BLOCK = 500
@@ -58,8 +59,8 @@ def arm_controllers(robot: tool0.Robot) -> list[tool0.ControllerHandle]:
     return [
         robot.controller(status.name)
         for status in robot.controllers()
-        if status.kind == "JointTrajectoryController"
-        and status.state == "running"
+        if status.role is Role.TRAJECTORY
+        and status.is_running
         and len(status.joints) == 6
     ]
 

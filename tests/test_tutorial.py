@@ -17,6 +17,7 @@ import pytest
 from document import Block, blocks, says
 from promised import absent, require_engine, require_ros
 from ros import free_port
+from ros2_domain import Domain
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "docs/tutorial.md", ROOT / "docs/tutorial.zh-CN.md"]
@@ -27,6 +28,7 @@ LANGUAGES = {"sh", "text", "xml", "yaml"}
 NOT_RUN = {
     "make setup": "it makes the environment that runs this test",
     "source .venv/bin/activate": "this test has done so in its own way",
+    "tool0 ros2 install": "it downloads; tests of ROS 2 run what it installed",
     "rosdep install --from-paths src --ignore-src --rosdistro noetic -y": (
         "it needs Noetic and root; the keys are looked at where packages are tested"
     ),
@@ -37,7 +39,10 @@ NOT_RUN = {
     ),
 }
 """Command → why no test of this page runs it."""
-FINDS = ("tool0 check my_controllers.yaml gazebo_controller.yaml",)
+FINDS = (
+    "tool0 check my_controllers.yaml gazebo_controller.yaml",
+    "tool0 check ros2_controllers.yaml",
+)
 """What ends with status 1, since something is wrong."""
 SHORT = ("--headless", "--no-realtime", "--duration", "0.5")
 XACRO = """#!/bin/sh
@@ -142,6 +147,10 @@ def run(reader: Reader, command: str) -> str:
         require_ros()
     if command.startswith("roslaunch ") and shutil.which("roslaunch") is None:
         absent("ros1", "there is no roslaunch here")
+    if command == "tool0 bringup --ros2":
+        with Domain() as domain:
+            variables = " ".join(f"{k}={v}" for k, v in domain.variables.items())
+            return reader.types(f"{variables} {shortened(command)}")
     output = reader.types(shortened(command), status=command in FINDS)
     assert "roslaunch" not in command or "/robot_state_publisher\n" in output
     return output

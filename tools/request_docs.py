@@ -23,6 +23,9 @@ TITLES = {
     "gripper": "Gripper",
     "arm": "Arm",
     "objects": "Objects and contacts",
+    "control_box": "Control box: pins, speed slider, payload, program",
+    "hardware": "Hardware components",
+    "updates": "Control updates, for the ROS 2 node",
     "sensors": "Cameras and force-torque sensors",
     "view": "Robot without physics (`tool0 view`)",
 }

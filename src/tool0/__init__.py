@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from tool0.api.arm import Arm
     from tool0.api.bringup import bringup
     from tool0.api.connect import connect
+    from tool0.api.control_box import ControlBox
     from tool0.api.controller import ControllerHandle, GoalHandle
     from tool0.api.grasps import Bin, find_bin
     from tool0.api.gripper import Gripper
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
     from tool0.cli.demos.report import PickReport
     from tool0.control.config import ControllerConfig
     from tool0.control.goal import GoalResult, GoalStatus, GripperResult, Tolerance
-    from tool0.control.manager import ControllerStatus
     from tool0.control.parameters import Gains
+    from tool0.control.status import ControllerStatus
     from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
     from tool0.description.config import Cell, CellRobot, DescriptionConfig
     from tool0.description.finding import Finding
@@ -54,10 +55,21 @@ if TYPE_CHECKING:
         TransportError,
         UnreachableError,
     )
+    from tool0.hardware.control_box import (
+        AnalogDomain,
+        AnalogPin,
+        ControlBoxState,
+        ProgramState,
+        RobotMode,
+        SafetyMode,
+    )
     from tool0.hardware.engine import Contact, ObjectState
+    from tool0.hardware.payload import Payload
     from tool0.interfaces.panel.server import Panel
     from tool0.interfaces.ros1.bridge import Ros1Bridge
     from tool0.interfaces.ros1.options import Ros1Options
+    from tool0.interfaces.ros2.node import Ros2Node
+    from tool0.interfaces.ros2.options import Ros2Options
     from tool0.kinematics.chain import ArmChain
     from tool0.kinematics.inverse import Branch, InverseKinematics, Solution
     from tool0.lint.check import CheckReport, check
@@ -72,6 +84,8 @@ if TYPE_CHECKING:
     from tool0.sensing.video import VideoWriter
 
 __all__ = [
+    "AnalogDomain",
+    "AnalogPin",
     "Arm",
     "ArmChain",
     "Batch",
@@ -86,6 +100,8 @@ __all__ = [
     "CollectError",
     "ConfigError",
     "Contact",
+    "ControlBox",
+    "ControlBoxState",
     "ControlConfig",
     "ControlError",
     "ControllerConfig",
@@ -122,18 +138,24 @@ __all__ = [
     "Overran",
     "Panel",
     "ParallelGripper",
+    "Payload",
     "PickOptions",
     "PickReport",
     "Pose",
+    "ProgramState",
     "Recording",
     "RenderError",
     "RequestError",
     "Robot",
     "RobotDescription",
+    "RobotMode",
     "RobotModel",
     "Ros1Bridge",
     "Ros1Options",
+    "Ros2Node",
+    "Ros2Options",
     "RosUnavailableError",
+    "SafetyMode",
     "SceneHandle",
     "SimulationConfig",
     "SimulationInfo",
@@ -161,6 +183,8 @@ __all__ = [
 ]
 
 _HOMES = {
+    "AnalogDomain": "tool0.hardware.control_box",
+    "AnalogPin": "tool0.hardware.control_box",
     "Arm": "tool0.api.arm",
     "ArmChain": "tool0.kinematics.chain",
     "Batch": "tool0.batch.batch",
@@ -175,11 +199,13 @@ _HOMES = {
     "CollectError": "tool0.errors",
     "ConfigError": "tool0.errors",
     "Contact": "tool0.hardware.engine",
+    "ControlBox": "tool0.api.control_box",
+    "ControlBoxState": "tool0.hardware.control_box",
     "ControlConfig": "tool0.runtime.config",
     "ControlError": "tool0.errors",
     "ControllerConfig": "tool0.control.config",
     "ControllerHandle": "tool0.api.controller",
-    "ControllerStatus": "tool0.control.manager",
+    "ControllerStatus": "tool0.control.status",
     "DescriptionConfig": "tool0.description.config",
     "DescriptionError": "tool0.errors",
     "DivergenceError": "tool0.errors",
@@ -211,18 +237,24 @@ _HOMES = {
     "Overran": "tool0.runtime.bus",
     "Panel": "tool0.interfaces.panel.server",
     "ParallelGripper": "tool0.description.model",
+    "Payload": "tool0.hardware.payload",
     "PickOptions": "tool0.cli.demos.hand",
     "PickReport": "tool0.cli.demos.report",
     "Pose": "tool0.description.transform",
+    "ProgramState": "tool0.hardware.control_box",
     "Recording": "tool0.api.recording",
     "RenderError": "tool0.errors",
     "RequestError": "tool0.errors",
     "Robot": "tool0.api.robot",
     "RobotDescription": "tool0.description.robot",
+    "RobotMode": "tool0.hardware.control_box",
     "RobotModel": "tool0.description.model",
     "Ros1Bridge": "tool0.interfaces.ros1.bridge",
     "Ros1Options": "tool0.interfaces.ros1.options",
+    "Ros2Node": "tool0.interfaces.ros2.node",
+    "Ros2Options": "tool0.interfaces.ros2.options",
     "RosUnavailableError": "tool0.errors",
+    "SafetyMode": "tool0.hardware.control_box",
     "SceneHandle": "tool0.api.scene",
     "SimulationConfig": "tool0.runtime.config",
     "SimulationInfo": "tool0.requests.state",

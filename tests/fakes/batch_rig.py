@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import tool0
-from tool0.control.manager import GRIPPER_KIND
+from tool0.control.controller import Role
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.parts import find_grippers
 from tool0.hardware.engine import ObjectState
@@ -145,7 +145,7 @@ class Beside:
             )
             joint = geometry.joint
             (status,) = (s for s in core.manager.list() if joint in s.joints)
-            if status.kind == GRIPPER_KIND:
+            if status.role is Role.GRIPPER:
                 most = None if force is None else core.hardware.limits[joint].effort
                 target = geometry.position(opening[i])
                 core.command_gripper(status.name, target, most, limits)
@@ -205,7 +205,7 @@ class Beside:
             (name,) = (
                 status.name
                 for status in manager.list()
-                if joint in status.joints and status.state == "running"
+                if joint in status.joints and status.is_running
             )
             owners.setdefault(name, []).append(k)
         return owners

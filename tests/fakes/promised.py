@@ -13,13 +13,17 @@ from tool0.engines.mujoco.gl import make_context
 from tool0.errors import RenderError
 from tool0.installation.gazebo.status import gazebo_status
 from tool0.installation.ros1.packages import required_components, ros1_status
+from tool0.installation.ros2.installation import Ros2, find_ros2
 from tool0.kernel.library import kernel_status
+
+ROS2 = find_ros2()
+"""Of the person who runs the tests: found before tests get folders of their own."""
 
 
 def absent(part: str, why: str) -> NoReturn:
     """Skip visibly, or fail if this run promised ``part``.
 
-    Parts are browser, gazebo, gl, kernel and ros1.
+    Parts are browser, gazebo, gl, kernel, ros1 and ros2.
     """
     if part in os.environ.get("TOOL0_REQUIRE", "").split():
         pytest.fail(f"{why}, which this run promised")
@@ -54,3 +58,10 @@ def require_ros(*, rviz: bool = False) -> None:
     why = ros1_status().why_not(part.name for part in required_components(rviz=rviz))
     if why is not None:
         absent("ros1", f"not all of ROS 1 is here ({why})")
+
+
+def require_ros2() -> Ros2:
+    """Return the ROS 2; skip visibly, or fail if this run promised it, without one."""
+    if ROS2 is None:
+        absent("ros2", "no ROS 2 is here")
+    return ROS2

@@ -204,7 +204,7 @@ class Ros:
 
     def bring_up(self, *options: str, wait: bool = True) -> Bringup:
         """Run ``tool0 bringup --ros1 --headless``, and wait until it is up."""
-        bringup = Bringup(self.environment, *options)
+        bringup = Bringup(self.environment, "--ros1", *options)
         self._started.append(bringup)
         if wait:
             bringup.wait()
@@ -231,16 +231,13 @@ class Ros:
 
 
 class Bringup:
-    """``tool0 bringup --ros1`` in a process of its own."""
+    """``tool0 bringup --headless`` in a process of its own."""
 
     def __init__(self, environment: Mapping[str, str], *options: str) -> None:
         self._sockets = tempfile.TemporaryDirectory(prefix="tool0-")
         self._began = time.monotonic()
         self.process = subprocess.Popen(
-            [
-                *(sys.executable, "-m", "tool0", "bringup", "--ros1", "--headless"),
-                *options,
-            ],
+            [sys.executable, "-m", "tool0", "bringup", "--headless", *options],
             env={
                 **environment,
                 "XDG_RUNTIME_DIR": self._sockets.name,

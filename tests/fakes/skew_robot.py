@@ -87,15 +87,19 @@ JOINTS = (
 )
 
 
-def build_model(interface: Interface = Interface.EFFORT) -> RobotModel:
-    """Three joints in skew directions, one of them prismatic, and one that mimics."""
+def build_model(*interfaces: Interface) -> RobotModel:
+    """Three joints in skew directions, one of them prismatic, and one that mimics.
+
+    Effort drives them without ``interfaces``.
+    """
+    offered = interfaces or (Interface.EFFORT,)
     return RobotModel(
         name="skew",
         root="world",
         links=LINKS,
         joints=JOINTS,
         transmissions=tuple(
-            Transmission(name=f"{name}_drive", joint=name, interface=interface)
+            Transmission(name=f"{name}_drive", joint=name, interfaces=offered)
             for name in ("lift", "bend", "slide")
         ),
     )

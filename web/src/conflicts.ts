@@ -12,7 +12,7 @@ export function conflicting(
     .filter(
       (other) =>
         other.name !== wanted.name &&
-        other.state === "running" &&
+        other.is_running &&
         other.interface !== null &&
         other.joints.some((joint) => claimed.has(joint)),
     )

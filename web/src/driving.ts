@@ -41,7 +41,7 @@ let settlesUntil = -Infinity;
 let lastTime = -Infinity;
 
 export function canDrive(controller: ControllerInfo): boolean {
-  return controller.state === "running" && controller.undrivable === null;
+  return controller.is_running && controller.undrivable === null;
 }
 
 function robotKey(): string {

@@ -26,7 +26,9 @@ export function controller(changes: Partial<ControllerInfo> = {}): ControllerInf
   return {
     name: "arm",
     type: "effort_controllers/JointTrajectoryController",
+    role: "trajectory",
     state: "running",
+    is_running: (changes.state ?? "running") === "running",
     interface: "effort",
     joints: ["pan", "lift"],
     undrivable: null,

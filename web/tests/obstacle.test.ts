@@ -6,8 +6,8 @@ import { controller } from "./fixtures";
 describe("what keeps sliders from driving", () => {
   it.each([
     [{}, null],
-    [{ type: "joint_state_controller/JointStateController" }, "joint states"],
-    [{ type: "effort_controllers/JointGroupEffortController" }, "JointGroupEffortCont"],
+    [{ role: "reader" }, "moves no joint"],
+    [{ role: "command", type: "effort_controllers/JointGroup" }, "JointGroup"],
     [{ state: "unloaded" }, "not loaded"],
     [{ state: "stopped" }, "not running"],
     [{ undrivable: "no limits" }, "no limits"],

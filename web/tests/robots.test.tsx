@@ -64,6 +64,7 @@ const CONTROLLERS = [
   controller({
     name: "states",
     type: "joint_state_controller/JointStateController",
+    role: "reader",
     interface: null,
     joints: [],
     undrivable: "only reads",

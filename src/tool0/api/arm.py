@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
 from tool0.api.channel import Channel
+from tool0.api.control_box import ControlBox
 from tool0.api.controller import GoalHandle
 from tool0.api.sensors import ForceTorque
 from tool0.description.transform import Pose, Transform
@@ -85,6 +86,11 @@ class Arm:
     def force_torque(self) -> ForceTorque:
         """The force-torque sensor at its end."""
         return ForceTorque(self.tip, self._channel)
+
+    @property
+    def control_box(self) -> ControlBox:
+        """Its pins, speed slider, payload and program."""
+        return ControlBox(self.name, self._channel)
 
     def go_to_pose(self, name: str, *, speed: float = 0.5) -> tuple[GoalHandle, ...]:
         """Move the arm and what it carries to a named pose.

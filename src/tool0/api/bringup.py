@@ -32,6 +32,7 @@ def bringup(
     robot: File | None = None,
     cell: Cell | File | None = None,
     args: Mapping[str, Argument] | None = None,
+    ros2_control: bool | None = None,
     engine: str | None = None,
     scene: Scene | File | None = None,
     controllers_file: File | Sequence[File] | None = None,
@@ -60,10 +61,13 @@ def bringup(
         robot: Your own URDF or xacro file, instead of an arm and a gripper.
         cell: Several robots and a scene: a value, or a YAML file (docs/cells.md).
         args: xacro arguments of that file, or further ones of the built-in file.
+        ros2_control: Whether the catalogue's robots have `<ros2_control>` tags, and
+            with them the controllers of ROS 2 (docs/ros2.md).
         engine: The physics engine: "mujoco", or "gazebo" (docs/gazebo.md).
         scene: The objects around the robot: a value, a YAML file, or a built-in scene
             (``table_and_bin``, ``table_and_cubes``).
-        controllers_file: ros_control YAML, one file or several; later ones override.
+        controllers_file: YAML of ros_control or ros2_control, one file or several;
+            later ones override.
         controllers: Names of the controllers to load and start.
         initial_pose: A named pose, or positions by joint [rad | m].
         realtime: Whether time passes by itself; otherwise only ``run`` and ``wait``
@@ -81,7 +85,13 @@ def bringup(
         Tool0Error: If an option or a file is wrong.
     """
     description = _with_given(
-        description, arm=arm, prefix=prefix, robot=robot, cell=cell, args=args
+        description,
+        arm=arm,
+        prefix=prefix,
+        robot=robot,
+        cell=cell,
+        args=args,
+        ros2_control=ros2_control,
     )
     if gripper is not UNSET:
         description = replace(description, gripper=gripper)

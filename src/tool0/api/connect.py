@@ -63,8 +63,9 @@ ANSWER_TIMEOUT: Final = 30.0
 """Longest wait for an answer that should come at once [wall s]."""
 POLL_PERIOD: Final = 0.02
 """Wall time between polls of the state [s]."""
-MAX_REQUEST: Final = 1 << 20
-"""Longest request [bytes]; 10 000 waypoints of 6 joints fit."""
+MAX_REQUEST: Final = 1 << 23
+"""Longest request [bytes]; 10 000 points of 6 joints with velocities and accelerations
+fit."""
 
 
 def connect(name: str = DEFAULT_NAME) -> Robot:

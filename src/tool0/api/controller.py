@@ -8,7 +8,7 @@ from numbers import Real
 from typing import final
 
 from tool0.api.channel import Channel
-from tool0.control.config import ControllerSpec
+from tool0.control.controller import ControllerSpec
 from tool0.control.goal import GoalStatus, Result, Tolerance, ToleranceOverride
 from tool0.control.parameters import Gains
 from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
@@ -138,7 +138,8 @@ class ControllerHandle:
     ) -> None:
         """Send a trajectory without a goal, as ROS's topic ``command`` does.
 
-        There is no result, and no tolerance is checked.
+        There is no result, and no tolerance is checked; in ROS 2, a violated one stops
+        the motion, and an active goal continues with the new points.
 
         Args:
             points: Setpoints at their times, in the order of ``joint_names``; none
@@ -156,6 +157,18 @@ class ControllerHandle:
             stamp=stamp,
         )
         self._channel.call(request)
+
+    def scale_speed(self, factor: float) -> None:
+        """Scale the speed of trajectories, as ROS 2's topic ``speed_scaling_input``.
+
+        ``factor`` is trajectory time per simulated time: 1 is the trajectory's own
+        speed, 0 pauses.
+
+        Raises:
+            ControlError: If it is no trajectory controller of ROS 2 that commands
+                positions, or if the speed slider of its arm scales the speed.
+        """
+        self._channel.call(motion.ScaleTrajectory(controller=self.name, factor=factor))
 
     def move(
         self,
@@ -209,21 +222,32 @@ class ControllerHandle:
         )
 
     def command_gripper(
-        self, position: float, max_effort: float | None = None
+        self,
+        position: float,
+        max_effort: float | None = None,
+        *,
+        max_velocity: float | None = None,
     ) -> GoalHandle:
-        """Send a goal to a GripperActionController, as ROS's GripperCommand does.
+        """Send a goal to a GripperActionController, as ROS's actions do.
 
         Args:
             position: Of the driven joint [rad | m].
             max_effort: Largest effort of the drive [N·m | N]; the controller's own, if
-                left out or 0.
+                left out or 0.  ROS 2's parallel gripper writes it to its
+                ``max_effort_interface``: there it is the force of the pads [N].
+            max_velocity: Of ROS 2's parallel gripper, for its
+                ``max_velocity_interface``: the speed of the pads [m/s]; the
+                controller's own, if left out.
 
         Raises:
             GoalRejectedError: If the position is out of the joint's limits.
             ControlError: If it is a controller of another type.
         """
         request = motion.CommandGripper(
-            controller=self.name, position=position, max_effort=max_effort
+            controller=self.name,
+            position=position,
+            max_effort=max_effort,
+            max_velocity=max_velocity,
         )
         return GoalHandle(self._channel.call(request), self._channel)
 

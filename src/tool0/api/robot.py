@@ -15,7 +15,7 @@ from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.api.gripper import Gripper
 from tool0.api.scene import SceneHandle
 from tool0.api.sensors import CameraHandle, ForceTorque
-from tool0.control.config import TYPES, ControllerConfig
+from tool0.control.config import ControllerConfig
 from tool0.description.model import JointLimits
 from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, RenderError, RequestError, did_you_mean
@@ -29,7 +29,7 @@ from tool0.runtime.simulation import only_part
 if TYPE_CHECKING:
     from tool0.api.arm import Arm
     from tool0.api.recording import Recording
-    from tool0.control.manager import ControllerStatus
+    from tool0.control.status import ControllerStatus
     from tool0.description.robot import RobotDescription
     from tool0.description.transform import Transform
     from tool0.hardware.engine import Contact, Engine
@@ -279,10 +279,10 @@ class Robot(AbstractContextManager["Robot"]):
         """Return every loaded controller with its state and claims."""
         return self.channel.call(motion.ListControllers())
 
-    @staticmethod
-    def controller_types() -> tuple[str, ...]:
+    def controller_types(self) -> tuple[str, ...]:
         """Return every type of controller that can be loaded."""
-        return TYPES
+        types = self.channel.call(motion.ListControllerTypes())
+        return tuple(each.name for each in types)
 
     def controller(self, name: str) -> ControllerHandle:
         """Return a handle on a loaded controller.
@@ -319,6 +319,15 @@ class Robot(AbstractContextManager["Robot"]):
             problem = f"'config': need a ControllerConfig, got {config!r:.80}"
             raise RequestError("load", problem)
         self.channel.call(motion.LoadControllerWith(name=name, config=config))
+
+    def configure(self, name: str) -> None:
+        """Configure a controller of ROS 2 that was loaded without it.
+
+        Raises:
+            ControlError: If it is configured already, or not loaded.
+            ConfigError: If its parameters are wrong.
+        """
+        self.channel.call(motion.ConfigureController(name=name))
 
     def unload(self, name: str) -> None:
         """Unload a controller.

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tool0.control.goal_check import INSTANT
+from tool0.control.ros1.goal_check import INSTANT
 from tool0.errors import ControlError
 from tool0.kinematics.chain import Array
 

@@ -11,8 +11,10 @@ import numpy as np
 
 from tool0.batch.arguments import Indices
 from tool0.batch.backend import Backend
-from tool0.control.goal_check import check_names, check_position, position_range
-from tool0.control.manager import GRIPPER_KIND, TRAJECTORY_KIND, why_not_driven
+from tool0.control.controller import Role
+from tool0.control.position_limits import check_position, position_range
+from tool0.control.ros1.goal_check import check_names
+from tool0.control.status import why_not_driven
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.errors import ControlError
@@ -153,11 +155,11 @@ class Commands:
                 )
             bounds.append(limits[speed, force])
         targets = [gripper.position(opening) for opening in openings]
-        name, kind = self._gripper_controller(gripper)
+        name, role = self._gripper_controller(gripper)
         if not rows.size:
             return
         joint = gripper.joint
-        if kind == GRIPPER_KIND:
+        if role is Role.GRIPPER:
             effort = self._limits[joint].effort if has_force else None
             for i, target, bound in zip(rows.tolist(), targets, bounds, strict=True):
                 self._copies.core(i).command_gripper(name, target, effort, bound)
@@ -243,24 +245,24 @@ class Commands:
         return {
             status.name: self._manager.spec(status.name).joints
             for status in self._manager.list()
-            if status.state == "running" and status.kind == TRAJECTORY_KIND
+            if status.is_running and status.role is Role.TRAJECTORY
         }
 
     @cached_property
     def _running(self) -> dict[str, tuple[int, tuple[str, ...]]]:
         """Number and joints of each running controller, in load order."""
-        names = [s.name for s in self._manager.list() if s.state == "running"]
+        names = [s.name for s in self._manager.list() if s.is_running]
         return {
             name: (number, self._manager.spec(name).joints)
             for number, name in enumerate(names)
         }
 
-    def _gripper_controller(self, gripper: ParallelGripper) -> tuple[str, str]:
-        """Return name and kind of the running controller that drives a gripper."""
+    def _gripper_controller(self, gripper: ParallelGripper) -> tuple[str, Role]:
+        """Return name and role of the running controller that drives a gripper."""
         statuses = self._manager.list()
-        kinds = (TRAJECTORY_KIND, GRIPPER_KIND)
+        roles = (Role.TRAJECTORY, Role.GRIPPER)
         for status in statuses:
-            is_owner = status.state == "running" and gripper.joint in status.joints
-            if is_owner and status.kind in kinds:
-                return status.name, status.kind
-        raise ControlError(why_not_driven(statuses, [gripper.joint], kinds))
+            is_owner = status.is_running and gripper.joint in status.joints
+            if is_owner and status.role in roles:
+                return status.name, status.role
+        raise ControlError(why_not_driven(statuses, [gripper.joint], roles))

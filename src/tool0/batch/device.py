@@ -41,7 +41,7 @@ class DeviceCopies:
         self._initial = np.tile(core.state.position, (n, 1))
         self._worlds = worlds = WarpWorlds(engine, n, name)
         statuses = core.manager.list()
-        names = [each.name for each in statuses if each.state == "running"]
+        names = [each.name for each in statuses if each.is_running]
         self._control = DeviceControl(
             dict(zip(names, core.manager.running_controllers, strict=True)),
             core.hardware,

@@ -34,6 +34,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
         "installing",
         "install ROS 1 for bringup --ros1, or show what is installed",
     ),
+    "ros2": ("ros2", "install ROS 2 for bringup --ros2, or show what is installed"),
     "check": ("check", "find mistakes in URDF, xacro, YAML and launch files"),
     "explain": (
         "explain",

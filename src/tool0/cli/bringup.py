@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Final
 
 from tool0.cli.options import BringupOptions, RunOptions
 from tool0.cli.text import StatusLine, finite, greeting, panel_line, summary_line
-from tool0.errors import EngineError, EngineUnavailableError
+from tool0.errors import ConfigError, EngineError, EngineUnavailableError
 
 if TYPE_CHECKING:
     from tool0.api.address import Claim
     from tool0.api.robot import Robot
     from tool0.cli.stop_signal import StopSignal
     from tool0.interfaces.panel.address import Endpoint
+    from tool0.interfaces.ros2.node import Ros2Node
     from tool0.interfaces.server.hub import Service
     from tool0.interfaces.server.server import Server
 
@@ -53,10 +54,19 @@ def bringup(options: BringupOptions) -> int:
             from tool0.cli.panel import listening
 
             endpoint = exits.enter_context(listening(options.panel))
+        # Its process starts while the robot is built.
+        node = _ros2_node(options)
+        if node is not None:
+            exits.callback(node.close)
         robot = exits.enter_context(_robot(options))
         if claim is not None or endpoint is not None:
             exits.enter_context(_server(robot, claim, endpoint))
         ros = exits.enter_context(_in_ros(robot, options, stop))
+        if node is not None:
+            exits.callback(node.close)  # before the robot
+            ros = (
+                f"ROS 2: node {node.wait()} in domain {node.domain}, {node.ros2.distro}"
+            )
         if endpoint is not None:
             from tool0.cli.panel import show
 
@@ -111,10 +121,17 @@ def _robot(options: BringupOptions) -> Robot:
     from tool0.api.bringup import bringup
 
     robot = bringup(
-        description=options.description,
+        description=options.full_description(),
         control=options.control,
         simulation=options.full_simulation(),
     )
+    dialect = robot.simulation.core.manager.dialect
+    if options.run.ros2 and dialect.name != "ros2":
+        robot.close()
+        raise ConfigError(
+            f"--ros2 needs controllers of ROS 2, and these are of {dialect.title}: "
+            "give a YAML with 'ros__parameters', and joints in <ros2_control>"
+        )
     for warning in robot.warnings:
         print(f"tool0: warning: {warning}", file=sys.stderr)
     return robot
@@ -150,6 +167,15 @@ def _in_ros(
 
     with Ros1Bridge(robot, options.ros, on_shutdown=stop.request) as bridge:
         yield f"ROS 1: node {options.ros.node} under {bridge.node.master.uri}"
+
+
+def _ros2_node(options: BringupOptions) -> Ros2Node | None:
+    """Start the node of ROS 2 if requested."""
+    if not options.run.ros2:
+        return None
+    from tool0.interfaces.ros2.node import Ros2Node
+
+    return Ros2Node(options.run.name, options.ros2.options())
 
 
 def _run(

@@ -30,7 +30,8 @@ def describe(
     """Write the robot as a tree, a table of joints, URDF or MJCF, or its controllers.
 
     ``controllers`` is the built-in ros_control YAML with all gains and where they come
-    from: copy it, change it, and give it to ``tool0 bringup --controllers-file``.
+    from: copy it, change it, and give it to ``tool0 bringup --controllers-file``.  With
+    ``--ros2-control`` it is that of ros2_control.
     ``sources`` lists ratings of each part and its values without a published source.
 
     Args:
@@ -146,4 +147,5 @@ def _drive(model: RobotModel, joint: Joint) -> str:
     transmission = model.transmission_by_joint.get(joint.name)
     if transmission is None:
         return "-"
-    return transmission.interface.value.partition("/")[2]
+    names = (item.value.partition("/")[2] for item in transmission.interfaces)
+    return ", ".join(names)

@@ -14,6 +14,7 @@ from tool0.errors import ConfigError, DescriptionError
 if TYPE_CHECKING:
     from tool0.description.finding import Finding
     from tool0.lint.launch.explanation import Item
+    from tool0.lint.launch.model import LaunchFile
     from tool0.lint.packages import PackageIndex
 
 OK, HAS_ERRORS = 0, 1
@@ -28,13 +29,11 @@ _FIND = "$(find\N{NO-BREAK SPACE}"
 def explain(
     words: Annotated[
         tuple[str, ...],
-        Option(
-            is_positional=True, metavar="[PACKAGE] FILE.launch [ARGUMENT:=VALUE ...]"
-        ),
+        Option(is_positional=True, metavar="[PACKAGE] FILE [ARGUMENT:=VALUE ...]"),
     ],
     format: Literal["text", "json"] = "text",
 ) -> int:
-    """Show what a ROS 1 launch file includes, starts and sets.
+    """Show what a launch file includes, starts and sets: XML of ROS 1, Python of ROS 2.
 
     It also shows where the value of each argument is used.  Exit status: 1 if the files
     contain errors.
@@ -58,9 +57,9 @@ def explain(
     robots = xacro_robots(launch, packages)
     tree, arguments = contents(launch, robots), argument_flow(launch, robots)
     if format == "json":
-        print(json.dumps(_json(tree, arguments, launch.findings)))
+        print(json.dumps(_json(tree, arguments, launch)))
     else:
-        print(text_of(tree, arguments, launch.findings, packages), end="")
+        print(text_of(tree, arguments, launch, packages), end="")
     errors = [finding for finding in launch.findings if finding.severity == "error"]
     return HAS_ERRORS if errors else OK
 
@@ -103,12 +102,13 @@ def _in_package(package: str, name: str) -> Path:
 
 
 def _json(
-    contents: Item, arguments: tuple[Item, ...], findings: tuple[Finding, ...]
+    contents: Item, arguments: tuple[Item, ...], launch: LaunchFile
 ) -> dict[str, object]:
     return {
         "contents": _as_json(contents),
         "arguments": [_as_json(item) for item in arguments],
-        "findings": [finding.as_json() for finding in findings],
+        "findings": [finding.as_json() for finding in launch.findings],
+        "notes": list(launch.notes),
     }
 
 
@@ -127,21 +127,22 @@ def _as_json(item: Item) -> dict[str, object]:
 def text_of(
     contents: Item,
     arguments: tuple[Item, ...],
-    findings: tuple[Finding, ...],
+    launch: LaunchFile,
     packages: PackageIndex,
 ) -> str:
-    """Return the whole text: the tree, the arguments' uses, the findings."""
+    """Return the whole text: the tree, the arguments' uses, findings and notes."""
     writer = _Writer(packages)
     lines = [writer.path(contents.name), *writer.tree(contents.items, "")]
     for file in arguments:
         lines += ["", f"Arguments of {writer.path(file.name)}"]
         for argument in file.items:
             lines += writer.argument(argument, file.name)
-    if findings:
-        lines += ["", _count(findings)]
-    for finding in findings:
+    if launch.findings:
+        lines += ["", _count(launch.findings)]
+    remarks = [f"{finding.severity}: {finding}" for finding in launch.findings]
+    for remark in (*remarks, *(f"note: {note}" for note in launch.notes)):
         lines += textwrap.wrap(
-            f"{finding.severity}: {finding}",
+            remark,
             WIDTH,
             subsequent_indent="  ",
             break_long_words=False,

@@ -23,7 +23,7 @@ def doctor(*, format: Format = "text") -> int:
     """
     from tool0.installation.doctor.report import examine
 
-    return _print_status(examine(), format)
+    return print_status(examine(), format)
 
 
 def _install_gazebo(
@@ -73,7 +73,7 @@ def _gazebo_status(*, format: Format = "text") -> int:
     """
     from tool0.installation.gazebo.status import gazebo_status
 
-    return _print_status(gazebo_status(), format)
+    return print_status(gazebo_status(), format)
 
 
 def _uninstall_gazebo() -> int:
@@ -129,7 +129,7 @@ def _ros1_status(*, format: Format = "text") -> int:
     """
     from tool0.installation.ros1.packages import ros1_status
 
-    return _print_status(ros1_status(), format)
+    return print_status(ros1_status(), format)
 
 
 def _ros1_env() -> int:
@@ -160,7 +160,7 @@ class InstallationStatus(Protocol):
     def rows(self) -> Sequence[Sequence[str]]: ...
 
 
-def _print_status(status: InstallationStatus, format: Format) -> int:
+def print_status(status: InstallationStatus, format: Format) -> int:
     """Print it, for people or for programs; return the exit status."""
     if format == "json":
         print(json.dumps(status.as_json()))

@@ -27,6 +27,7 @@ from tool0.description.units import (
 )
 from tool0.errors import ConfigError
 from tool0.interfaces.ros1.options import Ros1Options
+from tool0.interfaces.ros2.options import Ros2Options
 from tool0.runtime.config import ControlConfig, Names, SimulationConfig
 
 
@@ -68,12 +69,21 @@ class RunOptions:
     ros1: bool = False
     """Present the robot in ROS 1 as ur_gazebo does; `tool0 ros1 install` installs what
     it needs."""
+    ros2: bool = False
+    """Present the robot in ROS 2 as ur_simulation_gz does, with ros2_control's
+    controllers; `tool0 ros2 install` installs what it needs."""
 
     def __post_init__(self) -> None:
         if self.duration is not None and not 0.0 <= self.duration < math.inf:
             raise ConfigError(
                 f"--duration must be 0 or more seconds, got {self.duration}"
             )
+        if self.ros1 and self.ros2:
+            raise ConfigError(
+                "--ros1 and --ros2 exclude each other: the controllers differ"
+            )
+        if self.ros2 and not self.remote:
+            raise ConfigError("--ros2 needs the socket that --no-remote disables")
 
 
 @final
@@ -92,6 +102,21 @@ class PanelOptions:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Ros2NodeOptions:
+    """ROS 2."""
+
+    ros2_ns: str = ""
+    """Namespace of all names, such as robot1, for several robots in one domain."""
+    domain: int | None = None
+    """ROS_DOMAIN_ID; that of the environment if not given."""
+
+    def options(self) -> Ros2Options:
+        """Return them as the node takes them."""
+        return Ros2Options(ns=self.ros2_ns, domain=self.domain)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BringupOptions:
     """All options of ``tool0 bringup``, by group."""
 
@@ -102,12 +127,22 @@ class BringupOptions:
     run: RunOptions = field(default_factory=RunOptions)
     panel: PanelOptions = field(default_factory=PanelOptions)
     ros: Ros1Options = field(default_factory=Ros1Options)
+    ros2: Ros2NodeOptions = field(default_factory=Ros2NodeOptions)
 
     def __post_init__(self) -> None:
+        if not self.run.ros2 and self.ros2 != Ros2NodeOptions():
+            raise ConfigError("--ros2-ns and --domain need --ros2")
+        self.ros2.options()  # raises for a wrong one
         if not self.run.ros1 and self.ros != Ros1Options():
             raise ConfigError(
                 "--roscore, --ns, --tf-pub-rate and --camera-rate need --ros1"
             )
+
+    def full_description(self) -> DescriptionConfig:
+        """Return ``description`` with the tags that ROS 2's controllers need."""
+        if not self.run.ros2:
+            return self.description
+        return replace(self.description, ros2_control=True)
 
     def full_simulation(self) -> SimulationConfig:
         """Return ``simulation`` with the options of its engine."""

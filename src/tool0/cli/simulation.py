@@ -39,6 +39,17 @@ def load(names: Names, bringup: Bringup = DEFAULT) -> None:
             robot.load(name)
 
 
+def configure(names: Names, bringup: Bringup = DEFAULT) -> None:
+    """Configure unconfigured controllers of ROS 2: they are inactive then.
+
+    Args:
+        names: Names of the controllers.
+    """
+    with bringup.connect() as robot:
+        for name in names:
+            robot.configure(name)
+
+
 def unload(names: Names, bringup: Bringup = DEFAULT) -> None:
     """Unload stopped controllers.
 

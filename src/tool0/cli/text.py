@@ -73,15 +73,15 @@ def greeting(
 
 
 def _examples(robot: Robot, name: str) -> Iterator[str]:
-    from tool0.control.manager import TRAJECTORY_KIND
+    from tool0.control.controller import Role
 
     suffix = "" if name == "tool0" else f" --name {name}"
     position = robot.joint_state.position
     for row in robot.controllers():
         joints = [joint for _, joints in row.claimed for joint in joints]
-        if row.state != "running" or not joints:
+        if not row.is_running or not joints:
             continue
-        if row.kind == TRAJECTORY_KIND:
+        if row.role is Role.TRAJECTORY:
             joint = joints[min(2, len(joints) - 1)]
             limits = robot.description.model.joint(joint).limits
             goal = limits.clamp(round(position[joint] + 0.5, 1))

@@ -1,17 +1,17 @@
-"""``tool0 workspace``: the robot as catkin packages, for Noetic and Gazebo 11."""
+"""``tool0 workspace``: the robot as packages, for Noetic or for ROS 2."""
 
 from __future__ import annotations
 
 import shlex
 import time
-from collections.abc import Sequence
-from pathlib import Path, PurePosixPath
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 from tool0.cli.parameters import Option
 from tool0.description.config import UNSET, Cell, DescriptionConfig, File, Unset
 from tool0.errors import ConfigError
-from tool0.installation.moveit.package import MOVEIT_SUFFIX
+from tool0.installation.moveit.configuration import MOVEIT_SUFFIX
 from tool0.installation.workspace import (
     FileAction,
     WorkspaceChanges,
@@ -20,6 +20,7 @@ from tool0.installation.workspace import (
 
 if TYPE_CHECKING:
     from tool0.description.robot import RobotDescription
+    from tool0.installation.robot_packages import Files
 
 _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
 """Where robotiq_2f_85_gripper_visualization is; no distribution packages it."""
@@ -32,78 +33,132 @@ def workspace(
     gripper: str | Unset | None = UNSET,
     cell: Cell | File | None = None,
     robots: Sequence[str] | None = None,
+    ros2: bool = False,
     moveit: bool = False,
     upstream_meshes: bool = False,
     force: bool = False,
 ) -> None:
-    """Write the packages tool0_description and tool0_gazebo into a catkin workspace.
+    """Write packages for a robot into a workspace of ROS.
 
-    They are written to DIR/src, or to DIR if that is the src folder of a workspace.  A
-    second run updates the files, except those that you have edited.
+    For ROS 1 these are tool0_description and tool0_gazebo; with --ros2,
+    tool0_description, tool0_ros2 and tool0_bringup.  They are written to DIR/src, or to
+    DIR if that is the src folder of a workspace.  A second run updates the files,
+    except those that you have edited.
 
     Args:
         folder: The workspace; it is created if it does not exist.
         arm: The arm that the launch files bring up: its name, or a folder of your own;
             ur5 if not given.
         gripper: The gripper, or none; 2f85 if not given.
-        cell: Several robots, a YAML file (docs/cells.md); only with --moveit.
+        cell: Several robots, a YAML file (docs/cells.md); only with --moveit or --ros2.
         robots: Several robots, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0; only
-            with --moveit.
-        moveit: Also write a configuration package for MoveIt 1.
+            with --moveit or --ros2.
+        ros2: Write packages for ROS 2 and colcon, with Python launch files.
+        moveit: Also write a configuration package for MoveIt, of the same version.
         upstream_meshes: Use the meshes of ur_description and
-            robotiq_2f_85_gripper_visualization, and depend on those packages.
+            robotiq_2f_85_gripper_visualization, and depend on those packages; only for
+            ROS 1.
         force: Also overwrite files that you have edited; your version is kept as
             FILE.orig.
     """
-    from tool0.control.default_controllers import controllers_yaml
     from tool0.description.robot import load_description
-    from tool0.installation.robot_packages import robot_packages
 
     description = load_description(
-        DescriptionConfig(arm=arm, gripper=gripper, cell=cell, robots=robots)
+        DescriptionConfig(
+            arm=arm, gripper=gripper, cell=cell, robots=robots, ros2_control=ros2
+        )
     )
     if description.cell is not None:
-        _check_cell(description.cell, moveit=moveit)
-    controllers = controllers_yaml(description)
-    action_controllers = controllers_yaml(description, gripper_action=True)
-    files = robot_packages(
-        description.robots,
-        controllers=controllers,
-        action_controllers=action_controllers,
-        upstream_meshes=upstream_meshes,
-    )
-    if moveit:
-        files |= _moveit_package(description, controllers, action_controllers)
+        _check_cell(description.cell, is_written=moveit or ros2)
+    if not ros2:
+        files = _catkin_files(description, upstream_meshes, moveit)
+    elif upstream_meshes:
+        raise ConfigError(
+            "--upstream-meshes is for ROS 1: robotiq_2f_85_gripper_visualization does "
+            "not exist for ROS 2"
+        )
+    else:
+        files = _colcon_files(description, moveit)
     changes = write_workspace(folder, files, force=force)
     _print_changes(changes)
     print()
-    _print_next_steps(changes, upstream_meshes=upstream_meshes)
+    if ros2:
+        _print_colcon_steps(changes)
+    else:
+        _print_catkin_steps(changes, upstream_meshes=upstream_meshes)
 
 
-def _check_cell(cell: Cell, *, moveit: bool) -> None:
+def _check_cell(cell: Cell, *, is_written: bool) -> None:
     """Raise ConfigError if there is no package for a cell."""
-    if not moveit:
+    if not is_written:
         raise ConfigError(
             "the launch files of tool0_gazebo are for one robot; add --moveit to write "
-            "the MoveIt package of a cell"
+            "the MoveIt package of a cell, or --ros2 for ROS 2"
         )
     if cell.namespaces:
         raise ConfigError(
-            "the MoveIt package is for one controller manager; write the cell without "
+            "the packages are for one controller manager; write the cell without "
             "'namespaces: true'",
             cell.location,
         )
 
 
-def _moveit_package(
-    description: RobotDescription, controllers: str, action_controllers: str
-) -> dict[PurePosixPath, bytes]:
-    """Return the files of the MoveIt package, and print what they rest on."""
+def _catkin_files(
+    description: RobotDescription, upstream_meshes: bool, moveit: bool
+) -> Files:
+    """Return the packages for ROS 1."""
     import yaml
 
+    from tool0.control.default_controllers import controllers_yaml
+    from tool0.installation.moveit.package import moveit_package
+    from tool0.installation.robot_packages import robot_packages
+
+    controllers = controllers_yaml(description)
+    with_action = controllers_yaml(description, gripper_action=True)
+    files = robot_packages(
+        description.robots,
+        controllers=controllers,
+        action_controllers=with_action,
+        upstream_meshes=upstream_meshes,
+    )
+    if moveit:
+        files |= moveit_package(
+            description,
+            disabled=_disabled_collisions(description),
+            controllers=yaml.safe_load(controllers),
+            action_controllers=yaml.safe_load(with_action),
+        )
+    return files
+
+
+def _colcon_files(description: RobotDescription, moveit: bool) -> Files:
+    """Return the packages for ROS 2."""
+    from tool0.control.default_controllers import controllers_yaml
+    from tool0.installation.colcon.bringup import colcon_packages, controller_parameters
+    from tool0.installation.moveit.ros2_package import moveit2_package
+    from tool0.runtime.config import ControlConfig
+    from tool0.runtime.controllers import choose_controllers
+
+    controllers = controllers_yaml(description)
+    started = choose_controllers(description, ControlConfig()).started
+    files = colcon_packages(description, controllers=controllers, started=started)
+    if moveit:
+        parameters, limits = controller_parameters(controllers)
+        files |= moveit2_package(
+            description,
+            disabled=_disabled_collisions(description),
+            controllers=parameters,
+            limits=limits,
+        )
+    return files
+
+
+def _disabled_collisions(
+    description: RobotDescription,
+) -> Mapping[tuple[str, str], str]:
+    """Return the pairs of links that MoveIt does not check, and print how many."""
     from tool0.description.robot import named_poses
     from tool0.engines.mujoco.gl import import_mujoco
-    from tool0.installation.moveit.package import moveit_package
 
     import_mujoco()
     from tool0.engines.mujoco.link_collisions import N_SAMPLES, disabled_collisions
@@ -111,17 +166,11 @@ def _moveit_package(
     start = time.perf_counter()
     home = named_poses(description).get("home", {})
     disabled = disabled_collisions(description.model, home)
-    files = moveit_package(
-        description,
-        disabled=disabled,
-        controllers=yaml.safe_load(controllers),
-        action_controllers=yaml.safe_load(action_controllers),
-    )
     print(
         f"collisions between {len(disabled)} pairs of links are disabled, from "
         f"{N_SAMPLES} poses in {time.perf_counter() - start:.1f} s"
     )
-    return files
+    return disabled
 
 
 def _print_changes(changes: WorkspaceChanges) -> None:
@@ -142,13 +191,18 @@ def _print_changes(changes: WorkspaceChanges) -> None:
         print("  --force overwrites them, and puts your versions beside them (.orig)")
 
 
-def _print_next_steps(changes: WorkspaceChanges, *, upstream_meshes: bool) -> None:
+def _root_and_source(changes: WorkspaceChanges) -> tuple[Path, str]:
+    """Return the workspace, and the name of the folder of its sources."""
     source = changes.source
     sources = next((p for p in (source, *source.parents) if p.name == "src"), source)
-    name = shlex.quote(sources.name)
-    option = "" if sources.name == "src" else f" --source {name}"
+    return sources.parent, shlex.quote(sources.name)
+
+
+def _print_catkin_steps(changes: WorkspaceChanges, *, upstream_meshes: bool) -> None:
+    root, name = _root_and_source(changes)
+    option = "" if name == "src" else f" --source {name}"
     print("next, where /opt/ros/noetic/setup.bash is sourced:")
-    print(f"  cd {shlex.quote(str(sources.parent))}")
+    print(f"  cd {shlex.quote(str(root))}")
     if upstream_meshes:
         print(f"  git clone {_ROBOTIQ} {name}/robotiq")
     print(f"  rosdep install --from-paths {name} --ignore-src --rosdistro noetic -y")
@@ -157,6 +211,25 @@ def _print_next_steps(changes: WorkspaceChanges, *, upstream_meshes: bool) -> No
     if "tool0_gazebo" in changes.packages:
         print("  roslaunch tool0_gazebo bringup.launch")
     print("  roslaunch tool0_description view.launch   # RViz alone")
-    for package in changes.packages:
-        if package.endswith(MOVEIT_SUFFIX):
-            print(f"  roslaunch {package} demo.launch   # MoveIt without a robot")
+    for package in _moveit_packages(changes):
+        print(f"  roslaunch {package} demo.launch   # MoveIt without a robot")
+
+
+def _print_colcon_steps(changes: WorkspaceChanges) -> None:
+    root, name = _root_and_source(changes)
+    option = "" if name == "src" else f" --base-paths {name}"
+    print("next, where /opt/ros/DISTRO/setup.bash is sourced:")
+    print(f"  cd {shlex.quote(str(root))}")
+    print(f"  rosdep install --from-paths {name} --ignore-src -y")
+    print(f"  colcon build{option}")
+    print("  source install/setup.bash")
+    print("  ros2 launch tool0_bringup tool0.launch.py   # simulated by tool0")
+    print("  ros2 launch tool0_bringup gz.launch.py      # by Gazebo")
+    print("  ros2 launch tool0_bringup view.launch.py    # RViz alone")
+    for package in _moveit_packages(changes):
+        print(f"  ros2 launch {package} move_group.launch.py")
+        print(f"  ros2 launch {package} demo.launch.py   # MoveIt without a robot")
+
+
+def _moveit_packages(changes: WorkspaceChanges) -> list[str]:
+    return [name for name in changes.packages if name.endswith(MOVEIT_SUFFIX)]

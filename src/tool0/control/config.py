@@ -1,196 +1,45 @@
-"""ros_control's controllers: their interface, their types, and their YAML."""
+"""The controllers that YAML files describe, of ROS 1 or ROS 2."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cache
-from importlib import import_module
+from collections.abc import Collection, Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import Protocol, final
+from typing import NamedTuple, final
 
-from tool0.control.law import Law
-from tool0.control.parameters import Gains, Pid, RobotJoints
-from tool0.control.trajectory import Setpoint
-from tool0.description.model import Interface
-from tool0.description.yaml_tree import Tree, read_files
-from tool0.description.yaml_values import Namespace
+from tool0.control.controller import ControllerSpec
+from tool0.control.dialect import Declared, Dialect
+from tool0.control.joint_limits import read_joint_limits
+from tool0.control.parameters import RobotJoints
+from tool0.control.ros1.dialect import ROS1
+from tool0.control.ros2.dialect import ROS2
+from tool0.control.ros2.layout import is_ros2
+from tool0.description.finding import Finding
+from tool0.description.yaml_tree import Scalar, Tree, YamlEntry, merged, read_files
+from tool0.description.yaml_values import Namespace, Value
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
-from tool0.hardware.engine import JointState
 
 
-class Controller(Protocol):
-    """A running controller: if it exists, it is ready; stopping drops it."""
+class ControllerParameters(NamedTuple):
+    """The parameters of a controller, by dotted name."""
 
-    @property
-    def pid(self) -> Pid | None:
-        """The PID that turns errors into commands; None if commands are passed on."""
-
-    def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return a command per claimed joint, in the order of the spec's joints.
-
-        Args:
-            state: Every joint, in the engine's order.
-            period: Time since the last update [s].
-        """
-
-    def law(self) -> Law | None:
-        """Return what ``update`` does until an event; None if only it can tell."""
-
-    def observe(self, state: JointState) -> None:
-        """Note the state of the last tick, which was executed by its law."""
-
-    def setpoint(self) -> Setpoint | None:
-        """Return the setpoints of the joints; None if positions are not commanded.
-
-        It is called between ticks, about a hundred times a second, so it only keeps
-        references to immutable values.
-        """
-
-    def stop(self) -> None:
-        """End the motion in progress: an active goal is PREEMPTED."""
-
-
-class ControllerSpec(Protocol):
-    """A loaded controller: its checked parameters, ready to be started."""
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def type(self) -> str:
-        """As in YAML: ``effort_controllers/JointTrajectoryController``."""
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """The joints it claims, in the order of its commands."""
-
-    @property
-    def interface(self) -> Interface | None:
-        """The command interface it claims; None if it only reads."""
-
-    @property
-    def gains(self) -> tuple[Gains, ...]:
-        """One per joint; none without a PID."""
-
-    @property
-    def waits_for_command(self) -> bool:
-        """Whether the brakes stay on from its start to its first command."""
-
-    def start(self, indices: Sequence[int], state: JointState) -> Controller:
-        """Return a running controller that holds the measured ``state``.
-
-        Args:
-            indices: Indices of its joints in the state's lists.
-            state: The state at the instant of the start.
-        """
-
-
-Parser = Callable[[Namespace, RobotJoints], ControllerSpec]
-
-_FORWARD = "tool0.control.forward_command"
-_GRIPPER = "tool0.control.gripper_action"
-_TRAJECTORY = "tool0.control.joint_trajectory"
-_MODULES = {
-    "joint_state_controller/JointStateController": "tool0.control.joint_state",
-    "effort_controllers/JointTrajectoryController": _TRAJECTORY,
-    "position_controllers/JointTrajectoryController": _TRAJECTORY,
-    "velocity_controllers/JointTrajectoryController": _TRAJECTORY,
-    "effort_controllers/GripperActionController": _GRIPPER,
-    "position_controllers/GripperActionController": _GRIPPER,
-    "effort_controllers/JointEffortController": _FORWARD,
-    "effort_controllers/JointPositionController": _FORWARD,
-    "effort_controllers/JointVelocityController": _FORWARD,
-    "effort_controllers/JointGroupEffortController": _FORWARD,
-    "effort_controllers/JointGroupPositionController": _FORWARD,
-    "position_controllers/JointPositionController": _FORWARD,
-    "position_controllers/JointGroupPositionController": _FORWARD,
-    "velocity_controllers/JointPositionController": _FORWARD,
-    "velocity_controllers/JointVelocityController": _FORWARD,
-    "velocity_controllers/JointGroupVelocityController": _FORWARD,
-}
-"""Where each type's ``parse(parameters, robot)`` is defined."""
-
-TYPES = tuple(sorted(_MODULES))
-
-_SAMPLE = """
-sample:
-  type: {type_name}
-  joint: "*"
-  joints: ["*"]
-  publish_rate: 1
-  gains: {{"*": {{p: 1}}}}
-  pid: {{p: 1}}
-  "*": {{pid: {{p: 1}}}}
-"""
-"""A controller of the joint ``*`` with every parameter that any type requires."""
-
-
-def parser_of(type_name: str, location: SourceLocation | None = None) -> Parser:
-    """Return the function that reads the parameters of a type.
-
-    Raises:
-        ConfigError: If there is no such type.
-    """
-    module = _MODULES.get(type_name)
-    if module is None:
-        hint = did_you_mean(type_name, TYPES)
-        known = "" if hint.startswith("; valid") else f" (of {', '.join(TYPES)})"
-        raise ConfigError(
-            f"unknown controller type '{type_name}'{hint}{known}", location
-        )
-    parse: Parser = import_module(module).parse
-    return parse
-
-
-@cache
-def parameters_of(type_name: str) -> frozenset[str]:
-    """Return the parameters that a type reads besides ``type``; ``*`` is a joint.
-
-    They are recorded while the type's parser reads a sample, so that a new parameter
-    is added in the parser alone.
-
-    Raises:
-        ConfigError: If there is no such type.
-    """
-    tree = Tree()
-    tree.load(_SAMPLE.format(type_name=type_name), SourceLocation(None, 1))
-    sample = Namespace(tree.root.children["sample"])
-    parser_of(type_name)(sample, RobotJoints.assumed("*", type_name))
-    return sample.read_keys() - {"type"}
-
-
-def siblings(parameter: str, known: Iterable[str]) -> set[str]:
-    """Return the names of the known parameters beside ``parameter``."""
-    prefix = parameter[: parameter.rfind("/") + 1]
-    return {
-        name.removeprefix(prefix).partition("/")[0]
-        for name in known
-        if name.startswith(prefix)
-    }
-
-
-def readers_of(parameter: str) -> tuple[str, ...]:
-    """Return the kinds of controllers that read a parameter, without packages."""
-    readers = {name for name in TYPES if parameter in parameters_of(name)}
-    return tuple(sorted({name.partition("/")[2] for name in readers}))
-
-
-_SAMPLE_LIMITS = """
-{has_position_limits: true, min_position: 0, max_position: 0,
- has_velocity_limits: true, max_velocity: 1, has_effort_limits: true, max_effort: 1,
- has_acceleration_limits: true, max_acceleration: 1,
- has_jerk_limits: true, max_jerk: 1}
-"""
-"""A joint with every limit, for ``joint_limit_parameters``."""
+    values: Mapping[str, Value]
+    adjustable: frozenset[str]
+    """Those that may change while it runs."""
 
 
 @final
 class ControllerConfig:
-    """The controllers that YAML files describe; each is checked when it is loaded."""
+    """The controllers that YAML files describe; each is checked when it is loaded.
 
-    def __init__(self, tree: Tree) -> None:
+    The layout decides on the version: with ``ros__parameters`` it is ROS 2.
+    """
+
+    def __init__(self, tree: Tree, dialect: Dialect | None = None) -> None:
+        """Take the content of files; without ``dialect``, its layout decides."""
         self.tree = tree
+        self.dialect = dialect or (ROS2 if is_ros2(tree.root) else ROS1)
+        self._declared = self.dialect.declared(tree.root)
 
     @staticmethod
     def from_files(files: Path | Iterable[Path]) -> ControllerConfig:
@@ -211,30 +60,59 @@ class ControllerConfig:
         tree.load(text, location or SourceLocation(None, 1))
         return ControllerConfig(tree)
 
+    def with_type(self, name: str, type_name: str) -> ControllerConfig:
+        """Return the same with another type for a controller, which need not exist."""
+        config = ControllerConfig(self.tree, self.dialect)
+        here = SourceLocation(None)
+        empty = YamlEntry(name, here, {})
+        parameters = self.dialect.parameters(self.tree.root, name) or empty
+        config._declared = {
+            **self._declared,
+            name: Declared(YamlEntry(f"{name}.type", here, type_name), parameters),
+        }
+        return config
+
     @property
     def names(self) -> tuple[str, ...]:
-        """The namespaces that have a ``type``: the controllers."""
-        return tuple(self.types)
+        """The controllers: what has a ``type``."""
+        return tuple(self._declared)
 
     @property
     def types(self) -> Mapping[str, str]:
         """The type of each controller, as written, which need not exist."""
-        return {
-            name: str(entry.children["type"].scalar)
-            for name, entry in self.tree.root.children.items()
-            if "type" in entry.children
-        }
+        return {name: str(item.type.scalar) for name, item in self._declared.items()}
+
+    @property
+    def control_period(self) -> float | None:
+        """The time between updates that it asks for [s]; None if it does not.
+
+        Raises:
+            ConfigError: If it is impossible.
+        """
+        return self.dialect.control_period(self.tree.root)
 
     def parameters(self) -> Mapping[str, object]:
         """Return the whole content of the files, as plain values by name."""
         return {name: e.plain() for name, e in self.tree.root.children.items()}
 
-    def spec(self, name: str, robot: RobotJoints) -> ControllerSpec:
-        """Return the checked parameters of a controller.
+    def type_of(self, name: str) -> str:
+        """Return the type of a controller, which exists.
 
         Raises:
-            ConfigError: If it is missing, or its parameters are wrong.
+            ConfigError: If the controller or its type is missing or unknown.
         """
+        entry = self._find(name).type
+        if not isinstance(entry.scalar, str):
+            raise ConfigError(
+                f"'{entry.key}' must be a text, got {entry.describe()}", entry.location
+            )
+        self.dialect.parser_of(entry.scalar, entry.location)
+        return entry.scalar
+
+    def _find(self, name: str) -> Declared:
+        found = self._declared.get(name)
+        if found is not None:
+            return found
         entry = self.tree.root.children.get(name)
         if entry is None:
             raise ConfigError(
@@ -244,59 +122,111 @@ class ControllerConfig:
             raise ConfigError(
                 f"'{name}' is no controller, but {entry.describe()}", entry.location
             )
-        parameters = Namespace(entry)
-        type_entry = parameters.find("type")
-        if type_entry is None:
-            raise ConfigError(
-                f"Could not load controller '{name}' because its type was not "
-                f"specified; '{name}' needs a 'type'",
-                parameters.location,
-            )
-        parse = parser_of(parameters.text("type"), type_entry.location)
-        return parse(parameters, robot)
+        raise ConfigError(
+            f"Could not load controller '{name}' because its type was not "
+            f"specified; '{name}' needs a 'type'",
+            entry.location,
+        )
+
+    def spec(self, name: str, robot: RobotJoints) -> ControllerSpec:
+        """Return the checked parameters of a controller.
+
+        Raises:
+            ConfigError: If it is missing, or its parameters are wrong.
+        """
+        return self._parse(name, robot, Namespace(self._find(name).parameters))
+
+    def _parse(
+        self, name: str, robot: RobotJoints, parameters: Namespace
+    ) -> ControllerSpec:
+        kind = self.type_of(name)
+        parse = self.dialect.parser_of(kind, self._find(name).type.location)
+        return parse(name, kind, parameters, robot)
+
+    def parameters_of(self, name: str, robot: RobotJoints) -> ControllerParameters:
+        """Return the values of a controller's parameters, defaults included.
+
+        If a parameter is wrong, those are missing that are read after it.
+
+        Raises:
+            ConfigError: If there is no such controller.
+        """
+        given = Namespace(self._find(name).parameters)
+        with suppress(ConfigError):
+            self._parse(name, robot, given)
+        values: dict[str, Value | None] = {
+            given.path_of(leaf.key): _value(leaf) for leaf in given.entry.leaves()
+        }
+        values |= given.read_values()
+        return ControllerParameters(
+            {
+                _dotted(path): value
+                for path, value in values.items()
+                if value is not None
+            },
+            frozenset(
+                _dotted(path) for path in given.adjustable_paths() & values.keys()
+            ),
+        )
+
+    def with_parameters(
+        self, name: str, changes: Mapping[str, Value]
+    ) -> ControllerConfig:
+        """Return the same with other parameters of a controller, by dotted name."""
+        found = self._find(name)
+        overlay = YamlEntry(name, found.parameters.location, {})
+        for path, value in changes.items():
+            place, here = overlay, SourceLocation(None)
+            *outer, last = path.split(".")
+            for part in outer:
+                place = place.children.setdefault(
+                    part, YamlEntry(f"{place.key}/{part}", here, {})
+                )
+            key = f"{place.key}/{last}"
+            place.children[last] = YamlEntry(key, here, _as_entry(key, here, value))
+        config = ControllerConfig(self.tree, self.dialect)
+        config._declared = {
+            **self._declared,
+            name: Declared(found.type, merged(found.parameters, overlay)),
+        }
+        return config
+
+    def lint(self, joints: Collection[str] | None = None) -> tuple[Finding, ...]:
+        """Return unused, ineffective and suspicious parameters.
+
+        ``joints`` are the robot's movable joints, if they are known.
+        """
+        return self.dialect.lint(self.tree, joints)
 
     def joint_limits(self) -> Mapping[str, Mapping[str, float]]:
         """Return the limits in ``joint_limits`` that replace the URDF's, by joint.
 
         The keys are fields of ``JointLimits``.
         """
-        limits = Namespace(self.tree.root).namespace("joint_limits")
+        limits = self.dialect.joint_limits(self.tree.root)
         entries = {} if limits is None else limits.entry.children
-        return {name: _limits(Namespace(entry)) for name, entry in entries.items()}
+        return {
+            name: read_joint_limits(Namespace(entry)) for name, entry in entries.items()
+        }
 
 
-@cache
-def joint_limit_parameters() -> frozenset[str]:
-    """Return the parameters that are known under ``joint_limits/<joint>``."""
-    tree = Tree()
-    tree.load(_SAMPLE_LIMITS, SourceLocation(None, 1))
-    sample = Namespace(tree.root)
-    _limits(sample)
-    return sample.read_keys()
+def _dotted(path: str) -> str:
+    return path.replace("/", ".")
 
 
-def _limits(limits: Namespace) -> dict[str, float]:
-    """Read one joint's limits: each applies only with ``has_…: true``, as in ROS."""
-    limits.accept("angle_wraparound")
+def _value(entry: YamlEntry) -> Value | None:
+    """Return a parameter as a plain value; None if it has none, or one of no type."""
+    if not entry.is_list:
+        return entry.scalar
+    items = [item.scalar for item in entry.items]
+    if all(isinstance(item, str) for item in items):
+        return tuple(map(str, items))
+    numbers = [item for item in items if isinstance(item, int | float)]
+    return tuple(map(float, numbers)) if len(numbers) == len(items) else None
 
-    def has_limit(kind: str) -> bool | None:
-        flag = f"has_{kind}_limits"
-        return None if limits.find(flag) is None else limits.boolean(flag, default=True)
 
-    found: dict[str, float] = {}
-    if has_limit("position") is False:
-        found = {"lower": -math.inf, "upper": math.inf}
-    elif has_limit("position"):
-        lower, upper = limits.number("min_position"), limits.number("max_position")
-        if not lower <= upper:
-            raise ConfigError(
-                f"'{limits.entry.key}' has min_position {lower} "
-                f"above max_position {upper}",
-                limits.location,
-            )
-        found = {"lower": lower, "upper": upper}
-    for kind in ("velocity", "acceleration", "jerk", "effort"):
-        has = has_limit(kind)
-        if has is not None:
-            found[kind] = limits.not_negative(f"max_{kind}") if has else math.inf
-    return found
+def _as_entry(key: str, here: SourceLocation, value: Value) -> Scalar | list[YamlEntry]:
+    if not isinstance(value, tuple | list):
+        return value
+    items: Iterable[Scalar] = value
+    return [YamlEntry(f"{key}[{k}]", here, item) for k, item in enumerate(items)]

@@ -8,16 +8,29 @@ those of the folder's ``gains.yaml``, or else follow from the model.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.control.config import ControllerConfig
+from tool0.control.controller_parts import (
+    LIMITS,
+    Row,
+    controller_prefix,
+    joints_beyond,
+    limits_row,
+    lines_of,
+    number_text,
+    part_file,
+    rating,
+    read_part,
+    renamed,
+)
 from tool0.control.parameters import joint_entries
-from tool0.description.catalogue import Part, PartKind, shared_folder
+from tool0.control.ros2 import built_in
+from tool0.control.ros2.dialect import ROS2
+from tool0.description.catalogue import Part
 from tool0.description.model import Interface, JointType, RobotModel
 from tool0.description.packages import find_package
 from tool0.description.parts import joints_of
@@ -37,7 +50,6 @@ _ACTION_FILE: Final = "controllers_gripper_action.yaml"
 _GAINS: Final = "$gains"
 _STATE_CONTROLLER: Final = "joint_state_controller"
 """There is one for all robots, or one for each robot with a namespace."""
-_LIMITS: Final = "joint_limits"
 _ROTARY: Final = {"$tolerance": "0.002", "$standstill": "0.001"}
 """Of a gripper whose driven joint turns [rad, rad/s]."""
 _LINEAR: Final = {"$tolerance": "0.0001", "$standstill": "0.0001"}
@@ -62,19 +74,25 @@ def controllers_yaml(
         DescriptionError: If there are none that fit, as for your own robot file.
         ConfigError: If a part's file is wrong.
     """
+    nothing_fits = DescriptionError(
+        f"there are no built-in controllers for '{description.source}'; "
+        "give a file of controllers"
+    )
+    if has_ros2_controllers(description, gripper_action=gripper_action):
+        text = built_in.built_in_yaml(description, period)
+        if not text:
+            raise nothing_fits
+        return text
     pieces = _pieces(description, gripper_action, period)
     if not pieces:
-        raise DescriptionError(
-            f"there are no built-in controllers for '{description.source}'; "
-            "give a file of controllers"
-        )
+        raise nothing_fits
     about = f"# Controllers of {description.title}, for ros_control and for tool0.\n"
     limits = [row for piece in pieces for row in piece.limits]
     texts = [about, *(piece.yaml() for piece in pieces)]
     if limits:
         texts.append(
             "# What the motions of tool0 keep to; ros_control does not enforce it.\n"
-            f"{_LIMITS}:\n" + _lines(limits, indent="  ")
+            f"{LIMITS}:\n" + lines_of(limits, indent="  ")
         )
     return "\n".join(texts)
 
@@ -92,26 +110,34 @@ def default_controllers(
     Raises:
         ConfigError: If a part's file is wrong.
     """
+    if has_ros2_controllers(description, gripper_action=gripper_action):
+        return ControllerConfig(built_in.built_in_tree(description, period), ROS2)
     tree = Tree()
     for piece in _pieces(description, gripper_action, period):
         piece.load_into(tree)
     return ControllerConfig(tree)
 
 
+def has_ros2_controllers(
+    description: RobotDescription, *, gripper_action: bool = False
+) -> bool:
+    """Return whether the robot gets ROS 2's controllers: by its ``<ros2_control>``.
+
+    Raises:
+        ConfigError: If it does, and ``gripper_action`` asks for one of ROS 1's.
+    """
+    has = bool(description.model.hardware)
+    if has and gripper_action:
+        raise ConfigError(
+            "gripper_action is for ROS 1: with ROS 2, a gripper always has an action; "
+            "leave it out"
+        )
+    return has
+
+
 def controller_prefixes(description: RobotDescription) -> tuple[str, ...]:
     """Return the prefix of the controllers of each robot: ``left_`` for ``left``."""
-    return tuple(map(_prefix, description.robots)) or ("",)
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Row:
-    """Gains or limits of one joint: a line of YAML."""
-
-    joint: str
-    values: str
-    comment: str
-    location: SourceLocation
+    return tuple(map(controller_prefix, description.robots)) or ("",)
 
 
 @final
@@ -121,14 +147,14 @@ class _Piece:
 
     text: str
     location: SourceLocation
-    gains: Sequence[_Row] = ()
-    limits: Sequence[_Row] = ()
+    gains: Sequence[Row] = ()
+    limits: Sequence[Row] = ()
 
     def yaml(self) -> str:
         """Return the text with its gains."""
         lines = self.text.splitlines(keepends=True)
         return "".join(
-            _lines(self.gains, line[: line.index(_GAINS)])
+            lines_of(self.gains, line[: line.index(_GAINS)])
             if line.strip() == _GAINS
             else line
             for line in lines
@@ -142,10 +168,10 @@ class _Piece:
             if gains is not None and gains.scalar == _GAINS:
                 gains.value = {}
                 _load_rows(tree, f"{name}: {{gains: {{", self.gains, "}}")
-        _load_rows(tree, f"{_LIMITS}: {{", self.limits, "}")
+        _load_rows(tree, f"{LIMITS}: {{", self.limits, "}")
 
 
-def _load_rows(tree: Tree, start: str, rows: Sequence[_Row], end: str) -> None:
+def _load_rows(tree: Tree, start: str, rows: Sequence[Row], end: str) -> None:
     """Add the rows as one text for each file, in which they keep their lines."""
     for file in dict.fromkeys(row.location.file for row in rows):
         text, line = start, 1
@@ -155,16 +181,6 @@ def _load_rows(tree: Tree, start: str, rows: Sequence[_Row], end: str) -> None:
                 text += "\n" * gap + f" {row.joint}: {row.values},"
                 line += gap
         tree.load(text + end, SourceLocation(file, 1))
-
-
-def _lines(rows: Sequence[_Row], indent: str) -> str:
-    return "".join(
-        f"{indent}{row.joint}: {row.values}  # {row.comment}\n" for row in rows
-    )
-
-
-def _prefix(robot: CatalogueRobot) -> str:
-    return f"{robot.name}_" if robot.name else ""
 
 
 def _pieces(
@@ -179,7 +195,7 @@ def _pieces(
     if not parts:
         return []
     path = find_package("tool0_description") / "config" / _FILE
-    texts = [_read(path)]
+    texts = [read_part(path)]
     if description.cell is not None and description.cell.namespaces:
         texts = [
             _Composer(description, robot, gripper_action, period).joint_states(texts[0])
@@ -207,15 +223,15 @@ class _Composer:
         if own is not None:
             yield self._own_piece(own)
             return
-        path = _part_file("arm", robot.arm if robot else None, _FILE)
-        text = self._renamed(_read(path))
+        path = part_file("arm", robot.arm if robot else None, _FILE)
+        text = renamed(self.description, self.robot, read_part(path))
         arm = _joints_of(text, path)
         if robot is None and not all(joint in _effort_joints(model) for joint in arm):
             return
         gains, limits = self._arm_rows(arm)
         location = SourceLocation(path, 1)
         yield _Piece(text=text, location=location, gains=gains, limits=limits)
-        hand = _joints_beyond(model, arm[-1])
+        hand = joints_beyond(model, arm[-1])
         if (len(hand) == 1) if robot is None else (robot.gripper and hand):
             yield self._gripper(hand)
 
@@ -225,7 +241,8 @@ class _Composer:
         model = self.description.model
         driven = model.transmission_by_joint
         joints = [j for j in joints_of(model, self.robot.name) if j in driven]
-        return f"{self._renamed(text)}  joints: [{', '.join(sorted(joints))}]\n"
+        text = renamed(self.description, self.robot, text)
+        return f"{text}  joints: [{', '.join(sorted(joints))}]\n"
 
     def _own_file(self) -> Path | None:
         """Return the controllers that the cell's file gives this robot."""
@@ -237,32 +254,36 @@ class _Composer:
 
     def _own_piece(self, path: Path) -> _Piece:
         """Return a file of controllers; what a cell has once is not among them."""
-        text = _read(path)
+        text = read_part(path)
         tree = Tree()
         tree.load(text, SourceLocation(path, 1))
         prefix = self.robot.prefix if self.robot else ""
         limits = [
-            _Row(
+            Row(
                 joint=prefix + name,
                 values=_flow(entry),
                 comment=f"{path.name}:{entry.location.line}",
                 location=entry.location,
             )
-            for name, entry in _children(tree, _LIMITS).items()
+            for name, entry in _children(tree, LIMITS).items()
         ]
-        for key in (_STATE_CONTROLLER, _LIMITS):
+        for key in (_STATE_CONTROLLER, LIMITS):
             text = _without(text, tree, key)
         location = SourceLocation(path, 1)
-        return _Piece(text=self._renamed(text), location=location, limits=limits)
+        return _Piece(
+            text=renamed(self.description, self.robot, text),
+            location=location,
+            limits=limits,
+        )
 
-    def _arm_rows(self, joints: Sequence[str]) -> tuple[list[_Row], list[_Row]]:
+    def _arm_rows(self, joints: Sequence[str]) -> tuple[list[Row], list[Row]]:
         """Return the gains of an arm, and its limits where gains are derived."""
         stated = self._stated(self.robot.arm if self.robot else None, joints)
         if all(joint in stated for joint in joints):
             return [stated[joint] for joint in joints], []
         from tool0.control.gains import derive_arm_gains
 
-        payload = _rated_payload(self.robot.arm) if self.robot else None
+        payload = rating(self.robot.arm, "payload") if self.robot else None
         model = self.description.model
         derived = derive_arm_gains(model, joints, payload, period=self.period)
         gains, limits = [], []
@@ -271,26 +292,14 @@ class _Composer:
                 gains.append(stated[joint])
                 continue
             gains.append(self._derived(joint, found))
-            values = (
-                f"has_acceleration_limits: true, "
-                f"max_acceleration: {_number(found.acceleration)}, "
-                f"has_jerk_limits: true, max_jerk: {_number(found.jerk)}"
-            )
-            limits.append(
-                _Row(
-                    joint=joint,
-                    values=f"{{{values}}}",
-                    comment=found.limits_derivation,
-                    location=SourceLocation(self.description.source),
-                )
-            )
+            limits.append(limits_row(self.description, joint, found))
         return gains, limits
 
     def _gripper(self, joints: Sequence[str]) -> _Piece:
         """Return the part of a gripper with these driven joints."""
         part = self.robot.gripper if self.robot else None
         model = self.description.model
-        path = _part_file(
+        path = part_file(
             "gripper", part, _ACTION_FILE if self.gripper_action else _FILE
         )
         stated = self._stated(part, joints)
@@ -306,25 +315,26 @@ class _Composer:
             **(_LINEAR if driven.type is JointType.PRISMATIC else _ROTARY),
             "$joints": ", ".join(joints),
             "$joint": joints[0],
-            "$effort": _number(driven.limits.effort),
+            "$effort": number_text(driven.limits.effort),
         }
-        text = self._renamed(_read(path))
+        text = renamed(self.description, self.robot, read_part(path))
         for name, value in values.items():
             text = text.replace(name, value)
         return _Piece(text=text, location=SourceLocation(path, 1), gains=rows)
 
-    def _derived(self, joint: str, gains: DerivedGains) -> _Row:
-        values = f"p: {_number(gains.p)}, i: {_number(gains.i)}, d: {_number(gains.d)}"
+    def _derived(self, joint: str, gains: DerivedGains) -> Row:
+        p, i, d = map(number_text, (gains.p, gains.i, gains.d))
+        values = f"p: {p}, i: {i}, d: {d}"
         if gains.i:
-            values += f", i_clamp: {_number(gains.i_clamp)}, antiwindup: true"
-        return _Row(
+            values += f", i_clamp: {number_text(gains.i_clamp)}, antiwindup: true"
+        return Row(
             joint=joint,
             values=f"{{{values}}}",
             comment=gains.derivation,
             location=SourceLocation(self.description.source),
         )
 
-    def _stated(self, part: Part | None, joints: Sequence[str]) -> dict[str, _Row]:
+    def _stated(self, part: Part | None, joints: Sequence[str]) -> dict[str, Row]:
         """Return the gains that the folder of a part states, by joint."""
         path = None if part is None else part.file("gains.yaml")
         if self.robot is None or path is None or not path.is_file():
@@ -337,7 +347,7 @@ class _Composer:
         prefix = self.robot.prefix
         gains.only(*(joint.removeprefix(prefix) for joint in joints))
         return {
-            prefix + name: _Row(
+            prefix + name: Row(
                 joint=prefix + name,
                 values=_flow(entry),
                 comment=source,
@@ -345,28 +355,6 @@ class _Composer:
             )
             for name, entry in gains.entry.children.items()
         }
-
-    def _renamed(self, text: str) -> str:
-        """Return YAML ``text`` with prefixes before joints and controllers."""
-        robot = self.robot
-        if robot is None or not (robot.prefix or robot.name):
-            return text
-        import yaml
-
-        joints = {
-            transmission.joint.removeprefix(robot.prefix)
-            for transmission in self.description.model.transmissions
-            if transmission.joint.startswith(robot.prefix)
-        }
-        for token in reversed(list(yaml.scan(text, yaml.SafeLoader))):
-            if not isinstance(token, yaml.ScalarToken):
-                continue
-            start = token.start_mark.index + (token.style is not None)
-            if token.value in joints:
-                text = text[:start] + robot.prefix + text[start:]
-            elif token.start_mark.column == 0:
-                text = text[:start] + _prefix(robot) + text[start:]
-        return text
 
 
 def _children(tree: Tree, key: str) -> Mapping[str, YamlEntry]:
@@ -387,19 +375,6 @@ def _without(text: str, tree: Tree, key: str) -> str:
     return "".join(lines)
 
 
-def _read(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(
-            f"cannot read the controllers: {error}", SourceLocation(path)
-        ) from None
-
-
-def _part_file(kind: PartKind, part: Part | None, name: str) -> Path:
-    return shared_folder(kind) / name if part is None else part.file(name)
-
-
 def _joints_of(text: str, path: Path) -> list[str]:
     """Return the joints of the controllers whose gains are to be inserted."""
     tree = Tree()
@@ -416,29 +391,8 @@ def _effort_joints(model: RobotModel) -> set[str]:
     return {
         transmission.joint
         for transmission in model.transmissions
-        if transmission.interface is Interface.EFFORT
+        if Interface.EFFORT in transmission.interfaces
     }
-
-
-def _joints_beyond(model: RobotModel, joint: str) -> list[str]:
-    """Return the driven joints beyond an arm's last ``joint``."""
-    links = set(model.links_from(model.joint(joint).child))
-    return [
-        item.name
-        for item in model.movable_joints
-        if item.parent in links and item.name in model.transmission_by_joint
-    ]
-
-
-def _rated_payload(arm: Part) -> float | None:
-    """Return the rated payload of an arm [kg]; None if its folder does not state it."""
-    path = arm.file("specifications.yaml")
-    if not path.is_file():
-        return None
-    entries = Namespace(read_verbatim(path).root).namespace("specifications")
-    if entries is None or entries.find("payload") is None:
-        return None
-    return entries.not_negative("payload")
 
 
 def _flow(entry: YamlEntry) -> str:
@@ -448,13 +402,5 @@ def _flow(entry: YamlEntry) -> str:
         return f"{{{', '.join(items)}}}"
     value = entry.plain()
     if isinstance(value, int | float) and not isinstance(value, bool):
-        return _number(float(value))
+        return number_text(float(value))
     return json.dumps(value)
-
-
-def _number(value: float) -> str:
-    """Return a number without exponent, which YAML 1.1 could take for a text."""
-    if not math.isfinite(value):
-        return f"{'-' if value < 0 else ''}.inf" if math.isinf(value) else ".nan"
-    whole = int(value)
-    return str(whole) if whole == value else format(Decimal(repr(value)), "f")

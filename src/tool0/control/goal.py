@@ -36,6 +36,7 @@ class GoalStatus(enum.Enum):
 class GoalResult:
     """How a trajectory goal ended: control_msgs/FollowJointTrajectoryResult."""
 
+    INVALID_GOAL = -1
     PATH_TOLERANCE_VIOLATED = -4
     GOAL_TOLERANCE_VIOLATED = -5
 
@@ -45,6 +46,12 @@ class GoalResult:
     """0, or ROS's code of what went wrong, such as ``PATH_TOLERANCE_VIOLATED``."""
     error_string: str = ""
     """What went wrong: which joint, by how much."""
+
+    @property
+    def is_violation(self) -> bool:
+        """Whether a tolerance was violated."""
+        codes = self.PATH_TOLERANCE_VIOLATED, self.GOAL_TOLERANCE_VIOLATED
+        return self.error_code in codes
 
 
 @final

@@ -8,23 +8,72 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 from tool0.control.goal import Goal, GoalStatus, GripperResult
-from tool0.control.goal_check import check_position
 from tool0.control.law import Grip, GripperLaw
-from tool0.control.parameters import (
-    INTERFACE_OF_PACKAGE,
-    Gains,
-    Pid,
-    RobotJoints,
-    read_gains,
-    single_joint,
-)
+from tool0.control.parameters import Gains, Pid
+from tool0.control.position_limits import check_position
 from tool0.control.spline import hold
 from tool0.control.trajectory import Setpoint
-from tool0.description.model import Interface, Joint
-from tool0.description.yaml_values import Namespace
+from tool0.description.model import Interface, Joint, ParallelGripper
 from tool0.errors import GoalRejectedError
 from tool0.hardware.engine import JointState, joint_selector
 from tool0.hardware.limits import DriveLimits
+
+_IN_PADS = "set_gripper_max_"
+"""In the name of an interface that sets the speed [m/s] or force [N] at the pads; the
+others set those of the joint."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveSettings:
+    """Speed and effort that a goal, or else a parameter, sets of the drive.
+
+    They are as written to the interface: those of the pads, or of the joint.
+    """
+
+    gripper: ParallelGripper | None
+    """None if the description does not say how the opening depends on the joint: the
+    drive has no such settings then."""
+    effort_interface: str
+    """Empty if the effort is not set, as in ``velocity_interface``."""
+    velocity_interface: str
+    max_effort: float
+    """Where a goal has none [N | N·m]."""
+    max_velocity: float
+    """Where a goal has none [m/s | rad/s]."""
+
+    @property
+    def interfaces(self) -> tuple[str, ...]:
+        """The command interfaces that are claimed."""
+        return tuple(filter(None, (self.effort_interface, self.velocity_interface)))
+
+    def limits(
+        self, effort: float | None, velocity: float | None
+    ) -> DriveLimits | None:
+        """Return what the drive keeps to; None for its all.
+
+        As in the gripper's own driver, settings beyond its range are the nearest ones.
+        """
+        gripper = self.gripper
+        if gripper is None or not self.interfaces:
+            return None
+        speed = force = torque = None
+        if self.velocity_interface:
+            speed = abs(self.max_velocity if velocity is None else velocity)
+            if _IN_PADS not in self.velocity_interface:
+                speed *= gripper.lever(gripper.position(gripper.max_opening / 2.0))
+            speed = _within(speed, gripper.speed)
+        if self.effort_interface:
+            given = abs(self.max_effort if effort is None else effort)
+            if _IN_PADS in self.effort_interface or given == 0.0:
+                force = _within(given, gripper.force)
+            else:
+                torque = given
+        return DriveLimits(gripper=gripper, speed=speed, force=force, effort=torque)
+
+
+def _within(value: float, span: tuple[float, float]) -> float:
+    return min(max(value, span[0]), span[1])
 
 
 @final
@@ -49,12 +98,20 @@ class GripperActionSpec:
     """Whether a stall is a success: the gripper holds an object."""
     action_monitor_rate: float = 20.0
     """[Hz], for interfaces that publish feedback."""
+    state_interfaces: tuple[str, ...] = ()
+    settings: DriveSettings | None = None
+    """How its goals limit the drive; None if they do not."""
 
     waits_for_command: ClassVar[bool] = False
 
     @property
     def joints(self) -> tuple[str, ...]:
         return (self.joint.name,)
+
+    @property
+    def further_interfaces(self) -> tuple[str, ...]:
+        """The command interfaces of its drive's settings."""
+        return () if self.settings is None else self.settings.interfaces
 
     def start(
         self, indices: Sequence[int], state: JointState
@@ -69,7 +126,7 @@ class GripperActionController:
     A goal succeeds within ``goal_tolerance``, and is aborted when the joint stalls
     before that, unless ``allow_stalling`` makes a stall a success.  Either way the
     command stays: a gripper keeps squeezing with the goal's effort.  It behaves as
-    ROS 1's controller of that name, but for these of its faults:
+    ROS's controllers of that name, but for these of their faults:
 
     * a stall is a *change of position* of less than ``stall_velocity_threshold *
       stall_timeout`` during ``stall_timeout``: the velocity of a simulated grip
@@ -93,6 +150,10 @@ class GripperActionController:
         self._grip = Grip(self._target, self._target, state.time)
         self._goal: Goal | None = None
         self._stall_range = spec.stall_velocity_threshold * spec.stall_timeout
+
+    @property
+    def joint(self) -> Joint:
+        return self.spec.joint
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return the joint's command: its position, or an effort towards it."""
@@ -151,7 +212,7 @@ class GripperActionController:
                 GoalStatus.SUCCEEDED if is_success else GoalStatus.ABORTED, stalled=True
             )
 
-    def command(
+    def drive(
         self,
         position: float,
         max_effort: float | None,
@@ -186,6 +247,18 @@ class GripperActionController:
         self._grip.stall_position, self._grip.stall_since = self._position, now
         return goal
 
+    def limits(
+        self, max_effort: float | None, max_velocity: float | None
+    ) -> DriveLimits | None:
+        """Return what the drive keeps to with these settings of a goal."""
+        settings = self.spec.settings
+        return None if settings is None else settings.limits(max_effort, max_velocity)
+
+    def adjust(self, spec: GripperActionSpec) -> None:
+        """Continue with other tolerances and settings."""
+        self.spec = spec
+        self._stall_range = spec.stall_velocity_threshold * spec.stall_timeout
+
     def cancel(self, goal: Goal, now: float) -> None:
         """Hold the measured position, if ``goal`` is the active one."""
         if goal is self._goal and goal is not None:
@@ -214,32 +287,3 @@ class GripperActionController:
                     reached_goal=reached_goal,
                 )
             )
-
-
-def parse(parameters: Namespace, robot: RobotJoints) -> GripperActionSpec:
-    """Return the checked parameters of a GripperActionController."""
-    type_name = parameters.text("type")
-    interface = INTERFACE_OF_PACKAGE[type_name.partition("/")[0]]
-    joint = single_joint(robot, parameters, interface)
-    gains: tuple[Gains, ...] = ()
-    if interface is Interface.EFFORT:
-        why = f"{type_name} needs"
-        gains = (read_gains(parameters, f"gains/{joint.name}", why),)
-    max_effort = joint.limits.effort
-    if parameters.find("max_effort") is not None:
-        max_effort = abs(parameters.number("max_effort"))
-    return GripperActionSpec(
-        name=parameters.name,
-        type=type_name,
-        joint=joint,
-        interface=interface,
-        gains=gains,
-        goal_tolerance=abs(parameters.number("goal_tolerance", 0.01)),
-        max_effort=max_effort,
-        stall_velocity_threshold=parameters.not_negative(
-            "stall_velocity_threshold", 0.001
-        ),
-        stall_timeout=parameters.not_negative("stall_timeout", 1.0),
-        allow_stalling=parameters.boolean("allow_stalling", default=False),
-        action_monitor_rate=parameters.not_negative("action_monitor_rate", 20.0),
-    )

@@ -13,21 +13,51 @@ from typing import NamedTuple, final
 
 from tool0.control.parameters import Pid
 from tool0.control.sampler import GoalMonitor, TrajectorySampler
+from tool0.control.watch import TrajectoryWatch
 from tool0.hardware.limits import DriveLimits
+
+
+class TrajectoryClock(NamedTuple):
+    """The time of a trajectory, which passes more slowly if its speed is scaled."""
+
+    since: float = 0.0
+    """Since when it passes as it does now, in simulated time [s]."""
+    lag: float = 0.0
+    """How far it was behind then [s]."""
+    slip: float = 0.0
+    """How much it falls behind in a simulated second [s]; 0 at full speed."""
+
+    def lag_at(self, time: float) -> float:
+        """Return how far it is behind simulated ``time`` [s], from ``since`` on."""
+        return self.lag + self.slip * (time - self.since)
+
+    def at(self, time: float) -> float:
+        """Return the trajectory's time at simulated ``time`` [s]."""
+        return time - self.lag_at(time)
+
+    def scaled(self, factor: float, now: float) -> TrajectoryClock:
+        """Return the clock that passes with this factor from ``now`` [s] on."""
+        return TrajectoryClock(now, self.lag_at(now), 1.0 - factor)
+
+
+REAL_CLOCK = TrajectoryClock()
 
 
 class TrajectoryLaw(NamedTuple):
     """Sample the desired motion; a PID and feed-forward turn errors into commands."""
 
     sampler: TrajectorySampler
-    monitor: GoalMonitor | None
-    """Of the active goal."""
+    monitor: GoalMonitor | TrajectoryWatch | None
+    """Of the active goal; what watches all joints also does so without a goal."""
     pid: Pid | None
     """None commands the desired positions."""
     feed_forward: Sequence[float]
     """Command per desired velocity, one per joint; empty without."""
     wrapping: Sequence[int]
     """The joints, by number, whose errors go the shortest way round."""
+    lead: float = 0.0
+    """By how much the commanded motion is ahead of what errors are against [s]."""
+    clock: TrajectoryClock = REAL_CLOCK
 
 
 class CommandLaw(NamedTuple):

@@ -3,20 +3,36 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Final, final
 
-from tool0.control.config import Controller, ControllerConfig, ControllerSpec
+from tool0.control.config import ControllerConfig, ControllerParameters
+from tool0.control.controller import Adjustable, Controller, ControllerSpec
+from tool0.control.loaded import LoadedController
 from tool0.control.parameters import Gains, RobotJoints
+from tool0.control.status import ControllerStatus, start_command
 from tool0.control.trajectory import Setpoint
-from tool0.description.model import Joint
-from tool0.errors import ClaimError, ControlError, GoalRejectedError, did_you_mean
+from tool0.description.model import Joint, RobotModel
+from tool0.description.yaml_values import Value
+from tool0.errors import (
+    ClaimError,
+    ConfigError,
+    ControlError,
+    GoalRejectedError,
+    did_you_mean,
+)
 from tool0.hardware.engine import JointState, as_slice
 from tool0.hardware.robot_hardware import RobotHardware
 
-TRAJECTORY_KIND: Final = "JointTrajectoryController"
-GRIPPER_KIND: Final = "GripperActionController"
+_KIND: Final[Mapping[type, str]] = {
+    bool: "bool",
+    int: "integer",
+    float: "double",
+    str: "string",
+    tuple: "array",
+}
+"""What ROS calls the type of a parameter."""
 
 
 class Strictness(enum.Enum):
@@ -29,88 +45,11 @@ class Strictness(enum.Enum):
 
 
 @final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ControllerStatus:
-    """A loaded controller: controller_manager_msgs/ControllerState."""
-
-    name: str
-    """Its namespace in the YAML."""
-    type: str
-    """As in the YAML: ``effort_controllers/JointTrajectoryController``."""
-    state: str
-    """``initialized`` after loading, then ``running`` or ``stopped``."""
-    claimed: tuple[tuple[str, tuple[str, ...]], ...]
-    """Each command interface with the joints; claims count while it is running."""
-
-    @property
-    def joints(self) -> frozenset[str]:
-        """The joints that it drives while it is running."""
-        return frozenset(joint for _, joints in self.claimed for joint in joints)
-
-    @property
-    def kind(self) -> str:
-        """The type without its package: ``JointTrajectoryController``."""
-        return self.type.rpartition("/")[2]
-
-
-def why_not_driven(
-    statuses: Sequence[ControllerStatus],
-    joints: Collection[str],
-    kinds: Collection[str] = (TRAJECTORY_KIND,),
-) -> str:
-    """Return why no running controller of these kinds drives ``joints``, and a remedy.
-
-    The message is for a request that needs one.
-    """
-    able = [status for status in statuses if status.kind in kinds]
-    known = frozenset[str]().union(*(status.joints for status in able))
-    names = ", ".join(f"'{joint}'" for joint in joints)
-    problem = f"no running {' or '.join(kinds)} drives {names}"
-    stopped = next((s for s in able if s.joints.issuperset(joints)), None)
-    if stopped is None:
-        unknown = next((joint for joint in joints if joint not in known), "")
-        return problem + (did_you_mean(unknown, known) if unknown else "")
-    name = stopped.name
-    for other in statuses:
-        if other.state == "running" and other.joints & stopped.joints:
-            return (
-                f"{problem}: '{other.name}' is running instead of '{name}'; switch "
-                f"with `tool0 controllers switch --stop {other.name} --start {name}` "
-                f"or robot.switch(start=['{name}'], stop=['{other.name}'])"
-            )
-    return (
-        f"{problem}: controller '{name}' is {stopped.state}; start it with "
-        f"{start_command(name)}"
-    )
-
-
-def start_command(name: str) -> str:
-    """Return how to start a loaded controller, for a message."""
-    return f"`tool0 controllers start {name}` or robot.switch(start=['{name}'])"
-
-
-@final
-class _Loaded:
-    """A controller's parameters, and the controller while it runs."""
-
-    def __init__(self, spec: ControllerSpec, indices: tuple[int, ...]) -> None:
-        self.spec = spec
-        self.indices = indices
-        self.controller: Controller | None = None
-        self.state = "initialized"
-        self.is_waiting = False
-        """Whether the brakes hold its joints until its first command."""
-
-    @property
-    def claims(self) -> tuple[str, ...]:
-        return () if self.spec.interface is None else self.spec.joints
-
-
-@final
 class ControllerManager:
     """Owns the controllers over one robot's hardware, with ros_control's rules.
 
-    Only the thread that owns the tick may call it.
+    All are of one dialect, ROS 1's or ROS 2's.  Only the thread that owns the tick may
+    call it.
     """
 
     def __init__(
@@ -118,12 +57,25 @@ class ControllerManager:
         hardware: RobotHardware,
         config: ControllerConfig,
         joints: Mapping[str, Joint],
+        model: RobotModel | None = None,
     ) -> None:
-        """Load nothing yet; ``config`` has the controllers that can be loaded."""
+        """Load nothing yet.
+
+        ``config`` has the controllers that can be loaded, ``joints`` their limits, and
+        ``model`` what the robot has besides joints.
+        """
         self._hardware = hardware
-        self._config = config
-        self._robot = RobotJoints(joints, hardware.interfaces)
-        self._loaded: dict[str, _Loaded] = {}
+        self.config = config
+        self.dialect = config.dialect
+        self._stages = config.dialect.stages
+        self._robot = RobotJoints(
+            joints,
+            hardware.interfaces,
+            hardware=() if model is None else model.hardware,
+            grippers=() if model is None else model.grippers,
+            speed_scaling=hardware.speed_scaling,
+        )
+        self._loaded: dict[str, LoadedController] = {}
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
         """Name and controller, and its slots of the command."""
         self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
@@ -164,7 +116,9 @@ class ControllerManager:
         self.running_controllers = tuple(
             (controller, claims) for _, controller, _, claims in self._running
         )
-        self.running_specs = tuple(self._loaded[item[0]].spec for item in self._running)
+        self.running_specs = tuple(
+            self._loaded[item[0]].configured for item in self._running
+        )
         self._observers = tuple(item[1].observe for item in self._running)
         self._setpoints = tuple(
             (name, controller.setpoint) for name, controller, *_ in self._running
@@ -173,8 +127,16 @@ class ControllerManager:
 
     # ---- loading ------------------------------------------------------------------
 
-    def load(self, name: str, config: ControllerConfig | None = None) -> None:
-        """Check a controller's parameters, from the manager's config or this one.
+    def load(
+        self,
+        name: str,
+        config: ControllerConfig | None = None,
+        *,
+        configure: bool = True,
+    ) -> None:
+        """Load a controller, of the manager's config or this one, and configure it.
+
+        Without ``configure`` it stays unconfigured, as ROS 2's services leave it.
 
         Raises:
             ControlError: If it is loaded already.
@@ -184,9 +146,48 @@ class ControllerManager:
             raise ControlError(
                 f"A controller named '{name}' was already loaded; unload it first"
             )
-        spec = (config or self._config).spec(name, self._robot)
-        indices = tuple(self._hardware.index[joint] for joint in spec.joints)
-        self._loaded[name] = _Loaded(spec, indices)
+        config = config or self.config
+        if config.dialect is not self.dialect:
+            raise ConfigError(
+                f"'{name}' is a controller of {config.dialect.title}, but those of "
+                f"this bring-up are of {self.dialect.title}"
+            )
+        item = LoadedController(name, config)
+        if configure:
+            self._configure(item)
+        self._loaded[name] = item
+        self._refresh()
+
+    def configure(self, name: str) -> None:
+        """Check the parameters of a loaded controller: it can be started then.
+
+        Raises:
+            ControlError: If it is configured already.
+            ConfigError: If its parameters are wrong; it stays unconfigured.
+        """
+        item = self._find(name)
+        if item.spec is not None:
+            raise ControlError(
+                f"controller '{name}' is {item.state}; only an unconfigured one can be "
+                "configured"
+            )
+        self._configure(item)
+        self._refresh()
+
+    def _configure(self, item: LoadedController) -> None:
+        spec = item.config.spec(item.name, self._robot)
+        item.indices = tuple(self._hardware.index[joint] for joint in spec.joints)
+        item.spec, item.state = spec, self._stages.configured
+
+    def cleanup(self, name: str) -> None:
+        """Make a controller that is not running unconfigured again."""
+        item = self._find(name)
+        if item.controller is not None:
+            raise ControlError(
+                f"controller '{name}' is {item.state}; stop it before its cleanup"
+            )
+        item.spec, item.indices = None, ()
+        item.state = self._stages.unconfigured
         self._refresh()
 
     def unload(self, name: str) -> None:
@@ -224,15 +225,12 @@ class ControllerManager:
             if (item.controller is not None and name not in to_stop) or name in to_start
         ]
         self._check_claims(running)
-        started = {
-            name: self._loaded[name].spec.start(self._loaded[name].indices, state)
-            for name in to_start
-        }
+        started = {name: self._loaded[name].started(state) for name in to_start}
         self._stop(to_stop, state)
         for name, controller in started.items():
             item = self._loaded[name]
             item.controller = controller
-            item.state = "running"
+            item.state = self._stages.running
             self._engage(item, state)
         self._refresh()
         return tuple(skipped)
@@ -263,47 +261,69 @@ class ControllerManager:
                         + did_you_mean(name, list(self._loaded))
                     )
         for name in self._loaded:
-            is_running = self._loaded[name].controller is not None
+            item = self._loaded[name]
+            is_running = item.controller is not None
             if is_running and name in plans["start"] and name in plans["stop"]:
                 raise ControlError(
                     f"Controller '{name}' is to be both started and stopped; a running "
                     "controller cannot be restarted by one switch"
                 )
             if not is_running and name in plans["stop"]:
-                refuse(f"Could not stop controller '{name}' since it is not running")
+                refuse(
+                    f"Could not stop controller '{name}' since it is not "
+                    f"{self._stages.running}"
+                )
                 plans["stop"].remove(name)
             if is_running and name in plans["start"]:
-                refuse(f"Controller '{name}' is already running")
+                refuse(f"Controller '{name}' is already {self._stages.running}")
+                plans["start"].remove(name)
+            if item.spec is None and name in plans["start"]:
+                refuse(
+                    f"Could not start controller '{name}' since it is {item.state}; "
+                    "configure it first"
+                )
                 plans["start"].remove(name)
         return plans["stop"], plans["start"]
 
     def _check_claims(self, running: Sequence[str]) -> None:
+        """Raise ClaimError if two claim one interface, or two interfaces of a joint.
+
+        A drive follows one interface at a time.
+        """
         owners: dict[str, str] = {}
         for name in running:
-            for joint in self._loaded[name].claims:
-                other = owners.setdefault(joint, name)
+            item = self._loaded[name]
+            further = () if item.spec is None else item.spec.further_interfaces
+            joints = (f"joint '{joint}'" for joint in item.claims)
+            for claim in (*joints, *(f"'{each}'" for each in further)):
+                other = owners.setdefault(claim, name)
                 if other != name:
                     raise ClaimError(
-                        f"controllers '{other}' and '{name}' both claim joint "
-                        f"'{joint}'; stop one of them"
+                        f"controllers '{other}' and '{name}' both claim {claim}; "
+                        "stop one of them"
                     )
 
     def _stop(self, names: Sequence[str], state: JointState) -> None:
         for name in names:
             item = self._loaded[name]
             controller, item.controller = item.controller, None
-            item.state = "stopped"
+            item.state = self._stages.stopped
             if controller is not None:
                 controller.stop()
             self._disengage(item, state)
 
-    def _engage(self, item: _Loaded, state: JointState) -> None:
+    def _engage(self, item: LoadedController, state: JointState) -> None:
         """Hand a started controller its joints, unless it waits for a command."""
-        item.is_waiting = item.spec.waits_for_command
-        if item.claims and not item.is_waiting:
-            self._hardware.claim(item.claims, state)
+        item.is_waiting = item.configured.waits_for_command
+        if not item.is_waiting:
+            self._claim(item, state)
 
-    def _disengage(self, item: _Loaded, state: JointState) -> None:
+    def _claim(self, item: LoadedController, state: JointState) -> None:
+        interface = item.configured.interface
+        if interface is not None:
+            self._hardware.claim(item.claims, interface, state)
+
+    def _disengage(self, item: LoadedController, state: JointState) -> None:
         """Take a stopped controller's joints back."""
         if item.claims and not item.is_waiting:
             self._hardware.release(item.claims, state)
@@ -313,7 +333,7 @@ class ControllerManager:
         item = self._find(name)
         if item.is_waiting and item.controller is not None:
             item.is_waiting = False
-            self._hardware.claim(item.claims, state)
+            self._claim(item, state)
 
     def restart(self, state: JointState) -> None:
         """Restart every running controller, holding ``state``.
@@ -324,7 +344,7 @@ class ControllerManager:
             if item.controller is None:
                 continue
             old = item.controller
-            item.controller = item.spec.start(item.indices, state)
+            item.controller = item.started(state)
             old.stop()
             self._disengage(item, state)
             self._engage(item, state)
@@ -350,20 +370,25 @@ class ControllerManager:
         item = self._find(name)
         if item.controller is None:
             raise GoalRejectedError(
-                f"controller '{name}' is {item.state}, not running; start it with "
-                f"{start_command(name)}"
+                f"controller '{name}' is {item.state}, not {self._stages.running}; "
+                f"start it with {start_command(name)}"
             )
         return item.controller
 
     def status(self, name: str) -> ControllerStatus:
         """Return the state of a loaded controller."""
         item = self._find(name)
-        interface = item.spec.interface
+        spec = item.spec
+        interface = None if spec is None else spec.interface
         return ControllerStatus(
             name=name,
-            type=item.spec.type,
+            type=item.type,
+            role=self.dialect.role(item.type),
             state=item.state,
+            is_running=item.controller is not None,
             claimed=() if interface is None else ((interface.value, item.claims),),
+            command_interfaces=item.command_interfaces,
+            state_interfaces=() if spec is None else spec.state_interfaces,
         )
 
     def list(self) -> tuple[ControllerStatus, ...]:
@@ -379,8 +404,8 @@ class ControllerManager:
         }
 
     def spec(self, name: str) -> ControllerSpec:
-        """Return the parameters of a loaded controller."""
-        return self._find(name).spec
+        """Return the parameters of a configured controller."""
+        return self._find(name).configured
 
     def set_gains(self, name: str, joint: str, **changes: float | bool) -> Gains:
         """Change fields of ``Gains`` of one joint, and return them all.
@@ -392,7 +417,8 @@ class ControllerManager:
             ConfigError: If the gains are impossible.
         """
         item = self._find(name)
-        spec, joints = item.spec, item.spec.joints
+        spec = item.configured
+        joints = spec.joints
         if not spec.gains:
             raise ControlError(f"controller '{name}' has no gains: it is {spec.type}")
         if joint not in joints:
@@ -406,14 +432,76 @@ class ControllerManager:
             item.controller.pid.set_gains(k, gains)
         return gains
 
-    def _find(self, name: str) -> _Loaded:
+    def parameters(self, name: str) -> Mapping[str, Value]:
+        """Return every parameter of a loaded controller by dotted name."""
+        item = self._find(name)
+        return item.config.parameters_of(name, self._robot).values
+
+    def set_parameters(self, name: str, changes: Mapping[str, Value]) -> None:
+        """Change adjustable parameters of a loaded controller, by dotted name.
+
+        A running controller continues with them; they hold until it is unloaded.
+
+        Raises:
+            ControlError: If one is unknown, of another type, impossible, or cannot
+                change; nothing has changed then.
+        """
+        item = self._find(name)
+        current = item.config.parameters_of(name, self._robot)
+        for parameter, value in changes.items():
+            _check_change(name, current, parameter, value)
+        config = item.config.with_parameters(name, changes)
+        if item.spec is not None:
+            old = item.spec
+            try:
+                item.spec = spec = config.spec(name, self._robot)
+            except ConfigError as error:
+                raise ControlError(error.message) from None
+            if item.controller is not None:
+                _adjust(item.controller, old, spec)
+        item.config = config
+        self._refresh()
+
+    def _find(self, name: str) -> LoadedController:
         item = self._loaded.get(name)
         if item is not None:
             return item
         valid = list(self._loaded)
-        if name in self._config.names:
+        if name in self.config.names:
             raise ControlError(
                 f"controller '{name}' is not loaded; load it with "
                 f"`tool0 controllers load {name}` or robot.load('{name}')"
             )
         raise ControlError(f"unknown controller '{name}'{did_you_mean(name, valid)}")
+
+
+def _check_change(
+    controller: str, current: ControllerParameters, name: str, value: Value
+) -> None:
+    """Raise ControlError if a parameter cannot get this value."""
+    before = current.values.get(name)
+    if before is None:
+        raise ControlError(
+            f"controller '{controller}' has no parameter '{name}'"
+            + did_you_mean(name, current.values)
+        )
+    if name not in current.adjustable:
+        adjustable = ", ".join(sorted(current.adjustable)) or "(none)"
+        raise ControlError(
+            f"parameter '{name}' of '{controller}' cannot be set because it is "
+            f"read-only; these can be set: {adjustable}"
+        )
+    if type(value) is not type(before):
+        raise ControlError(
+            f"parameter '{name}' of '{controller}' has type {{{_KIND[type(before)]}}}; "
+            f"setting it to {{{_KIND[type(value)]}}} {value!r} is not allowed"
+        )
+
+
+def _adjust(controller: Controller, old: ControllerSpec, new: ControllerSpec) -> None:
+    pid = controller.pid
+    for k, (before, after) in enumerate(zip(old.gains, new.gains, strict=True)):
+        if pid is not None and before != after:
+            pid.set_gains(k, after)
+    if isinstance(controller, Adjustable):
+        controller.adjust(new)

@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
+import enum
 import math
+import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import final
+from dataclasses import dataclass, field
+from typing import Final, final
 
-from tool0.description.model import Interface, Joint, JointType
+from tool0.description.finding import quoted
+from tool0.description.hardware_component import HardwareComponent
+from tool0.description.model import Interface, Joint, JointType, ParallelGripper
 from tool0.description.yaml_tree import YamlEntry
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean, nearest_name
+
+UNLIMITED: Final = sys.float_info.max
+"""As a limit of gains: they are sent as JSON, which has no infinity."""
+
+
+class Unwinding(enum.Enum):
+    """What keeps the integral of a PID from growing while its command is limited."""
+
+    NONE = 0
+    CONDITIONAL_INTEGRATION = 1
+    """An error that would drive the command further is not integrated."""
+    BACK_CALCULATION = 2
+    """The integral shrinks by what the limits take from the command."""
 
 
 @final
@@ -35,17 +52,33 @@ class Gains:
     """Greatest contribution of the integral, at least 0 [N·m | N]."""
     antiwindup: bool = False
     """Clamp the integral itself, not only its contribution."""
+    u_min: float = -UNLIMITED
+    """Least command, at most 0; the last five are ROS 2's."""
+    u_max: float = UNLIMITED
+    """Greatest command, at least 0."""
+    error_deadband: float = 0.0
+    """Errors up to this are not integrated [rad | m]."""
+    unwinding: Unwinding = Unwinding.NONE
+    """How the integral gives way while the command is at a limit."""
+    tracking_time: float = 1.0
+    """Of BACK_CALCULATION: the shorter, the faster the integral shrinks [s]."""
 
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, (self.p, self.i, self.d))):
             raise ConfigError(f"gains must be finite numbers, got {self}")
         if not self.i_min <= 0.0 <= self.i_max:
             raise ConfigError(f"need i_min <= 0 <= i_max, got {self}")
+        if not self.u_min <= 0.0 <= self.u_max:
+            raise ConfigError(f"need u_min <= 0 <= u_max, got {self}")
+        if not (self.error_deadband >= 0.0 and self.tracking_time > 0.0):
+            raise ConfigError(
+                f"need error_deadband >= 0 and tracking_time > 0, got {self}"
+            )
 
 
 @final
 class Pid:
-    """Per joint: ``p e + clamp(i ∫e dt) + d de/dt``; no filter, no output clamp.
+    """Per joint: ``p e + clamp(i ∫e dt) + d de/dt``, within limits; no filter.
 
     A period of zero returns 0 and keeps the integral.  The errors must be finite, which
     the engine (DivergenceError) and the checks of goals and commands ensure.
@@ -55,7 +88,7 @@ class Pid:
 
     def __init__(self, gains: Sequence[Gains]) -> None:
         self.rows = tuple(_row(k, g) for k, g in enumerate(gains))
-        """For each joint its number, p, i, d, i_min, i_max, and whether antiwindup."""
+        """For each joint its number, and its gains in their order."""
         self.integrals = [0.0] * len(self.rows)
         """Of the errors, by joint."""
 
@@ -69,7 +102,7 @@ class Pid:
         The contribution of the integral stays, within the new clamp, so that a new
         ``i`` causes no jump; without ``i`` the integral is reset.
         """
-        _, _, i, _, i_min, i_max, _ = self.rows[k]
+        _, _, i, _, i_min, i_max, *_ = self.rows[k]
         term = min(max(i * self.integrals[k], i_min), i_max)
         term = min(max(term, gains.i_min), gains.i_max)
         self.integrals[k] = term / gains.i if gains.i else 0.0
@@ -83,10 +116,12 @@ class Pid:
             return [0.0] * len(self.rows)
         integrals = self.integrals
         commands: list[float] = []
-        for k, p, i, d, i_min, i_max, antiwindup in self.rows:
+        for row in self.rows:
+            k, p, i, d, i_min, i_max, antiwindup, u_min, u_max, deadband, *_ = row
             error = errors[k]
-            integrals[k] = integral = integrals[k] + period * error
-            term = i * integral
+            if not -deadband <= error <= deadband:
+                integrals[k] += period * error
+            term = i * integrals[k]
             if term > i_max:
                 term = i_max
                 if antiwindup:
@@ -95,13 +130,38 @@ class Pid:
                 term = i_min
                 if antiwindup:
                     integrals[k] = term / i
-            commands.append(p * error + term + d * error_rates[k])
+            command = p * error + term + d * error_rates[k]
+            if not u_min <= command <= u_max:
+                command = self._limited(row, error, command, period)
+            commands.append(command)
         return commands
 
+    def _limited(
+        self, row: PidRow, error: float, command: float, period: float
+    ) -> float:
+        """Return a command within the limits; the integral gives way."""
+        k, _, i, *_, u_min, u_max, _, unwinding, tracking_time = row
+        limited = u_max if command > u_max else u_min
+        if unwinding == _CONDITIONAL and error * command > 0.0:
+            self.integrals[k] -= period * error
+        elif unwinding == _BACK_CALCULATION and i != 0.0:
+            excess = limited - command
+            self.integrals[k] += period * excess / (tracking_time * i)
+        return limited
 
-def _row(k: int, gains: Gains) -> tuple[int, float, float, float, float, float, bool]:
+
+PidRow = tuple[
+    int, float, float, float, float, float, bool, float, float, float, int, float
+]
+"""A joint's number, and its gains in their order."""
+_CONDITIONAL = Unwinding.CONDITIONAL_INTEGRATION.value
+_BACK_CALCULATION = Unwinding.BACK_CALCULATION.value
+
+
+def _row(k: int, gains: Gains) -> PidRow:
     g = gains
-    return k, g.p, g.i, g.d, g.i_min, g.i_max, g.antiwindup
+    limits = g.u_min, g.u_max, g.error_deadband, g.unwinding.value, g.tracking_time
+    return k, g.p, g.i, g.d, g.i_min, g.i_max, g.antiwindup, *limits
 
 
 INTERFACE_OF_PACKAGE = {
@@ -110,6 +170,8 @@ INTERFACE_OF_PACKAGE = {
     "velocity_controllers": Interface.VELOCITY,
 }
 """The command interface that a controller type's package stands for."""
+JOINT_STATES = ("position", "velocity", "effort")
+"""The state interfaces that a driven joint has."""
 
 
 @final
@@ -118,21 +180,41 @@ class RobotJoints:
     """The joints that a controller's parameters may name."""
 
     joints: Mapping[str, Joint]
-    interfaces: Mapping[str, Interface]
-    """The joints with a transmission, in the engine's order."""
+    interfaces: Mapping[str, tuple[Interface, ...]]
+    """The driven joints, in the engine's order, with their command interfaces."""
+    hardware: tuple[HardwareComponent, ...] = ()
+    """What ``<ros2_control>`` tags describe."""
+    grippers: tuple[ParallelGripper, ...] = ()
+    speed_scaling: Mapping[str, float] = field(default_factory=dict)
+    """Prefix of each arm → the factor of its trajectories' speed, as it is now."""
+
+    @property
+    def joint_states(self) -> tuple[str, ...]:
+        """The state interfaces of joints, as ROS 2 names them."""
+        if not self.hardware:
+            return tuple(
+                f"{j}/{kind}" for j in self.interfaces for kind in JOINT_STATES
+            )
+        return tuple(
+            f"{joint.name}/{state.name}"
+            for component in self.hardware
+            for joint in component.joints
+            for state in joint.states
+        )
 
     @staticmethod
     def assumed(names: Iterable[str], type_name: str) -> RobotJoints:
         """Return joints that a controller of this type can command, without a robot."""
         package = type_name.partition("/")[0]
-        interface = INTERFACE_OF_PACKAGE.get(package, Interface.EFFORT)
+        known = INTERFACE_OF_PACKAGE.get(package)
+        interfaces = tuple(Interface) if known is None else (known,)
         joints = {
             name: Joint(
                 name=name, type=JointType.CONTINUOUS, parent="world", child=name
             )
             for name in names
         }
-        return RobotJoints(joints, dict.fromkeys(joints, interface))
+        return RobotJoints(joints, dict.fromkeys(joints, interfaces))
 
 
 def joint_entries(controller: YamlEntry) -> list[YamlEntry]:
@@ -167,10 +249,10 @@ def controlled_joint(
             f"; joints with one: {', '.join(robot.interfaces) or '(none)'}",
             entry.location,
         )
-    if interface is not None and has is not interface:
+    if interface is not None and interface not in has:
         raise ConfigError(
             f"Could not find joint '{name}' in {wanted}: "
-            f"its <transmission> offers '{has.value}'",
+            f"its drive offers {quoted(item.value for item in has)}",
             entry.location,
         )
     return joint

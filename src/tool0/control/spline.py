@@ -195,6 +195,23 @@ class Knots(NamedTuple):
     """After the start of the trajectory [s], increasing."""
     motion: Callable[[int], Motion]
     """Returns the motion at one knot."""
+    is_stepped: bool = False
+    """Whether the joint jumps to each knot when the one before it is reached, instead
+    of moving there."""
+
+    def segment(
+        self, begin: float, origin: Motion, start: float, number: int, *, first: bool
+    ) -> Segment:
+        """Return the segment from ``origin`` to a knot of the trajectory.
+
+        ``begin`` and ``start`` [s] are when it and the trajectory start.  A stepped
+        one rests at its knot, or the ``first`` at its origin.
+        """
+        end, motion = start + self.times[number], self.motion(number)
+        if not self.is_stepped:
+            return Segment(begin, origin, end, motion)
+        position = origin.position if first else motion.position
+        return Segment.of(begin, end, (position, 0.0, 0.0, 0.0, 0.0, 0.0))
 
     @staticmethod
     def of(path: Sequence[tuple[float, Motion]]) -> Knots:
@@ -253,12 +270,12 @@ class SplineSection(NamedTuple):
         made = self.made.get(number)
         if made is not None:
             return made
-        times, motion = self.knots
-        if number == self.first:
-            begin, origin = self.origin
-        else:
-            begin, origin = self.start + times[number - 1], motion(number - 1)
-        return Segment(begin, origin, self.start + times[number], motion(number))
+        knots, is_first = self.knots, number == self.first
+        begin, origin = self.origin
+        if not is_first:
+            begin = self.start + knots.times[number - 1]
+            origin = knots.motion(number - 1)
+        return knots.segment(begin, origin, self.start, number, first=is_first)
 
 
 class JointSpline(NamedTuple):
@@ -352,27 +369,67 @@ class JointSpline(NamedTuple):
         """
         leave = max(now, start)
         origin = leave, Motion(*self.sample(leave))
-        made: dict[int, Segment] = {}
-        last, (time, motion) = first - 1, origin
-        for number in (first, *suspects):
-            if number != last + 1:
-                time, motion = start + knots.times[number - 1], knots.motion(number - 1)
-            end, target = start + knots.times[number], knots.motion(number)
-            made[number] = segment = Segment(time, motion, end, target)
-            if not segment.is_bounded():
-                raise GoalRejectedError(
-                    f"no joint can move from {motion} at {time:.6g} s "
-                    f"to {target} at {end:.6g} s"
-                )
-            last, time, motion = number, end, target
-        span = range(first, len(knots.times))
-        section = SplineSection(
-            start, knots, first, origin, span, goal, tolerances, made
+        section = section_through(
+            start,
+            knots,
+            origin,
+            first=first,
+            suspects=suspects,
+            goal=goal,
+            tolerances=tolerances,
         )
+        return self.followed_by(section, now, leave)
+
+    def followed_by(
+        self, section: SplineSection, now: float, leave: float
+    ) -> JointSpline:
+        """Return this motion from ``now`` until ``leave`` [s], and then a section."""
         kept = self.sections[
             self._active_section(now) : self._active_section(leave) + 1
         ]
         return JointSpline((*(each.between(now, leave) for each in kept), section))
+
+
+def section_through(
+    start: float,
+    knots: Knots,
+    origin: tuple[float, Motion],
+    *,
+    first: int,
+    suspects: Sequence[int],
+    goal: Goal | None = None,
+    tolerances: JointTolerances = NO_TOLERANCES,
+) -> SplineSection:
+    """Return the segments from ``origin`` through the knots from ``first`` on.
+
+    Args:
+        start: When the trajectory starts [s].
+        knots: Those of the trajectory.
+        origin: Time [s] and motion at the start of the first segment.
+        first: The knot that it leads to.
+        suspects: Which of the segments behind it may be implausible.
+        goal: Whose tolerances hold.
+        tolerances: Those tolerances.
+
+    Raises:
+        GoalRejectedError: If a segment is implausible.
+    """
+    made: dict[int, Segment] = {}
+    last, (time, motion) = first - 1, origin
+    for number in (first, *suspects):
+        if number != last + 1:
+            time, motion = start + knots.times[number - 1], knots.motion(number - 1)
+        segment = knots.segment(time, motion, start, number, first=number == first)
+        made[number] = segment
+        end, target = segment.end, knots.motion(number)
+        if not segment.is_bounded():
+            raise GoalRejectedError(
+                f"no joint can move from {motion} at {time:.6g} s "
+                f"to {target} at {end:.6g} s"
+            )
+        last, time, motion = number, end, target
+    span = range(first, len(knots.times))
+    return SplineSection(start, knots, first, origin, span, goal, tolerances, made)
 
 
 def point_to_point(

@@ -168,6 +168,8 @@ class TrajectoryState:
     """The measured motion."""
     error: JointsMotion
     """desired - actual; the shortest way round for a continuous joint."""
+    speed_scaling: float = 1.0
+    """Trajectory time per simulated time."""
 
 
 _set = object.__setattr__  # for the fields of frozen instances
@@ -256,6 +258,15 @@ class Setpoint(Struct, frozen=True):
     """Takes the joints out of the lists of ``measured``."""
     measured: JointState
     """At that instant."""
+    lag: float = 0.0
+    """How far the motion is behind simulated time [s], since its speed was scaled."""
+    speed_scaling: float = 1.0
+    """Trajectory time per simulated time."""
+
+    @property
+    def time(self) -> float:
+        """When the splines' motion is at that instant [s]."""
+        return self.measured.time - self.lag
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -273,12 +284,13 @@ class Setpoint(Struct, frozen=True):
         """
         for model, spline in zip(self.joint_models, self.splines, strict=True):
             if model.name == joint:
-                return spline.sample(self.measured.time).position, spline.target
+                return spline.sample(self.time).position, spline.target
         return None
 
     def state(self) -> TrajectoryState:
         """Return desired, actual and error at that instant."""
-        time, position, velocity, _ = self.measured
+        time = self.time
+        _, position, velocity, _ = self.measured
         section, segment, _ = self.splines[0].active(time)
         segment_start = segment.start - section.start
         since = segment_start + time - segment.start
@@ -293,7 +305,7 @@ class Setpoint(Struct, frozen=True):
         )
         return TrajectoryState(
             joint_names=self.joint_names,
-            time=time,
+            time=self.measured.time,
             desired=desired,
             actual=actual,
             error=JointsMotion(
@@ -303,6 +315,7 @@ class Setpoint(Struct, frozen=True):
                 velocities=tuple(map(sub, desired.velocities, actual.velocities)),
                 time_from_start=desired.time_from_start - since,
             ),
+            speed_scaling=self.speed_scaling,
         )
 
 

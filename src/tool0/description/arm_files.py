@@ -150,7 +150,10 @@ def _check_poses(root: YamlEntry) -> None:
 
 
 def _check_specifications(root: YamlEntry) -> None:
-    check_positive(mapping_at(root, "specifications"), ("payload", "reach"))
+    facts = mapping_at(root, "specifications")
+    check_positive(facts, ("payload", "reach"))
+    if "update_rate" in facts.children:
+        check_positive(facts, ("update_rate",))
 
 
 _CHECKS: Mapping[str, Callable[[YamlEntry], None]] = {

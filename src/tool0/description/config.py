@@ -41,6 +41,8 @@ _OF_SEVERAL: Final = ("robot", "cell", "robots")
 """The options that name robots in another way than by an arm and a gripper."""
 _NOT_XACRO: Final = (*_OF_SEVERAL, "namespaces", "args")
 """The fields that are no arguments of the xacro file."""
+_OF_EACH: Final = ("ros2_control",)
+"""The options that also apply to a cell, to each of its robots, and to your file."""
 _OF_ALL: Final = ("prefix", "tf_prefix", *_OF_SEVERAL)
 """The options that a robot of a cell does not have."""
 _ROBOT_NAME: Final = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?", re.ASCII)
@@ -114,6 +116,10 @@ class DescriptionConfig:
     transmission_hw_interface: str | None = None
     """Command interface of all joints, such as
     hardware_interface/EffortJointInterface."""
+    ros2_control: bool = False
+    """Describe the drives by `<ros2_control>` tags, for ROS 2, instead of by
+    `<transmission>` tags.  Your own file says itself which joints are driven; if it
+    does not, all are."""
     safety_limits: bool = False
     """Add soft limits to the arm's joints."""
     safety_pos_margin: Radians | None = None
@@ -124,7 +130,12 @@ class DescriptionConfig:
     """Prefix of the frames in ROS; the robot itself does not change."""
 
     def __post_init__(self) -> None:
-        given = self._given()
+        given = [name for name in self._given() if name not in _OF_EACH]
+        if self.ros2_control and self.transmission_hw_interface is not None:
+            raise ConfigError(
+                "transmission_hw_interface: not with ros2_control, which offers "
+                "position and velocity interfaces"
+            )
         several = [name for name in _OF_SEVERAL if getattr(self, name) is not None]
         if len(several) > 1:
             raise ConfigError(f"give only one of {', '.join(several)}")

@@ -13,6 +13,7 @@ import functools
 import logging
 import os
 import re
+import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -22,49 +23,108 @@ from types import ModuleType, TracebackType
 from typing import Any, final
 from xml.dom.minidom import Document, Node
 
-from tool0.description.packages import find_package
-from tool0.description.xml_source import locate, parse_file
+from tool0.description.packages import find_package, source_path
+from tool0.description.xml_source import children, locate, parse_file
 from tool0.description.yaml_tree import YamlEntry, read_verbatim
 from tool0.errors import ConfigError, DescriptionError, SourceLocation, did_you_mean
 
 logger = logging.getLogger(__name__)
 
 _LOCK = threading.RLock()
+_ARGUMENT = re.compile(r"\$\(arg\s+(\w+)\s*\)")
 _EXPRESSION = re.compile(r"\$\{([^}]*)\}")
 
 
 def expand(path: Path, args: Mapping[str, str] | None = None) -> Document:
     """Return the xacro file ``path``, expanded with ``args``.
 
+    The attributes of ``<robot>`` may use arguments with a default; xacro wants a value
+    for these.
+
     Raises:
-        DescriptionError: If that fails, with file, line, macro and includes.
+        DescriptionError: If that fails, with file, line, macro and includes, or if no
+            file declares one of the arguments.
     """
-    xacro = _imported()
-    start = str(path.absolute())
-    with _LOCK:
-        run = _Expansion(xacro)
-        with _substituted(xacro, run):
-            xacro.init_stacks(start)
-            try:
-                document = run.parse(None, start)
-                xacro.process_doc(document, mappings=dict(args or {}), verbosity=0)
-            except Exception as error:  # the file's Python raises anything
-                raise _describe(xacro, error) from error
+    document, known = _expanded(path, args, _defaults_of_root)
     for name in args or {}:
-        if name not in run.known:
-            hint = did_you_mean(name, run.known)
+        if name not in known:
+            hint = did_you_mean(name, known)
             raise DescriptionError(
                 f"no file declares the argument '{name}'{hint}", SourceLocation(path)
             )
     return document
 
 
-def _imported() -> ModuleType:
-    """Return xacro; Python 3.10 warns of its private names while it is imported."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)
-        import xacro
+def expand_leniently(
+    path: Path, args: Mapping[str, str] | None = None
+) -> tuple[Document, set[str]]:
+    """Return the expanded file, and the arguments that the files declare or read.
 
+    Like xacro, it ignores other arguments.
+
+    Raises:
+        DescriptionError: If that fails, with file, line, macro and includes.
+    """
+    return _expanded(path, args, lambda _: {})
+
+
+def _expanded(
+    path: Path,
+    args: Mapping[str, str] | None,
+    defaults: Callable[[Document], dict[str, str]],
+) -> tuple[Document, set[str]]:
+    xacro = _imported()
+    start = str(source_path(path.absolute()))
+    if not os.path.isfile(start):  # noqa: PTH113  # Path's may raise
+        raise DescriptionError(f"there is no file '{path}'; check the path")
+    with _LOCK:
+        run = _Expansion(xacro)
+        with _substituted(xacro, run):
+            xacro.init_stacks(start)
+            try:
+                document = run.parse(None, start)
+                given = {**defaults(document), **(args or {})}
+                xacro.process_doc(document, mappings=given, verbosity=0)
+            except Exception as error:  # the file's Python raises anything
+                raise _describe(xacro, error) from error
+    return document, run.known
+
+
+def _defaults_of_root(document: Document) -> dict[str, str]:
+    """Return the arguments in the attributes of ``<robot>`` that have a default.
+
+    The elements that declare them are inside ``<robot>``: xacro reads them too late.
+    """
+    root = document.documentElement
+    if root is None:
+        return {}
+    used = {
+        name
+        for _, value in root.attributes.items()
+        for name in _ARGUMENT.findall(value)
+    }
+    return {
+        name: arg.getAttribute("default")
+        for arg in children(root, "xacro:arg")
+        if (name := arg.getAttribute("name")) in used and arg.hasAttribute("default")
+    }
+
+
+@functools.cache
+def _imported() -> ModuleType:
+    """Return PyPI's xacro; Python 3.10 warns of its private names while it is imported.
+
+    A sourced ROS has another one, of any version, which PYTHONPATH puts first.
+    """
+    before = list(sys.path)
+    of_ros = set(os.environ.get("PYTHONPATH", "").split(os.pathsep))
+    sys.path.sort(key=of_ros.__contains__)  # stable
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)
+            import xacro
+    finally:
+        sys.path[:] = before
     return xacro  # type: ignore[no-any-return]  # it has no types
 
 
@@ -79,7 +139,7 @@ class _Expansion:
 
     def parse(self, inp: None, filename: str) -> Document:
         """Replace ``xacro.parse``: elements know their lines."""
-        path = Path(filename)
+        path = source_path(Path(filename))
         if not path.is_file():
             self._xacro.filestack.pop()  # as xacro does: this file was never entered
             error = FileNotFoundError(2, "no such file", filename)
@@ -137,7 +197,7 @@ class _Expansion:
 
     def load_yaml(self, filename: str) -> Any:  # whatever YAML holds
         """Replace ``xacro.load_yaml``, with the C loader if there is one."""
-        path = Path(self._xacro.abs_filename_spec(str(filename)))
+        path = source_path(Path(self._xacro.abs_filename_spec(str(filename))))
         if not path.is_file():
             raise DescriptionError(
                 f"cannot read the parameters '{path}': there is no such file"

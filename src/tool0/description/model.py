@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeVar, final
 
+from tool0.description.hardware_component import HardwareComponent
 from tool0.description.shapes import RGBA, Geometry
 from tool0.description.transform import Pose, Vector3
 from tool0.description.units import ANGLE, LENGTH, Quantity
@@ -275,13 +276,16 @@ class Transmission:
 
     name: str
     joint: str
-    interface: Interface
+    interfaces: tuple[Interface, ...]
+    """What commands it can follow, the preferred one first; one of them at a time."""
     mechanical_reduction: float = 1.0
     rotor_inertia: float = 0.0
     """Inertia of the rotor, on the motor side [kg·m²]."""
     gravity_compensation: bool = False
     """Whether the drive compensates gravity itself, and effort acts in addition: for
     drives with such a large reduction that gravity hardly matters."""
+    command_limits: JointLimits = field(default_factory=JointLimits)
+    """Limits of its commands, in addition to those of the joint."""
 
     @property
     def armature(self) -> float:
@@ -433,6 +437,10 @@ class RobotModel:
     """Its parallel grippers."""
     loops: tuple[LoopJoint, ...] = ()
     """Pairs of links connected in a point, beyond the tree."""
+    hardware: tuple[HardwareComponent, ...] = field(default=(), hash=False)
+    """Its ``<ros2_control>`` tags; without them, ``<transmission>`` defines drives."""
+    initial_positions: Mapping[str, float] = field(default_factory=dict, hash=False)
+    """Where ``<ros2_control>`` lets joints start, by joint [rad | m]."""
     locations: dict[str, SourceLocation] = field(
         default_factory=dict, compare=False, repr=False
     )
@@ -470,6 +478,30 @@ class RobotModel:
     def transmission_by_joint(self) -> dict[str, Transmission]:
         """The drive of each driven joint."""
         return {item.joint: item for item in self.transmissions}
+
+    @cached_property
+    def wrench_sensors(self) -> dict[str, str]:
+        """The link of each force-torque sensor that the hardware has, by its name.
+
+        That is the link in its parameter ``frame_id``, or else the flange whose prefix
+        its name has, too.  A sensor without such a link is left out.
+        """
+        found = {}
+        for item in (item for component in self.hardware for item in component.items):
+            named = item.parameters.get("frame_id", "")
+            flanges = (
+                flange
+                for flange in self.flanges
+                if item.name.startswith(flange.removesuffix(FLANGE))
+            )
+            link = (
+                named
+                if named in self.link_by_name
+                else max(flanges, key=len, default="")
+            )
+            if item.is_force_torque_sensor and link:
+                found[item.name] = link
+        return found
 
     @cached_property
     def flanges(self) -> tuple[str, ...]:

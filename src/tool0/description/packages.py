@@ -1,8 +1,9 @@
 """Finding ROS packages and the files inside them, without ROS.
 
 Bundled packages come first, then those of ``ROS_PACKAGE_PATH``, each entry of which is
-a package or a folder that contains packages.  ``preferring`` puts the packages of a
-workspace before both.
+a package or a folder that contains packages, then those that ROS 2 has installed, below
+the entries of ``AMENT_PREFIX_PATH``.  ``preferring`` puts the packages of a workspace
+before all.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ BUNDLED = Path(__file__).resolve().parent.parent / "ros_packages"
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 _NONE: Mapping[str, Path] = MappingProxyType({})
 _PREFERRED: ContextVar[Mapping[str, Path]] = ContextVar("preferred", default=_NONE)
+_MAX_FOLDERS = 100
 _IGNORE = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 
 
@@ -48,12 +50,24 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
             if package_name(folder) == name:
                 return folder
             seen.add(package_name(folder))
-    looked = ", ".join(map(str, (BUNDLED, *search_path)))
+    installed = list(_share_folders())
+    for share in installed:
+        if (share / name / "package.xml").is_file():
+            return share / name
+    seen.update(path.name for share in installed for path in share.iterdir())
+    looked = ", ".join(map(str, (BUNDLED, *search_path, *installed)))
     raise DescriptionError(
         f"there is no ROS package '{name}' in {looked}{did_you_mean(name, seen)}; "
         "add its parent folder to ROS_PACKAGE_PATH",
         location,
     )
+
+
+def _share_folders() -> Iterator[Path]:
+    """Yield where ROS 2 installs packages; they are called as their folders are."""
+    for entry in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        if entry and (share := expanded(entry) / "share").is_dir():
+            yield share
 
 
 @contextmanager
@@ -88,6 +102,30 @@ def resolve_uri(uri: str, location: SourceLocation | None = None) -> Path:
         "write package://PACKAGE/PATH, file:///PATH or a path",
         location,
     )
+
+
+def source_path(path: Path) -> Path:
+    """Return where a file of a package's share folder is in the package's source.
+
+    CMake may install a folder of it elsewhere: ``description/urdf`` as
+    ``share/PACKAGE/urdf``.  The path is returned as it is if it exists, or if not
+    exactly one folder of the package has such a file.
+    """
+    if os.path.lexists(path):
+        return path
+    parents = (f for f in path.parents if os.path.isfile(f / "package.xml"))  # noqa: PTH113  # Path's may raise
+    package = next(parents, None)
+    if package is None:
+        return path
+    inside = path.relative_to(package)
+    first = _folders(package)
+    folders = [*first, *(q for p in first[:_MAX_FOLDERS] for q in _folders(p))]
+    found = [folder / inside for folder in folders if (folder / inside).exists()]
+    return found[0] if len(found) == 1 else path
+
+
+def _folders(folder: Path) -> list[Path]:
+    return [path for path in sorted(folder.iterdir()) if path.is_dir()]
 
 
 def crawl(root: Path) -> Iterator[Path]:

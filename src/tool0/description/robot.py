@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, final
 
 from tool0.description.arm_files import ARM_FILES, check_arm_files
+from tool0.description.assumed_drives import assume_drives
 from tool0.description.catalogue import (
     NO_GRIPPER,
     DisplayName,
@@ -141,7 +142,7 @@ def load_description(
         ConfigError: If a cell is wrong.
     """
     if config.robot is not None:
-        return load_robot(config.robot, config.args)
+        return load_robot(config.robot, config.args, is_driven=config.ros2_control)
     cell = _cell_of(config)
     if cell is not None:
         return _load_cell(cell, spawn_z)
@@ -164,6 +165,12 @@ def _cell_of(config: DescriptionConfig) -> Cell | None:
         cell = load_cell(config.cell)
     else:
         return None
+    if config.ros2_control:
+        robots = (
+            replace(item, description=replace(item.description, ros2_control=True))
+            for item in cell.robots
+        )
+        cell = replace(cell, robots=tuple(robots))
     return replace(cell, namespaces=True) if config.namespaces else cell
 
 
@@ -251,9 +258,14 @@ def assemble(
 
 
 def load_robot(
-    path: Path | str, args: Mapping[str, Argument] | None = None
+    path: Path | str,
+    args: Mapping[str, Argument] | None = None,
+    *,
+    is_driven: bool = False,
 ) -> RobotDescription:
     """Return the robot in your own file, which is xacro unless it ends in ``.urdf``.
+
+    With ``is_driven``, every joint is driven if the file does not say which are.
 
     Raises:
         DescriptionError: If the file, or a file it refers to, cannot be read.
@@ -272,6 +284,8 @@ def load_robot(
         document = parse_file(path)
     else:
         document = expand(path, given)
+    if is_driven:
+        assume_drives(document)
     return RobotDescription(model=read_model(document), source=path, _document=document)
 
 

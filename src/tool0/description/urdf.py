@@ -1,7 +1,8 @@
 """Strict URDF parser: returns a ``RobotModel``, or an error with file and line.
 
-Besides the tree it reads ``<transmission>`` as ros_control does,
-``<gazebo reference=…>`` (surfaces and springs) as Gazebo does, and elements of our own:
+Besides the tree it reads ``<transmission>`` as ros_control does, ``<ros2_control>`` as
+ros2_control does, ``<gazebo reference=…>`` (surfaces and springs) as Gazebo does, and
+elements of our own:
 ``<loop_joint>``, ``<passive_joint>`` (called so in SRDF) and ``<parallel_gripper>``.
 """
 
@@ -24,6 +25,7 @@ from tool0.description.model import (
     Surface,
     Transmission,
 )
+from tool0.description.ros2_control import read_ros2_control
 from tool0.description.urdf_elements import (
     read_color,
     read_gripper,
@@ -84,6 +86,9 @@ def read_model(document: Document) -> RobotModel:
         _add(joints, "joint", read_joint(element), element, locations)
     if not links:
         raise ModelError("the robot has no <link>; give it at least one", locate(robot))
+    control = read_ros2_control(robot, joints)
+    for name, mimic in control.mimics.items():
+        joints[name] = replace(joints[name], mimic=mimic)
     _check_mimics(joints, locations)
     _apply_gazebo(robot, links, joints)
     _mark_passive(robot, joints)
@@ -93,11 +98,13 @@ def read_model(document: Document) -> RobotModel:
         root=root,
         links=tuple(links.values()),
         joints=ordered,
-        transmissions=_read_transmissions(robot, joints),
+        transmissions=_read_transmissions(robot, joints, control.drives),
         grippers=tuple(
             read_gripper(item, joints) for item in children(robot, "parallel_gripper")
         ),
         loops=tuple(read_loop(item, links) for item in children(robot, "loop_joint")),
+        hardware=control.components,
+        initial_positions=control.initial,
         locations=locations,
     )
     _check_loops(model)
@@ -261,11 +268,12 @@ def _mark_passive(robot: Element, joints: dict[str, Joint]) -> None:
 
 
 def _read_transmissions(
-    robot: Element, joints: Mapping[str, Joint]
+    robot: Element, joints: Mapping[str, Joint], drives: Mapping[str, Transmission]
 ) -> tuple[Transmission, ...]:
+    """Return the drives; those of ``<ros2_control>`` come first."""
     found: dict[str, Transmission] = {}
     for element in children(robot, "transmission"):
-        transmission = read_transmission(element)
+        transmission = read_transmission(element, drives)
         what = f"transmission '{transmission.name}' drives the unknown joint"
         require_known(transmission.joint, joints, what, locate(element))
         if transmission.joint in found:
@@ -276,7 +284,7 @@ def _read_transmissions(
                 locate(element),
             )
         found[transmission.joint] = transmission
-    return tuple(found.values())
+    return tuple({**drives, **found}.values())
 
 
 def _check_loops(model: RobotModel) -> None:

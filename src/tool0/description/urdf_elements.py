@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from functools import partial
 from xml.dom.minidom import Element
 
@@ -33,6 +34,7 @@ from tool0.description.model import (
 from tool0.description.shapes import (
     RGBA,
     SHAPES,
+    Box,
     Geometry,
     check_geometry,
     read_geometry,
@@ -56,6 +58,9 @@ from tool0.description.xml_source import (
     vector,
 )
 from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
+
+SHEET = 1e-3
+"""Thickness of a box that has one edge of length 0, such as a drawn floor [m]."""
 
 _LIMITED = (JointType.REVOLUTE, JointType.PRISMATIC)
 _WITH_AXIS = (*_LIMITED, JointType.CONTINUOUS, JointType.PLANAR)
@@ -118,6 +123,9 @@ def _read_geometry(owner: Element) -> Geometry:
         partial(numbers, shape),
         lambda: (required(shape, "filename"), location),
     )
+    if isinstance(geometry, Box) and geometry.size.count(0.0) == 1:
+        x, y, z = (size or SHEET for size in geometry.size)
+        geometry = Box(size=(x, y, z))
     try:
         check_geometry(geometry, f"of the <{owner.tagName}>")
     except ConfigError as error:
@@ -239,8 +247,13 @@ def _read_safety(element: Element) -> SafetyController | None:
     return safety
 
 
-def read_transmission(element: Element) -> Transmission:
-    """Return the transmission that ``element`` describes, as in ros_control."""
+def read_transmission(
+    element: Element, drives: Mapping[str, Transmission]
+) -> Transmission:
+    """Return the transmission that ``element`` describes, as in ros_control.
+
+    If its joint is one of ``drives``, it only adds its data to that drive.
+    """
     joint = required_child(element, "joint")
     actuator = only_child(element, "actuator")
     reduction = inertia = None
@@ -258,13 +271,19 @@ def read_transmission(element: Element) -> Transmission:
             "the one must not be zero, the other not negative",
             locate(actuator),
         )
-    return Transmission(
+    name = required(joint, "name")
+    drive = drives.get(name) or Transmission(
         name=required(element, "name"),
-        joint=required(joint, "name"),
-        interface=_read_interface(element, joint, actuator),
-        mechanical_reduction=1.0 if reduction is None else reduction,
-        rotor_inertia=0.0 if inertia is None else inertia,
-        gravity_compensation=carries_weight,
+        joint=name,
+        interfaces=(_read_interface(element, joint, actuator),),
+    )
+    return replace(
+        drive,
+        mechanical_reduction=drive.mechanical_reduction
+        if reduction is None
+        else reduction,
+        rotor_inertia=drive.rotor_inertia if inertia is None else inertia,
+        gravity_compensation=drive.gravity_compensation or carries_weight,
     )
 
 

@@ -225,6 +225,22 @@ def _line_of(mark: Any, first: SourceLocation) -> SourceLocation:
     return SourceLocation(first.file, line)
 
 
+def merged(*entries: YamlEntry) -> YamlEntry:
+    """Return a copy of the first mapping with the values of the others."""
+    result = YamlEntry(entries[0].key, entries[0].location, {})
+    for entry in entries:
+        _merge(result, _copied(entry))
+    return result
+
+
+def _copied(entry: YamlEntry) -> YamlEntry:
+    """Return a copy of an entry and of the mappings in it."""
+    if not entry.is_mapping:
+        return entry
+    children = {name: _copied(child) for name, child in entry.children.items()}
+    return YamlEntry(entry.key, entry.location, children)
+
+
 def _merge(target: YamlEntry, source: YamlEntry) -> None:
     """Merge ``source`` into ``target``; both are mappings."""
     for name, child in source.children.items():

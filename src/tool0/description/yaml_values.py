@@ -5,11 +5,28 @@ from __future__ import annotations
 import contextlib
 import math
 from dataclasses import dataclass, field
-from typing import final
+from typing import TypeVar, final
 
 from tool0.description.transform import Vector3
 from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
+
+Value = str | float | int | bool | tuple[str, ...] | tuple[float, ...]
+"""What a getter returns."""
+Recorded = TypeVar("Recorded", bound=Value)
+
+
+@final
+@dataclass(slots=True)
+class Reading:
+    """What was read from a mapping and those inside it; keys are full."""
+
+    keys: set[str] = field(default_factory=set)
+    """Looked up so far."""
+    values: dict[str, Value] = field(default_factory=dict)
+    """What the getters returned, defaults included."""
+    adjustable: set[str] = field(default_factory=set)
+    """What may change later."""
 
 
 @final
@@ -21,8 +38,7 @@ class Namespace:
     """
 
     entry: YamlEntry
-    lookups: set[str] = field(default_factory=set)
-    """The full keys looked up so far."""
+    reading: Reading = field(default_factory=Reading)
 
     def __post_init__(self) -> None:
         if not self.entry.is_mapping:
@@ -39,27 +55,47 @@ class Namespace:
 
     def find(self, path: str) -> YamlEntry | None:
         """Return the entry at ``a/b``, or None."""
-        self.lookups.add(f"{self.entry.key}/{path}")
+        self.reading.keys.add(f"{self.entry.key}/{path}")
         return self.entry.find(path)
 
     def namespace(self, path: str) -> Namespace | None:
         """Return the mapping at ``path``, or None if there is none."""
         entry = self.find(path)
-        return None if entry is None else Namespace(entry, self.lookups)
+        return None if entry is None else Namespace(entry, self.reading)
 
     def accept(self, *paths: str) -> None:
         """Mark parameters as known that ROS reads and tool0 does not need."""
-        self.lookups.update(f"{self.entry.key}/{path}" for path in paths)
+        self.reading.keys.update(f"{self.entry.key}/{path}" for path in paths)
+
+    def mark_adjustable(self, *paths: str) -> None:
+        """Mark parameters that may change while a controller runs."""
+        self.reading.adjustable.update(f"{self.entry.key}/{path}" for path in paths)
 
     def read_keys(self) -> frozenset[str]:
         """Return the keys that were looked up, without their parent mappings."""
-        keys = {key.removeprefix(f"{self.entry.key}/") for key in self.lookups}
+        keys = {self.path_of(key) for key in self.reading.keys}
         outer = {
             "/".join(parts[:n])
             for parts in (key.split("/") for key in keys)
             for n in range(1, len(parts))
         }
         return frozenset(keys - outer)
+
+    def read_values(self) -> dict[str, Value]:
+        """Return what the getters returned, by path, defaults included."""
+        return {self.path_of(key): value for key, value in self.reading.values.items()}
+
+    def adjustable_paths(self) -> frozenset[str]:
+        """Return the paths that ``mark_adjustable`` marked."""
+        return frozenset(map(self.path_of, self.reading.adjustable))
+
+    def path_of(self, key: str) -> str:
+        """Return the path of an entry in it, by the entry's full key."""
+        return key.removeprefix(f"{self.entry.key}/")
+
+    def _recorded(self, path: str, value: Recorded) -> Recorded:
+        self.reading.values[f"{self.entry.key}/{path}"] = value
+        return value
 
     def only(self, *valid: str) -> None:
         """Raise ConfigError if there is a key outside ``valid``."""
@@ -73,20 +109,30 @@ class Namespace:
     def number(self, path: str, default: float | None = None) -> float:
         """Return the finite number at ``path``."""
         if default is not None and self.find(path) is None:
-            return default
-        return _number(self._required(path, "a number"))
+            return self._recorded(path, default)
+        return self._recorded(path, _number(self._required(path, "a number")))
+
+    def integer(self, path: str, default: int) -> int:
+        """Return the whole number at ``path``."""
+        entry = self.find(path)
+        if entry is None:
+            return self._recorded(path, default)
+        value = entry.scalar
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise _wrong(entry, "a whole number")
+        return self._recorded(path, value)
 
     def numbers(
         self, path: str, count: int, default: tuple[float, ...] | None = None
     ) -> tuple[float, ...]:
         """Return the list of ``count`` finite numbers at ``path``."""
         if default is not None and self.find(path) is None:
-            return default
+            return self._recorded(path, default)
         kind = f"a list of {count} numbers"
         entry = self._required(path, kind)
         if len(entry.items) != count:
             raise _wrong(entry, kind)
-        return tuple(_number(item) for item in entry.items)
+        return self._recorded(path, tuple(_number(item) for item in entry.items))
 
     def vector(self, path: str, default: Vector3 | None = None) -> Vector3:
         """Return the three numbers at ``path``."""
@@ -113,26 +159,39 @@ class Namespace:
     def boolean(self, path: str, default: bool) -> bool:
         entry = self.find(path)
         if entry is None:
-            return default
+            return self._recorded(path, default)
         if not isinstance(entry.scalar, bool):
             raise _wrong(entry, "true or false")
-        return entry.scalar
+        return self._recorded(path, entry.scalar)
 
-    def text(self, path: str) -> str:
+    def text(self, path: str, default: str | None = None) -> str:
+        """Return the string at ``path``."""
+        if default is not None and self.find(path) is None:
+            return self._recorded(path, default)
         entry = self._required(path, "a text")
         if not isinstance(entry.scalar, str):
             raise _wrong(entry, "a text")
-        return entry.scalar
+        return self._recorded(path, entry.scalar)
 
-    def texts(self, path: str) -> tuple[str, ...]:
-        """Return the list of strings at ``path``, with at least one element."""
+    def texts(
+        self, path: str, default: tuple[str, ...] | None = None
+    ) -> tuple[str, ...]:
+        """Return the list of strings at ``path``.
+
+        Without a default it must have at least one element.
+        """
+        found = self.find(path)
+        if default is not None and found is None:
+            return self._recorded(path, default)
+        if default is not None and found is not None and found.value == []:
+            return self._recorded(path, ())
         entry = self._required(path, "a list of names")
         texts = tuple(
             item.scalar for item in entry.items if isinstance(item.scalar, str)
         )
         if not texts or len(texts) != len(entry.items):
             raise _wrong(entry, "a list of names, like [joint_1, joint_2]")
-        return texts
+        return self._recorded(path, texts)
 
     def _required(self, path: str, kind: str) -> YamlEntry:
         entry = self.find(path)

@@ -10,8 +10,8 @@ over 12 joints costs less than one NumPy call per joint.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple, final
 
 import numpy as np
@@ -42,6 +42,12 @@ class BodyInertia:
         )
         rotation = pose[:3, :3]
         return BodyInertia(i.mass, pose[:3, 3], rotation @ tensor @ rotation.T)
+
+    def moved(self, frame: Matrix) -> BodyInertia:
+        """Return it in the frame in which its own frame has the pose ``frame``."""
+        rotation = frame[:3, :3]
+        center = rotation @ self.center + frame[:3, 3]
+        return BodyInertia(self.mass, center, rotation @ self.tensor @ rotation.T)
 
     @staticmethod
     def total(parts: Sequence[BodyInertia]) -> BodyInertia:
@@ -99,6 +105,25 @@ def moving_bodies(model: RobotModel) -> tuple[MovingBody, ...]:
             )
         )
     return tuple(bodies)
+
+
+def with_added(
+    bodies: Sequence[MovingBody], added: Mapping[str, Sequence[BodyInertia]]
+) -> list[MovingBody]:
+    """Return ``bodies`` with inertias ``added`` to links, in the links' frames.
+
+    What is added to a link that never moves has no effect.
+    """
+    found = []
+    for body in bodies:
+        parts = [
+            part.moved(frame)
+            for name, frame in body.links
+            for part in added.get(name, ())
+        ]
+        total = BodyInertia.total([body.inertia, *parts]) if parts else body.inertia
+        found.append(replace(body, inertia=total))
+    return found
 
 
 def total_inertia(
@@ -188,9 +213,17 @@ class JointDynamics:
     Passive joints count as mimic joints: they mimic while nothing touches the linkage.
     """
 
-    def __init__(self, model: RobotModel, gravity: Vector3 = STANDARD_GRAVITY) -> None:
-        """Read the model; ``gravity`` [m/s²] is in the axes of its root."""
-        bodies = moving_bodies(model)
+    def __init__(
+        self,
+        model: RobotModel,
+        gravity: Vector3 = STANDARD_GRAVITY,
+        added: Mapping[str, Sequence[BodyInertia]] | None = None,
+    ) -> None:
+        """Read the model; ``gravity`` [m/s²] is in the axes of its root.
+
+        ``added`` are further inertias, by the link in whose frame they are.
+        """
+        bodies = with_added(moving_bodies(model), added or {})
         self._n = len(bodies)
         self._gravity = math.hypot(*gravity)
         # In the rotated root, gravity points along -z.

@@ -2,7 +2,7 @@
 
 A joint is driven in one of three ways: by the effort of its controller; by the position
 or velocity of its controller, through a servo; or by the brake, if no controller claims
-it.
+it.  A drive may offer several command interfaces; the claim selects one of them.
 
 Without gains, Gazebo's position interface sets the joint position directly; ours never
 does.  The effort of a servo is gravity compensation, plus a PD law scaled by the
@@ -14,18 +14,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import reduce
 from operator import add, mul, truediv
 from typing import NamedTuple, final
 
+from tool0.description.finding import quoted
 from tool0.description.model import (
+    FLANGE,
     Interface,
     Joint,
     JointLimits,
     RobotModel,
+    Transmission,
 )
 from tool0.description.transform import Vector3
-from tool0.errors import ModelError, did_you_mean
+from tool0.errors import ClaimError, ControlError, ModelError, did_you_mean
 from tool0.hardware.bodies import STANDARD_GRAVITY, DynamicsTable, JointDynamics
 from tool0.hardware.engine import JointState
 from tool0.hardware.limits import (
@@ -34,6 +38,7 @@ from tool0.hardware.limits import (
     EffortLimiter,
     EffortLimits,
 )
+from tool0.hardware.payload import Payload, replaced_tools
 from tool0.hardware.servos import (
     Brake,
     PositionServo,
@@ -51,7 +56,7 @@ the mass matrix of servos, and gravity compensation.  In 64 ms the fastest wrist
 
 
 class DriveTable(NamedTuple):
-    """What never changes in the drives of a robot."""
+    """What changes in the drives of a robot only with a payload."""
 
     dt: float
     """Length of a step [s]."""
@@ -61,6 +66,8 @@ class DriveTable(NamedTuple):
     bounds: tuple[DriveBounds, ...]
     compensated: tuple[int, ...]
     """Joints whose drives compensate gravity."""
+    steps_per_command: int
+    """Steps in which a position servo reaches a command."""
 
 
 class DriveSetup(NamedTuple):
@@ -119,14 +126,22 @@ class RobotHardware:
         self.joint_names = tuple(joint_names)
         self.index = {name: i for i, name in enumerate(self.joint_names)}
         self.interfaces = {
-            name: model.transmission_by_joint[name].interface
+            name: model.transmission_by_joint[name].interfaces
             for name in self.joint_names
             if name in model.transmission_by_joint
         }
+        """The command interfaces of each driven joint, the preferred one first."""
         self._armatures = {
             name: model.transmission_by_joint[name].armature for name in self.interfaces
         }
+        self._model, self._gravity_vector = model, gravity
+        self._payloads: dict[str, Payload] = {}
         self._dynamics = JointDynamics(model, gravity)
+        self.speed_scaling = {
+            flange.removesuffix(FLANGE): 1.0 for flange in model.flanges
+        }
+        """Prefix of each arm → the factor by which scaled trajectories slow down; a
+        controller reads it once per tick."""
         inertias = self._dynamics.mass_matrix([0.0] * len(joint_names)).diagonal()
         # Joints that others mimic are left to ROS's rule, as the recordings have it.
         masters = {joint.mimic.joint for joint in model.movable_joints if joint.mimic}
@@ -138,7 +153,7 @@ class RobotHardware:
             name: _effort_limits(
                 model.joint_by_name[name],
                 overrides.get(name),
-                self._armatures[name],
+                model.transmission_by_joint[name],
                 inertia_by_joint[name],
                 dt,
             )
@@ -162,17 +177,28 @@ class RobotHardware:
         self._servos: dict[int, Servo] = {}
         self._compensated = [
             self.index[name]
-            for name, interface in self.interfaces.items()
-            if interface is Interface.EFFORT
+            for name, interfaces in self.interfaces.items()
+            if Interface.EFFORT in interfaces
             and model.transmission_by_joint[name].gravity_compensation
         ]
         self._compensation: list[tuple[int, float]] = []
         self._gravity_effort = [0.0] * len(self.joint_names)
         """The part of the effort that compensates gravity [N·m | N], where a drive has
         limits."""
-        self._claimed: set[str] = set()
+        self._claimed: dict[str, Interface] = {}
+        """The interface through which a controller commands a joint."""
         for name in self.interfaces:
             self._select_servo(name, 0.0)
+        self._table: DriveTable | None = None
+        self._steps_per_command = 1
+
+    def set_steps_per_command(self, n_steps: int) -> None:
+        """Expect a new command of each controller every ``n_steps``, from a restart on.
+
+        A position servo moves evenly from one command to the next, as real drives do.
+        """
+        self._steps_per_command = n_steps
+        self._table = None
 
     @property
     def is_stopped(self) -> bool:
@@ -186,24 +212,53 @@ class RobotHardware:
         for name in self.interfaces:
             self._hold(name, state)
 
-    def claim(self, joints: Sequence[str], state: JointState) -> None:
-        """Give ``joints`` to a controller; they hold still until its first command."""
+    @property
+    def claimed(self) -> Mapping[str, Interface]:
+        """The claimed joints, with the interface that commands each."""
+        return self._claimed
+
+    def claim(
+        self, joints: Sequence[str], interface: Interface, state: JointState
+    ) -> None:
+        """Give ``joints`` to a controller; they hold still until its first command.
+
+        Raises:
+            ControlError: If a drive does not offer ``interface``.
+            ClaimError: If a joint is commanded already.  Nothing has changed then.
+        """
         for name in joints:
-            self._claimed.add(name)
+            self._check_claim(name, interface)
+        for name in joints:
+            self._claimed[name] = interface
             self._limiter.set_drive_limits(self.index[name], None)
             self._hold(name, state)
 
+    def _check_claim(self, name: str, interface: Interface) -> None:
+        offered = self.interfaces.get(name, ())
+        if interface not in offered:
+            names = quoted(item.value for item in offered) if offered else "none"
+            raise ControlError(
+                f"joint '{name}' takes no commands through '{interface.value}'; "
+                f"its command interfaces: {names}"
+            )
+        current = self._claimed.get(name)
+        if current is not None:
+            raise ClaimError(
+                f"joint '{name}' cannot be commanded through '{interface.value}': "
+                f"a controller commands it through '{current.value}'; stop that first"
+            )
+
     def _hold(self, name: str, state: JointState) -> None:
         """Command the joint to stay as it is, or no effort."""
-        i, interface = self.index[name], self.interfaces[name]
-        holds_position = interface is Interface.POSITION
+        i = self.index[name]
+        holds_position = self._claimed.get(name) is Interface.POSITION
         self.command[i] = state.position[i] if holds_position else 0.0
         self._select_servo(name, state.position[i])
 
     def release(self, joints: Sequence[str], state: JointState) -> None:
         """Take ``joints`` back: the brakes hold them."""
         for name in joints:
-            self._claimed.discard(name)
+            self._claimed.pop(name, None)
             self._limiter.set_drive_limits(self.index[name], None)
             self._select_servo(name, state.position[self.index[name]])
 
@@ -240,15 +295,36 @@ class RobotHardware:
         return effort
 
     @property
-    def table(self) -> DriveTable:
-        """What never changes."""
-        return DriveTable(
-            self._dt,
-            tuple(self._to_model),
-            self._dynamics.table,
-            self._limiter.bounds,
-            tuple(self._compensated),
+    def payloads(self) -> Mapping[str, Payload]:
+        """The payloads that were set, by flange."""
+        return self._payloads
+
+    def set_payload(self, flange: str, payload: Payload | None) -> None:
+        """Take this to be fixed to ``flange``, or what the description has there."""
+        self._payloads.pop(flange, None)
+        if payload is not None:
+            self._payloads[flange] = payload
+        self._dynamics = JointDynamics(
+            self._model,
+            self._gravity_vector,
+            replaced_tools(self._model, self._payloads),
         )
+        self._table = None
+        self._masses, self._compensation = [], []
+
+    @property
+    def table(self) -> DriveTable:
+        """What changes only with a payload: the same table until then."""
+        if self._table is None:
+            self._table = DriveTable(
+                self._dt,
+                tuple(self._to_model),
+                self._dynamics.table,
+                self._limiter.bounds,
+                tuple(self._compensated),
+                self._steps_per_command,
+            )
+        return self._table
 
     @property
     def setup(self) -> DriveSetup:
@@ -291,12 +367,12 @@ class RobotHardware:
 
     def _select_servo(self, name: str, position: float) -> None:
         """Give the joint the servo or brake for its claim and interface."""
-        i, interface = self.index[name], self.interfaces[name]
+        i, interface = self.index[name], self._claimed.get(name)
         drive = self._drives[name]
         self._servos.pop(i, None)
         self._masses, self._compensation = [], []
         self._gravity_effort[i] = 0.0
-        if name not in self._claimed or self._is_stopped:
+        if interface is None or self._is_stopped:
             self._servos[i] = Brake()
         elif interface is Interface.POSITION:
             self._servos[i] = PositionServo(
@@ -336,11 +412,12 @@ class RobotHardware:
         if not self._masses or self._steps % POSE_PERIOD == 0:
             self._masses = self._servo_masses(state)
         gravity = self._gravity(state)
-        command, dt = self.command, self._dt
+        command, dt, period = self.command, self._dt, self._steps_per_command
+        left = period - self._steps % period
         _, position, velocity, _ = state
         wanted = []
         for (i, servo), most in zip(self._servos.items(), self._fastest, strict=True):
-            a = servo.acceleration(command[i], position[i], velocity[i], dt)
+            a = servo.acceleration(command[i], position[i], velocity[i], dt, left)
             wanted.append(-most if a < -most else min(a, most))
         for i, limits in self._limiter.drive_limits.items():
             limited = self._servos.get(i)
@@ -368,12 +445,23 @@ class RobotHardware:
 def _effort_limits(
     joint: Joint,
     limits: JointLimits | None,
-    armature: float,
+    drive: Transmission,
     inertia: float,
     dt: float,
 ) -> EffortLimits:
     """Return the limits of a drive; ``inertia`` counts for a light joint."""
-    hard = limits or joint.limits
+    hard, commands, armature = (
+        limits or joint.limits,
+        drive.command_limits,
+        drive.armature,
+    )
+    hard = replace(
+        hard,
+        lower=max(hard.lower, commands.lower),
+        upper=min(hard.upper, commands.upper),
+        velocity=min(hard.velocity, commands.velocity),
+        effort=min(hard.effort, commands.effort),
+    )
     is_light = not armature and hard.effort * dt > hard.velocity * inertia
     return EffortLimits(
         hard=hard,

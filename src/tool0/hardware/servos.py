@@ -94,9 +94,13 @@ class PositionServo:
         self._target, self._integral, self.speed = state
 
     def acceleration(
-        self, command: float, position: float, velocity: float, dt: float
+        self, command: float, position: float, velocity: float, dt: float, left: int
     ) -> float:
-        """Return the acceleration for ``command`` [rad/s² | m/s²]."""
+        """Return the acceleration for ``command`` [rad/s² | m/s²].
+
+        The target reaches ``command`` in the ``left`` steps before the next command:
+        between two commands, the joint moves evenly.
+        """
         previous = self._target
         lag = previous - position
         is_stopped = self._is_stiff and abs(lag) > STOPPED
@@ -104,7 +108,7 @@ class PositionServo:
             previous = position  # releasing need not wait for the joint to return
         slowest, fastest = velocity_window(previous, self._limits, self._soft)
         slowest, fastest = max(slowest, -self.speed), min(fastest, self.speed)
-        step = min(max(command - previous, slowest * dt), fastest * dt)
+        step = min(max((command - previous) / left, slowest * dt), fastest * dt)
         self._target = target = self._limits.clamp(previous + step)
         error = target - position
         stiffness = self._bandwidth**2
@@ -143,7 +147,7 @@ class VelocityServo:
         self._integral = state.integral
 
     def acceleration(
-        self, command: float, position: float, velocity: float, dt: float
+        self, command: float, position: float, velocity: float, dt: float, left: int
     ) -> float:
         slowest, fastest = velocity_window(position, self._limits, self._soft)
         error = min(max(command, slowest), fastest) - velocity
@@ -177,13 +181,13 @@ class Brake:
         self.law = self._servo.law._replace(kind=kind, held_at=position)
 
     def acceleration(
-        self, command: float, position: float, velocity: float, dt: float
+        self, command: float, position: float, velocity: float, dt: float, left: int
     ) -> float:
         """Return the braking acceleration [rad/s² | m/s²]; ``command`` is not read."""
         if self.law.kind is ServoKind.SLOWING and abs(velocity) <= STANDSTILL:
             self.hold(position)
         # A joint that is slowed down has velocity 0 as its target.
-        return self._servo.acceleration(self.law.held_at, position, velocity, dt)
+        return self._servo.acceleration(self.law.held_at, position, velocity, dt, left)
 
 
 Servo = PositionServo | VelocityServo | Brake

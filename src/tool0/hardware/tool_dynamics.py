@@ -11,7 +11,7 @@ momentum is A q̇ / N.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple, final
 
 import numpy as np
@@ -75,7 +75,8 @@ class ToolDynamics:
         """
         self.links = frozenset(model.links_from(link))
         """``link`` and all links beyond it."""
-        bodies = moving_bodies(model)
+        self._model = model
+        self._bodies = bodies = moving_bodies(model)
         self._dynamics = JointDynamics(model)
         gx, gy, gz = gravity
         self._world_motion = _BodyMotion(_ZERO, _ZERO, (-gx, -gy, -gz))
@@ -84,6 +85,7 @@ class ToolDynamics:
         # The frames are rotated so that each joint acts along its z axis.
         turns = [turn_z_to(body.joint.axis) for body in bodies]
         turns.append(np.eye(3))  # the last, -1, is the world's
+        self._turns = turns
         self._carrier, frame = _find_body(model, bodies, link)
         self._flange = _as_frame(turns[self._carrier].T, frame)
         self._parts = [
@@ -94,6 +96,19 @@ class ToolDynamics:
         if self._carrier < 0:
             still = self._inertia(model, fixed_to_world(model))
             self._parts.append(_as_part(-1, still, turns[-1]))
+        self._payloads: list[_Part] = []
+
+    def subtract(self, payloads: Mapping[str, BodyInertia]) -> None:
+        """Subtract bodies fixed to these links, in the links' frames, from now on.
+
+        Those on links that the wrench does not include are ignored.
+        """
+        self._payloads = []
+        for link in payloads.keys() & self.links:
+            body, frame = _find_body(self._model, self._bodies, link)
+            moved = payloads[link].moved(frame)
+            less = BodyInertia(-moved.mass, moved.center, -moved.tensor)
+            self._payloads.append(_as_part(body, less, self._turns[body]))
 
     def wrench(
         self,
@@ -115,7 +130,7 @@ class ToolDynamics:
         flange = _compose(frames[self._carrier], self._flange)
         px, py, pz = flange[9:]
         fx = fy = fz = tx = ty = tz = 0.0
-        for i, mass, center, tensor in self._parts:
+        for i, mass, center, tensor in (*self._parts, *self._payloads):
             frame, motion = frames[i], motions[i]
             rx, ry, rz = _rotate(frame, center)
             ax, ay, az = _acceleration_at(motion, (rx, ry, rz))

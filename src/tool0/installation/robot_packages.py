@@ -22,7 +22,7 @@ UPSTREAM_PACKAGES: Final = ("ur_description", "robotiq_2f_85_gripper_visualizati
 _HOME: Final = "home"
 """The pose at the start."""
 _NOT_WRITTEN: Final = re.compile(
-    r"(native_)?controllers(_gripper_action)?\.yaml|gains\.yaml"
+    r"((native|started)_)?controllers(_gripper_action|_ros2)?\.yaml|gains\.yaml"
 )
 """Files of the configuration that only the program reads: parts of controllers."""
 _LAST_DEPENDENCY: Final = b"  <exec_depend>xacro</exec_depend>\n"
@@ -51,13 +51,43 @@ def robot_packages(
     Raises:
         ConfigError: If a folder of your own cannot be put among the built-in ones.
     """
-    own = [_own_part(part) for robot in robots for part in robot.parts]
     robot = robots[0]
     packages = PACKAGES[:1] if robot.name else PACKAGES
-    gripper = NO_GRIPPER if robot.gripper is None else robot.gripper.name
+    files = described_packages(robots, packages, upstream_meshes=upstream_meshes)
+    config = PurePosixPath("tool0_gazebo/config")
+    texts = {
+        "controllers": controllers,
+        "controllers_gripper_action": action_controllers,
+    }
+    for kind, text in texts.items() if "tool0_gazebo" in packages else ():
+        name = f"{robot.arm.name}_{gripper_name(robot)}_{kind}.yaml"
+        files[config / name] = _for_gazebo(text, robot.gripper, kind).encode()
+    if upstream_meshes:
+        _depend_on_upstream(files)
+    return files
+
+
+def described_packages(
+    robots: Sequence[CatalogueRobot],
+    packages: Sequence[str],
+    *,
+    upstream_meshes: bool = False,
+) -> Files:
+    """Return bundled packages, with robots as the default of their arguments.
+
+    Args:
+        robots: One robot, or those of a cell, the first of which is the default.
+        packages: The names of the packages, ``tool0_description`` among them.
+        upstream_meshes: Whether the meshes of ``UPSTREAM_PACKAGES`` are the default.
+
+    Raises:
+        ConfigError: If a folder of your own cannot be put among the built-in ones.
+    """
+    own = [_own_part(part) for robot in robots for part in robot.parts]
+    robot = robots[0]
     defaults = {
         "arm": robot.arm.name,
-        "gripper": gripper,
+        "gripper": gripper_name(robot),
         "meshes": "upstream" if upstream_meshes else "tool0",
         "initial_joint_positions": " ".join(
             f"-J {joint} {position}"
@@ -72,17 +102,12 @@ def robot_packages(
     files = {path: _with_defaults(data, defaults) for path, data in files.items()}
     for part_files in own:
         files |= part_files
-    config = PurePosixPath("tool0_gazebo/config")
-    texts = {
-        "controllers": controllers,
-        "controllers_gripper_action": action_controllers,
-    }
-    for kind, text in texts.items() if "tool0_gazebo" in packages else ():
-        name = f"{robot.arm.name}_{gripper}_{kind}.yaml"
-        files[config / name] = _for_gazebo(text, robot.gripper, kind).encode()
-    if upstream_meshes:
-        _depend_on_upstream(files)
     return files
+
+
+def gripper_name(robot: CatalogueRobot) -> str:
+    """Return the name of the gripper, or ``none``."""
+    return NO_GRIPPER if robot.gripper is None else robot.gripper.name
 
 
 def _files_in(folder: Path) -> list[Path]:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, final
 import numpy as np
 import warp as wp
 
-from tool0.control.config import Controller
+from tool0.control.controller import Controller
 from tool0.control.law import IdleLaw, TrajectoryLaw
 from tool0.description.model import LinearOpening, ParallelGripper, RotaryOpening
 from tool0.errors import ConfigError
@@ -298,12 +298,12 @@ def _laws(
         law = controller.law()
         if isinstance(law, IdleLaw):
             laws.append(None)
-        elif isinstance(law, TrajectoryLaw) and law.pid is not None:
+        elif isinstance(law, TrajectoryLaw) and law.pid and not law.lead:
             laws.append(law)
         else:
             raise ConfigError(
-                f"controller '{name}' cannot run on a GPU; only JointTrajectory"
-                "Controllers with an effort interface can: use device='cpu'"
+                f"controller '{name}' cannot run on a GPU; only ROS 1's Joint"
+                "TrajectoryControllers with an effort interface can: use device='cpu'"
             )
     if hardware.setup.servos:
         joints = [hardware.joint_names[i] for i, _ in hardware.setup.servos]
@@ -323,7 +323,7 @@ def _constants(
     feed_forward: list[float] = []
     for law in laws:
         if law is not None and law.pid is not None:
-            rows = [tuple(map(float, row[1:])) for row in law.pid.rows]
+            rows = [tuple(map(float, row[1:7])) for row in law.pid.rows]
             wraps += [k in law.wrapping for k in range(len(rows))]
             gains += rows
             feed_forward += law.feed_forward or [0.0] * len(rows)

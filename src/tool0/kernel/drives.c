@@ -100,7 +100,7 @@ static void velocity_window(const DriveWindow *window, double position, double *
 }
 
 static double to_position(const DriveTable *table, DriveServo *servo, double command,
-                          double position, double velocity)
+                          double position, double velocity, int left)
 {
     double dt = table->dt, slowest, fastest;
     double previous = servo->target, lag = previous - position;
@@ -110,7 +110,8 @@ static double to_position(const DriveTable *table, DriveServo *servo, double com
     velocity_window(&servo->window, previous, &slowest, &fastest);
     slowest = greatest(slowest, -servo->speed);
     fastest = least(fastest, servo->speed);
-    double step = least(greatest(command - previous, slowest * dt), fastest * dt);
+    double step = least(greatest((command - previous) / left, slowest * dt),
+                        fastest * dt);
     double target = least(greatest(previous + step, servo->lower), servo->upper);
     servo->target = target;
     double error = target - position;
@@ -139,17 +140,17 @@ static double at_velocity(const DriveTable *table, DriveServo *servo, double com
 }
 
 static double acceleration(const DriveTable *table, DriveServo *servo, double command,
-                           double position, double velocity)
+                           double position, double velocity, int left)
 {
     switch (servo->kind) {
     case SERVO_POSITION:
-        return to_position(table, servo, command, position, velocity);
+        return to_position(table, servo, command, position, velocity, left);
     case SERVO_VELOCITY:
         return at_velocity(table, servo, command, position, velocity);
     case SERVO_SLOWING:
         return at_velocity(table, servo, 0.0, position, velocity);
     default:
-        return to_position(table, servo, servo->held_at, position, velocity);
+        return to_position(table, servo, servo->held_at, position, velocity, left);
     }
 }
 
@@ -262,13 +263,15 @@ static void run_servos(Drives *drives, const double *loads, const double *comman
                        double *requested)
 {
     const DriveTable *table = drives->table;
-    int n = drives->n_servos;
+    int n = drives->n_servos, period = table->steps_per_command;
+    int left = period - (int)(drives->steps % period);
     double wanted[n];
     for (int k = 0; k < n; k++) {
         DriveServo *servo = &drives->servos[k];
         int i = servo->joint;
         double most = servo->fastest;
-        double a = acceleration(table, servo, command[i], position[i], velocity[i]);
+        double a = acceleration(table, servo, command[i], position[i], velocity[i],
+                                left);
         wanted[k] = a < -most ? -most : least(a, most);
         const DriveGoal *goal = &drives->goals[i];
         if (!goal->is_limited)

@@ -34,9 +34,10 @@ typedef struct DriveBounds {
     DriveWindow window;
 } DriveBounds;
 
-/* What never changes; shared by all copies of a robot. */
+/* What changes only with a payload; shared by all copies of a robot. */
 typedef struct DriveTable {
     int n_joints, n_bodies, n_springs, n_drives, n_compensated, pose_period;
+    int steps_per_command; /* in which a position servo reaches a command */
     double dt, gravity;
     double damping_ratio, velocity_bandwidth, integral_rate;
     double stopped, blocked, standstill; /* servos.py */

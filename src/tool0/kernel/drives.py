@@ -77,7 +77,7 @@ class _Bounds(ctypes.Structure):
 class _Table(ctypes.Structure):
     _fields_ = (
         *_integers("n_joints", "n_bodies", "n_springs", "n_drives", "n_compensated"),
-        *_integers("pose_period"),
+        *_integers("pose_period", "steps_per_command"),
         *_numbers("dt", "gravity"),
         *_numbers("damping_ratio", "velocity_bandwidth", "integral_rate"),
         *_numbers("stopped", "blocked", "standstill"),
@@ -144,6 +144,7 @@ class NativeDrives:
         self._goals = (_Goal * n_joints)()
         self._servos = (_Servo * n_drives)()
         self._masses: ctypes.Array[Any] = (c_double * n_drives**2)()
+        self._table = table
         self.struct = Drives(
             ctypes.pointer(_table(n_joints, table)),
             *(0, 0, 0, 0),
@@ -154,7 +155,11 @@ class NativeDrives:
 
     def load(self) -> None:
         """Continue from the state of the hardware."""
-        setup, state, struct = self._hardware.setup, self._hardware.state, self.struct
+        hardware, struct = self._hardware, self.struct
+        setup, state, table = hardware.setup, hardware.state, hardware.table
+        if table is not self._table:
+            self._table = table
+            struct.table = ctypes.pointer(_table(len(self._gravity), table))
         if setup != self._setup:
             self._load_setup(setup)
         struct.steps = state.steps
@@ -253,6 +258,7 @@ def _table(n_joints: int, table: DriveTable) -> _Table:
         len(bounds),
         n_compensated,
         POSE_PERIOD,
+        table.steps_per_command,
         table.dt,
         dynamics.gravity,
         DAMPING_RATIO,

@@ -19,16 +19,17 @@ static const Piece *active(const Law *law, int k)
 }
 
 /* Find the pieces that are active at `time`; return 0 if one is not known. */
-static int advance(Law *law, double time)
+static int advance(const Law *law, double time, int32_t *active_piece,
+                   int32_t *is_any_moving, double *next)
 {
     int is_moving = 0;
     double next_change = INFINITY;
     for (int k = 0; k < law->n; k++) {
-        const Piece *piece = active(law, k);
+        const Piece *piece = &law->pieces[k * law->max_pieces + active_piece[k]];
         while (time >= piece->until) {
-            if (law->piece[k] + 1 >= law->n_pieces[k])
+            if (active_piece[k] + 1 >= law->n_pieces[k])
                 return 0;
-            law->piece[k]++;
+            active_piece[k]++;
             piece++;
         }
         for (int j = 1; j < 6; j++)
@@ -36,9 +37,21 @@ static int advance(Law *law, double time)
         if (piece->until < next_change)
             next_change = piece->until;
     }
-    law->is_moving = is_moving;
-    law->next_change = next_change;
+    *is_any_moving = is_moving;
+    *next = next_change;
     return 1;
+}
+
+/* Find the pieces of the errors at `time`, and of the command; 0 if one is not known. */
+static int find_pieces(Law *law, double time)
+{
+    if (time >= law->next_change
+        && !advance(law, time, law->piece, &law->is_moving, &law->next_change))
+        return 0;
+    double ahead = time + law->lead;
+    return law->lead == 0.0 || ahead < law->next_change_ahead
+        || advance(law, ahead, law->piece_ahead, &law->is_moving_ahead,
+                   &law->next_change_ahead);
 }
 
 static void sample(Law *law, double time, const double *position, const double *velocity)
@@ -60,10 +73,31 @@ static void sample(Law *law, double time, const double *position, const double *
     }
 }
 
+static int is_within(const double *tolerance, double error, double rate)
+{
+    return (tolerance[0] <= 0.0 || fabs(error) <= tolerance[0])
+        && (tolerance[1] <= 0.0 || fabs(rate) <= tolerance[1]);
+}
+
 static int allows(const Piece *piece, double error, double rate)
 {
-    return (piece->position_tolerance <= 0.0 || fabs(error) <= piece->position_tolerance)
-        && (piece->velocity_tolerance <= 0.0 || fabs(rate) <= piece->velocity_tolerance);
+    double tolerance[] = {piece->position_tolerance, piece->velocity_tolerance};
+    return is_within(tolerance, error, rate);
+}
+
+/* Return whether a trajectory goes on: control/watch.TrajectoryWatch.check */
+static int trajectory_continues(const Law *law, double time)
+{
+    int is_moving = time + law->lead < law->end, are_all_within = 1;
+    for (int k = 0; k < law->n; k++)
+        are_all_within &= is_within(&law->tolerances[4 * k + (is_moving ? 0 : 2)],
+                                    law->errors[k], law->rates[k]);
+    if (is_moving)
+        return are_all_within;
+    double past = time - law->end;
+    if (are_all_within ? law->has_goal : past > law->goal_time)
+        return 0;
+    return !(past > law->timeout);
 }
 
 /* Return whether an active goal continues; note which joints have arrived. */
@@ -109,6 +143,11 @@ static int grip_continues(const Grip *grip, double time, double position)
             || !(time - grip->stall_since > grip->stall_timeout));
 }
 
+double law_time(const Law *law, double time)
+{
+    return time - (law->lag + law->slip * (time - law->since));
+}
+
 int law_prepare(Law *law, double time, const double *position, const double *velocity)
 {
     if (law->kind == LAW_COMMAND) {
@@ -118,13 +157,16 @@ int law_prepare(Law *law, double time, const double *position, const double *vel
     if (law->kind == LAW_GRIPPER)
         return !law->is_monitored
             || grip_continues(law->grip, time, position[law->joints[0]]);
-    if (time >= law->next_change && !advance(law, time))
+    time = law_time(law, time);
+    if (!find_pieces(law, time))
         return 0;
     sample(law, time, position, velocity);
     for (int k = 0; k < law->n; k++)
         if (law->wraps[k])
             law->errors[k] = wrapped(law->errors[k]);
-    return !law->is_monitored || goal_continues(law, time);
+    if (!law->is_monitored)
+        return 1;
+    return law->watches_all ? trajectory_continues(law, time) : goal_continues(law, time);
 }
 
 /* control/parameters.Pid.update, for one joint */
@@ -132,7 +174,9 @@ static double pid(Law *law, int k, double period)
 {
     const Gains *gains = &law->gains[k];
     double error = law->errors[k];
-    double integral = law->integrals[k] + period * error;
+    double integral = law->integrals[k];
+    if (!(-gains->error_deadband <= error && error <= gains->error_deadband))
+        integral += period * error;
     double term = gains->i * integral;
     if (term > gains->i_max) {
         term = gains->i_max;
@@ -143,25 +187,41 @@ static double pid(Law *law, int k, double period)
         if (gains->antiwindup)
             integral = term / gains->i;
     }
+    double command = gains->p * error + term + gains->d * law->rates[k];
+    if (!(gains->u_min <= command && command <= gains->u_max)) {
+        double limited = command > gains->u_max ? gains->u_max : gains->u_min;
+        if (gains->unwinding == UNWINDING_CONDITIONAL && error * command > 0.0)
+            integral -= period * error;
+        else if (gains->unwinding == UNWINDING_BACK_CALCULATION && gains->i != 0.0)
+            integral += period * (limited - command) / (gains->tracking_time * gains->i);
+        command = limited;
+    }
     law->integrals[k] = integral;
-    return gains->p * error + term + gains->d * law->rates[k];
+    return command;
 }
 
 static double trajectory_command(Law *law, int k, double time, double period,
                                  double velocity)
 {
+    int leads = law->lead != 0.0;
+    int is_moving = leads ? law->is_moving_ahead : law->is_moving;
+    const Piece *piece =
+        leads ? &law->pieces[k * law->max_pieces + law->piece_ahead[k]] : active(law, k);
+    const double *c = piece->c, *d = piece->d;
+    double t = (leads ? time + law->lead : time) - piece->origin;
     if (!law->has_pid) { /* a position interface takes the desired position */
-        const Piece *piece = active(law, k);
-        const double *c = piece->c;
-        double t = time - piece->origin;
-        if (!law->is_moving)
+        if (!is_moving)
             return c[0];
         return c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
     }
     double command = pid(law, k, period);
-    if (law->has_feed_forward)
-        command += law->feed_forward[k] * (law->rates[k] + velocity);
-    return command;
+    if (!law->has_feed_forward)
+        return command;
+    if (!leads)
+        return command + law->feed_forward[k] * (law->rates[k] + velocity);
+    double speed =
+        is_moving ? c[1] + t * (d[0] + t * (d[1] + t * (d[2] + t * d[3]))) : -0.0;
+    return command + law->feed_forward[k] * speed;
 }
 
 static double passed_command(Law *law, int k, double period)
@@ -209,10 +269,11 @@ static double grip_command(Law *law, double time, double period, double position
 void law_execute(Law *law, double time, double period, const double *position,
                  const double *velocity, double *command)
 {
+    double of_trajectory = law_time(law, time);
     for (int k = 0; k < law->n; k++) {
         int i = law->joints[k];
         if (law->kind == LAW_TRAJECTORY)
-            command[i] = trajectory_command(law, k, time, period, velocity[i]);
+            command[i] = trajectory_command(law, k, of_trajectory, period, velocity[i]);
         else if (law->kind == LAW_COMMAND)
             command[i] = passed_command(law, k, period);
         else

@@ -1,7 +1,7 @@
 /* Control laws: what a controller does until something happens.
 
-   The reference is Python: control/joint_trajectory.py, gripper_action.py and
-   forward_command.py.  Every operation here is the same, in the same order. */
+   The reference is Python: the controllers in control/ros1 and control/ros2, and
+   control/gripper_action.py.  Every operation here is the same, in the same order. */
 
 #ifndef TOOL0_LAWS_H
 #define TOOL0_LAWS_H
@@ -11,6 +11,7 @@
 #include "drives.h"
 
 enum { LAW_TRAJECTORY = 0, LAW_COMMAND = 1, LAW_GRIPPER = 2 };
+enum { UNWINDING_NONE = 0, UNWINDING_CONDITIONAL = 1, UNWINDING_BACK_CALCULATION = 2 };
 enum { CHECK_NOTHING = 0, CHECK_PATH = 1, CHECK_GOAL = 2 };
 
 /* The desired motion of one joint until an instant. */
@@ -24,6 +25,7 @@ typedef struct {
 
 typedef struct {
     double p, i, d, i_min, i_max, antiwindup;
+    double u_min, u_max, error_deadband, unwinding, tracking_time;
 } Gains;
 
 /* control/gripper_action.py: parameters, and what changes in the tick. */
@@ -41,6 +43,10 @@ typedef struct {
     int32_t has_feed_forward;
     int32_t max_pieces; /* per joint, in pieces */
     int32_t is_moving;
+    int32_t is_moving_ahead; /* the same of the commanded motion, if that leads */
+    int32_t watches_all; /* the monitor is a TrajectoryWatch: of all joints together */
+    int32_t has_goal; /* then, too, whether it is for a goal */
+    int32_t unused;
     const int32_t *joints; /* their numbers, shape (n) as all below */
     const int32_t *wraps;  /* whether errors go the shortest way round */
     const Gains *gains;
@@ -49,7 +55,10 @@ typedef struct {
     Piece *pieces; /* shape (n, max_pieces) */
     int32_t *n_pieces;
     int32_t *piece; /* the active one */
+    int32_t *piece_ahead; /* the commanded one, if that leads */
     int32_t *arrived;
+    const double *tolerances; /* shape (n, 4): position and velocity on the path, and at
+                                 the goal, if all joints are watched together */
     int32_t *started; /* whether the kernel started the motion: Python lacks it */
     const double *values; /* LAW_COMMAND: the commands */
     double *last_errors;  /* LAW_COMMAND with a PID */
@@ -57,8 +66,15 @@ typedef struct {
     Grip *grip;              /* LAW_GRIPPER */
     const DriveGoal *bounds; /* LAW_GRIPPER: of the goal; may be null */
     double next_change; /* of a piece [s] */
+    double next_change_ahead;
     double goal_time; /* grace after the end of a goal [s] */
+    double end, timeout; /* of a trajectory whose joints are watched together [s] */
+    double lead; /* how far the commanded motion is ahead of that of the errors [s] */
+    double since, lag, slip; /* control/law.TrajectoryClock [s] */
 } Law;
+
+/* The time of the trajectory at simulated `time`. */
+double law_time(const Law *law, double time);
 
 /* Prepare the tick at `time`; return 0 if Python must execute it. */
 int law_prepare(Law *law, double time, const double *position, const double *velocity);

@@ -115,6 +115,8 @@ static int segment(const Law *law, int k, double now, double end, double positio
                    const double *velocity, double *c)
 {
     double q, qd, T = end - now;
+    if (law->lead != 0.0) /* it starts with the measured motion */
+        return UNKNOWN;
     if (!desired(law, k, now, &q, &qd) || !(T > 0.0))
         return UNKNOWN;
     if (law->wraps[k])
@@ -186,7 +188,7 @@ TOOL0_EXPORT int tool0_desired_many(Law *const *laws, int n, int joint,
 {
     double velocity;
     for (int i = 0; i < n; i++)
-        if (!desired(laws[i], joint, now[i], &positions[i], &velocity))
+        if (!desired(laws[i], joint, law_time(laws[i], now[i]), &positions[i], &velocity))
             return UNKNOWN;
     return STARTED;
 }

@@ -76,6 +76,10 @@ class LawStruct(Structure):
         ("has_feed_forward", c_int32),
         ("max_pieces", c_int32),
         ("is_moving", c_int32),
+        ("is_moving_ahead", c_int32),
+        ("watches_all", c_int32),
+        ("has_goal", c_int32),
+        ("unused", c_int32),
         ("joints", c_size_t),
         ("wraps", c_size_t),
         ("gains", c_size_t),
@@ -84,7 +88,9 @@ class LawStruct(Structure):
         ("pieces", c_size_t),
         ("n_pieces", c_size_t),
         ("piece", c_size_t),
+        ("piece_ahead", c_size_t),
         ("arrived", c_size_t),
+        ("tolerances", c_size_t),
         ("started", c_size_t),
         ("values", c_size_t),
         ("last_errors", c_size_t),
@@ -93,7 +99,14 @@ class LawStruct(Structure):
         ("grip", c_size_t),
         ("bounds", c_size_t),
         ("next_change", c_double),
+        ("next_change_ahead", c_double),
         ("goal_time", c_double),
+        ("end", c_double),
+        ("timeout", c_double),
+        ("lead", c_double),
+        ("since", c_double),
+        ("lag", c_double),
+        ("slip", c_double),
     )
 
 
@@ -144,12 +157,14 @@ class LawMemory:
         self.wraps: IntArray = np.zeros(k, dtype=np.int32)
         if not isinstance(law, GripperLaw):
             self.wraps[list(law.wrapping)] = 1
-        self.gains: FloatArray = np.zeros((k, 6))
+        self.gains: FloatArray = np.zeros((k, 11))
         self.feed_forward: FloatArray = np.zeros(k)
         self.integrals: FloatArray = np.zeros(k)
         self.pieces: FloatArray = np.zeros((k, MOST_PIECES, PIECE_SIZE))
         self.n_pieces: IntArray = np.zeros(k, dtype=np.int32)
         self.piece: IntArray = np.zeros(k, dtype=np.int32)
+        self.piece_ahead: IntArray = np.zeros(k, dtype=np.int32)
+        self.tolerances: FloatArray = np.zeros((k, 4))
         self.arrived: IntArray = np.zeros(k, dtype=np.int32)
         self.started: IntArray = np.zeros(k, dtype=np.int32)
         self.values: FloatArray = np.zeros(k)
@@ -166,7 +181,7 @@ class LawMemory:
         struct.kind, struct.n = self._kind, len(self.joints)
         struct.has_pid = law.pid is not None
         struct.max_pieces = MOST_PIECES
-        struct.next_change = -math.inf
+        struct.next_change = struct.next_change_ahead = -math.inf
         if isinstance(law, TrajectoryLaw):
             struct.has_feed_forward = bool(law.feed_forward)
         elif isinstance(law, CommandLaw):
@@ -198,6 +213,8 @@ _ARRAYS = (
     "pieces",
     "n_pieces",
     "piece",
+    "piece_ahead",
+    "tolerances",
     "arrived",
     "started",
     "values",

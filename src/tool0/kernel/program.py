@@ -10,8 +10,7 @@ from typing import final
 
 import numpy as np
 
-from tool0.control.config import Controller, ControllerSpec
-from tool0.control.joint_trajectory import JointTrajectoryController
+from tool0.control.controller import Controller, ControllerSpec, TrajectoryFollower
 from tool0.control.law import (
     ActiveLaw,
     CommandLaw,
@@ -20,7 +19,8 @@ from tool0.control.law import (
     Law,
     TrajectoryLaw,
 )
-from tool0.control.sampler import pieces_from
+from tool0.control.sampler import GoalMonitor, pieces_from
+from tool0.control.watch import TrajectoryWatch
 from tool0.hardware.engine import JointState, NativeStepper
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
@@ -117,22 +117,38 @@ class _LoadedLaw:
     def _load_motion(self, law: TrajectoryLaw, time: float) -> None:
         memory, struct, monitor = self._memory, self._struct, law.monitor
         motion = law.sampler, monitor
-        if motion != self._packed or time >= self._known_until:
+        struct.lead = law.lead
+        struct.since, struct.lag, struct.slip = law.clock
+        time = law.clock.at(time)
+        if motion != self._packed or time + law.lead >= self._known_until:
             self._packed, self._known_until = motion, math.inf
+            checked = monitor if isinstance(monitor, GoalMonitor) else None
             for k, spline in enumerate(law.sampler.splines):
                 pieces = pieces_from(spline, time, MOST_PIECES)
                 memory.pieces[k, : len(pieces)] = [
-                    packed(piece, monitor) for piece in pieces
+                    packed(piece, checked) for piece in pieces
                 ]
                 memory.n_pieces[k] = len(pieces)
                 self._known_until = min(self._known_until, pieces[-1].until)
-            memory.piece[:] = 0
-            struct.next_change = -math.inf
+            memory.piece[:] = memory.piece_ahead[:] = 0
+            struct.next_change = struct.next_change_ahead = -math.inf
+            if isinstance(monitor, TrajectoryWatch):
+                self._watch_all(monitor)
         struct.is_monitored = monitor is not None
-        if monitor is not None:
+        if isinstance(monitor, GoalMonitor):
             struct.goal_time = monitor.goal_time
             memory.arrived[:] = 0
             memory.arrived[list(monitor.arrived)] = 1
+
+    def _watch_all(self, watch: TrajectoryWatch) -> None:
+        struct = self._struct
+        struct.watches_all, struct.has_goal = True, watch.goal is not None
+        struct.end, struct.timeout = watch.end, watch.timeout
+        struct.goal_time = watch.goal_time
+        self._memory.tolerances[:] = [
+            (*path[:2], *goal[:2])
+            for path, goal in zip(watch.path, watch.at_goal, strict=True)
+        ]
 
     def _load_grip(self, law: GripperLaw) -> None:
         grip = law.grip
@@ -152,7 +168,7 @@ class _LoadedLaw:
     def store(self, controller: Controller, time: float) -> None:
         """Give the controller its state back; ``time`` is that of the next tick [s]."""
         law, memory = self._law, self._memory
-        if isinstance(controller, JointTrajectoryController) and memory.started.any():
+        if memory.started.any() and isinstance(controller, TrajectoryFollower):
             controller.adopt(memory.started_splines(), time)
             memory.started[:] = 0
         if law.pid is not None:
@@ -163,7 +179,7 @@ class _LoadedLaw:
             grip, now = law.grip, memory.grip
             grip.ramp, grip.effort = now.ramp, now.effort
             grip.stall_position, grip.stall_since = now.stall_position, now.stall_since
-        elif law.monitor is not None:
+        elif isinstance(law.monitor, GoalMonitor):
             arrived: list[int] = np.flatnonzero(memory.arrived).tolist()
             law.monitor.note_arrived(arrived)
 
@@ -295,6 +311,12 @@ class Program:
     def robot_address(self) -> int:
         """Of the struct, for ``Many``."""
         return addressof(self._struct)
+
+    @property
+    def command(self) -> list[float]:
+        """The last command of each joint."""
+        command: list[float] = self._robot.command.tolist()
+        return command
 
     @property
     def effort(self) -> FloatArray:

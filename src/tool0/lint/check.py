@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +28,7 @@ from tool0.lint.sources import FileKind, Source, collect, finding_of, read_text
 R = TypeVar("R")
 P = ParamSpec("P")
 
+_WORD = re.compile(r"[\w.-]+")
 _Expansion = tuple[Path, tuple[tuple[str, str], ...]]
 """A file and its arguments."""
 
@@ -119,6 +121,7 @@ class _Check:
             for finding in read.findings
             if finding.location.file is None or finding.location.file.resolve() in own
         ]
+        self._notes += read.notes
         facts = None
         for file, args in read.robots:
             answer = self._read_robot(file, args, spawned=read.spawns)
@@ -170,22 +173,24 @@ class _Check:
                 if source.was_named:
                     self._notes.append(f"{source.path}: holds no controllers")
                 continue
-            robot = self._robot_of(source)
+            robot = self._robot_of(source, yaml)
             self._apply(source.path, yaml_findings, (yaml,), robot, self._packages)
 
-    def _robot_of(self, yaml: Source) -> RobotFacts | None:
+    def _robot_of(self, yaml: Source, text: YamlText) -> RobotFacts | None:
         """Return the robot for a YAML that no launch file loads, if only one fits.
 
-        It was named with it, or lies in the same package or folder.
+        It was named with it, or lies in the same package or folder, and has a joint
+        that the YAML names.
         """
         named = {s.path.resolve() for s in self._sources.files if s.was_named}
-        home = self._home(yaml.path)
+        home, words = self._home(yaml.path), set(_WORD.findall(text.text))
         found = [
             read.facts
             for (file, _), read in self._robots.items()
             if read is not None
             and read.facts is not None
             and (self._home(file) == home or (yaml.was_named and file in named))
+            and not words.isdisjoint(read.facts.joints)
         ]
         return found[0] if len(found) == 1 else None
 

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
 from xml.parsers import expat
 
-from tool0.control.config import TYPES, ControllerConfig, parameters_of
-from tool0.control.parameters import joint_entries
-from tool0.description.finding import Finding, error_at, warning_at
+from tool0.control.config import ControllerConfig
+from tool0.description.finding import Finding, warning_at
 from tool0.description.yaml_tree import Tree
-from tool0.errors import ConfigError, DescriptionError, SourceLocation, nearest_name
-from tool0.lint.launch.load_context import read_limited
-from tool0.lint.launch.model import LaunchFile
+from tool0.errors import ConfigError, DescriptionError, SourceLocation
+from tool0.lint.launch.load_context import is_file, read_limited
+from tool0.lint.launch.model import LaunchFile, Node
 from tool0.lint.launch.reader import read_launch
+from tool0.lint.launch.simulated_time import missing_sim_time
+from tool0.lint.launch.spawners import (
+    parameter_files,
+    spawn_findings,
+    spawn_requests,
+)
 from tool0.lint.launch.xacro_files import xacro_call
 from tool0.lint.packages import PackageIndex, Packages
 from tool0.lint.parameters.yaml_text import (
@@ -27,9 +32,11 @@ from tool0.lint.parameters.yaml_text import (
 )
 from tool0.lint.robot.facts import RobotFacts
 
+_OF_ROS2 = re.compile(
+    r"""<node\b[^>]*\bexec\s*=|<let\b|\$\((?:var|find-pkg-\w+)\s"""
+    r"""|<arg\b[^>]*\bdescription\s*="""
+)
 _ROSPARAM = re.compile(r"""<rosparam\b[^<>]*\bfile=["']([^"'<>]+)["'][^<>]*>""")
-_SPAWNERS = ("spawner", "spawner.py")
-_TAKES_VALUE = ("--namespace", "--timeout", "-t", "--shutdown-timeout")
 
 
 @final
@@ -45,10 +52,15 @@ class ParsedLaunch:
     spawns: bool = False
     """Whether the robot is spawned in Gazebo."""
     launch: LaunchFile | None = field(default=None, repr=False)
+    notes: tuple[str, ...] = ()
+    """What could not be analysed."""
 
 
 def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
     """Return what a launch file loads, and its own faults."""
+    if is_xml_of_ros2(file):
+        note = f"{file}: launch files of ROS 2 in XML are not read"
+        return ParsedLaunch(findings=(), notes=(note,))
     launch = read_launch(file, {}, PackageIndex(packages))
     yamls: list[YamlText] = []
     values: list[YamlText] = []  # of single parameters: need not be mappings
@@ -59,14 +71,25 @@ def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
             (values if is_value else yamls).append(
                 YamlText(text, rosparam.yaml.location)
             )
+    for node in launch.nodes():
+        for name in parameter_files(node):
+            path = Path(name).resolve()
+            if not any(yaml.location.file == path for yaml in yamls):
+                yamls.append(_parameter_file(node, path))
     of_values = [finding for value in values for finding in syntax_findings(value)]
     return ParsedLaunch(
-        findings=(*launch.findings, *of_values, *_commented_out(launch, yamls)),
+        findings=(
+            *launch.findings,
+            *of_values,
+            *(() if launch.is_python else _commented_out(launch, yamls)),
+            *missing_sim_time(launch),
+        ),
         robots=tuple(_robots(launch)),
         yamls=tuple(yamls),
-        included=tuple(child.file for child in launch.files() if child.file != file),
+        included=tuple(f.file for f in launch.files() if f.file != launch.file),
         spawns=any(node.package.resolved == "gazebo_ros" for node in launch.nodes()),
         launch=launch,
+        notes=launch.notes,
     )
 
 
@@ -74,25 +97,60 @@ def control_findings(
     read: ParsedLaunch, robot: RobotFacts | None, packages: Packages
 ) -> Iterator[Finding]:
     """Yield mismatches between a launch file's controllers, YAML and robot."""
-    yield from yaml_findings(read.yamls, robot, packages)
-    wanted = list(_spawn_requests(read.launch)) if read.launch is not None else []
+    yamls = [*read.yamls, *_plugin_files(read, robot)]
+    yield from yaml_findings(yamls, robot, packages)
+    wanted = list(spawn_requests(read.launch)) if read.launch is not None else []
     if not wanted:
         return
     tree = Tree()
-    for yaml in read.yamls:
+    for yaml in yamls:
         try:
             tree.load(yaml.text, yaml.location)
         except ConfigError:
             return  # its content is unknown, which was reported
-    files = dict.fromkeys(str(yaml.location.file) for yaml in read.yamls)
-    yield from _spawn_findings(wanted, ControllerConfig(tree), list(files))
+    config = ControllerConfig(tree)
+    files = dict.fromkeys(str(yaml.location.file) for yaml in yamls)
+    is_elsewhere = read.launch is not None and read.launch.is_python
+    if config.names or not is_elsewhere:  # else another launch file has the manager
+        yield from spawn_findings(wanted, config, list(files))
+
+
+def is_xml_of_ros2(file: Path) -> bool:
+    """Whether an XML launch file is for ROS 2, by words that ROS 1 does not have."""
+    if file.suffix == ".py":
+        return False
+    with suppress(DescriptionError):
+        text = read_limited(file).decode("utf-8", errors="replace")
+        return _OF_ROS2.search(text) is not None
+    return False
+
+
+def _parameter_file(node: Node, file: Path) -> YamlText:
+    """Return the YAML that a spawner gives to its controllers; empty if unreadable."""
+    with suppress(DescriptionError, UnicodeDecodeError):
+        text = read_limited(file).decode("utf-8")
+        return YamlText(text, SourceLocation(file, 1))
+    return YamlText("", node.place.location)
+
+
+def _plugin_files(read: ParsedLaunch, robot: RobotFacts | None) -> Iterator[YamlText]:
+    """Yield the YAML files that the robot's plugins of ros2_control name."""
+    loaded = {yaml.location.file for yaml in read.yamls}
+    for plugin in () if robot is None else robot.plugins:
+        for at, name in plugin.parameters if plugin.is_control_of_ros2 else ():
+            path = Path(name)
+            if at.key == "parameters" and path.is_absolute() and path not in loaded:
+                with suppress(DescriptionError, UnicodeDecodeError):
+                    text = read_limited(path).decode("utf-8")
+                    yield YamlText(text, SourceLocation(path, 1))
 
 
 def _robots(launch: LaunchFile) -> Iterator[tuple[Path, Mapping[str, str] | None]]:
     for parameter in launch.parameters():
         call = xacro_call(parameter)
         if call is not None and call.file is not None:
-            yield call.file, call.args
+            if not launch.is_python or is_file(call.file):  # else reported there
+                yield call.file, call.args
         elif parameter.source == "textfile" and parameter.content.resolved:
             path = Path(parameter.content.resolved)
             if path.suffix == ".urdf":
@@ -130,89 +188,3 @@ def commented_rosparams(launch_file: Path) -> Iterator[tuple[SourceLocation, str
         for match in _ROSPARAM.finditer(comment):
             line = first_line + comment.count("\n", 0, match.start())
             yield SourceLocation(launch_file, line), match[1]
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class SpawnRequest:
-    """A controller that a node requests from the controller manager."""
-
-    name: str
-    is_started: bool
-    location: SourceLocation
-
-
-def _spawn_requests(launch: LaunchFile) -> Iterator[SpawnRequest]:
-    """Yield the controllers that the nodes of a launch file load or start."""
-    for node in launch.nodes():
-        words = list(node.words)
-        command = "load" if "--stopped" in words else "spawn"
-        if node.package.resolved != "controller_manager":
-            continue
-        if node.type.resolved == "controller_manager" and words:
-            command = words.pop(0)
-        elif node.type.resolved not in _SPAWNERS:
-            continue
-        if command not in ("spawn", "start", "load"):
-            continue
-        location = node.place.location if node.args is None else node.args.location
-        skip = False
-        for word in words:
-            if not skip and not word.startswith("-") and ":=" not in word:
-                yield SpawnRequest(word, command != "load", location)
-            skip = word in _TAKES_VALUE
-
-
-def _spawn_findings(
-    wanted: Sequence[SpawnRequest], config: ControllerConfig, files: Sequence[str]
-) -> Iterator[Finding]:
-    """Yield controllers that none of ``files`` defines, and two that claim a joint."""
-    known = config.names
-    for request in wanted:
-        if request.name in known:
-            continue
-        near = nearest_name(request.name, known)
-        where = ", ".join(files) or "and no YAML is loaded"
-        defined = ", ".join(known) or "none"
-        yield error_at(
-            request.location,
-            "no-controller",
-            request.name,
-            f"no YAML that is loaded defines the controller '{request.name}' "
-            f"({where}), so it does not load",
-            f"did you mean '{near}'?" if near else f"defined are: {defined}",
-        )
-    yield from _conflicts([item for item in wanted if item.is_started], config)
-
-
-def _conflicts(
-    started: Sequence[SpawnRequest], config: ControllerConfig
-) -> Iterator[Finding]:
-    claims: dict[str, SpawnRequest] = {}
-    reported: set[tuple[str, str]] = set()
-    for request in started:
-        for joint in _claimed(request.name, config):
-            other = claims.setdefault(joint, request)
-            pair = (other.name, request.name)
-            if other.name == request.name or pair in reported:
-                continue
-            reported.add(pair)
-            yield error_at(
-                request.location,
-                "two-controllers",
-                request.name,
-                f"'{other.name}' and '{request.name}' are both started, and "
-                f"both command '{joint}': the manager refuses the second",
-                f"start one of them; load the other stopped ({other.location})",
-            )
-
-
-def _claimed(name: str, config: ControllerConfig) -> Iterator[str]:
-    """Yield the joints that a controller commands."""
-    entry, kind = config.tree.root.children.get(name), config.types.get(name, "")
-    if kind in TYPES:
-        only_reads = "publish_rate" in parameters_of(kind)
-    else:
-        only_reads = "state" in kind.lower() or "sensor" in kind.lower()
-    if entry is not None and not only_reads:
-        yield from (str(item.scalar) for item in joint_entries(entry))

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import final
 
-from tool0.description.expansion import expand
-from tool0.description.finding import Finding
+from tool0.description.expansion import expand_leniently
+from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.packages import preferring
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import LocatedElement, parse_file
-from tool0.errors import Tool0Error
+from tool0.errors import SourceLocation, Tool0Error, is_typo, nearest_name
 from tool0.lint.packages import PackageIndex, Packages
 from tool0.lint.robot import gazebo, joints, masses, xacro_source
 from tool0.lint.robot.elements import Tag
@@ -91,7 +91,11 @@ def read_robot(
     """
     with preferring(packages):
         try:
-            document = parse_file(file) if args is None else expand(file, args)
+            document, known = (
+                (parse_file(file), set())
+                if args is None
+                else expand_leniently(file, args)
+            )
         except Tool0Error as error:
             rule = "bad-xml" if args is None else "xacro-fails"
             return ParsedRobot(None, (finding_of(error, rule, file),))
@@ -100,7 +104,12 @@ def read_robot(
             name = "nothing" if root is None else f"<{root.tagName}>"
             wrong = Tool0Error(f"begins with {name}, and no <robot>")
             return ParsedRobot(None, (finding_of(wrong, "no-robot", file),))
-        findings = tuple(robot_findings(root, packages, spawned=spawned))
+        if file.name.endswith(".srdf.xacro"):  # groups of joints, and no robot
+            return ParsedRobot(None, ())
+        findings = (
+            *_unused(file, args or (), known),
+            *robot_findings(root, packages, spawned=spawned),
+        )
         facts = facts_of(Tag(root))
         if any(finding.severity == "error" for finding in findings):
             return ParsedRobot(facts, findings)
@@ -111,6 +120,26 @@ def read_robot(
             if found.location not in {finding.location for finding in findings}:
                 findings += (replace(found, severity="warning"),)
         return ParsedRobot(facts, findings)
+
+
+def _unused(file: Path, given: Iterable[str], known: set[str]) -> Iterator[Finding]:
+    """Yield the arguments that xacro is given and ignores; a typo is an error."""
+    where = SourceLocation(file)
+    for name in sorted(set(given) - known):
+        near = nearest_name(name, known)
+        message = f"no file declares the argument '{name}'"
+        if is_typo(name, near):
+            hint = f"did you mean '{near}'?"
+            yield error_at(where, "xacro-fails", name, message, hint)
+        else:
+            yield warning_at(
+                where,
+                "unused-argument",
+                name,
+                f"{message}, and xacro ignores it",
+                f'declare it by <xacro:arg name="{name}" default="…"/>, or do not '
+                "give it",
+            )
 
 
 def read_xacro_source(file: Path, packages: Packages) -> XacroSource:

@@ -18,6 +18,7 @@ LARGEST = 5_000_000
 """[bytes] of a file that is read; descriptions are a hundredth of it."""
 _NOT_SOURCES = ("build", "devel", "install", "log", "logs", "node_modules")
 _IGNORED = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
+_LAUNCHES = "def generate_launch_description("
 _ROOT = re.compile(r"<\s*([A-Za-z_][\w.-]*)(?=[\s/>])")
 
 
@@ -145,8 +146,11 @@ def kind_of(file: Path) -> FileKind | None:
         return FileKind.PARAMETERS
     if suffix == ".xacro":
         return FileKind.XACRO
-    if suffix in (".launch", ".test"):
+    if suffix in (".launch", ".test") or name.endswith(".launch.py"):
         return FileKind.LAUNCH
+    if name.endswith("_launch.py"):  # a name of ROS 2, too
+        text = file.read_text(encoding="utf-8", errors="replace")
+        return FileKind.LAUNCH if _LAUNCHES in text else None
     if suffix not in (".xml", ".urdf"):
         return None
     text = file.read_text(encoding="utf-8", errors="replace")

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Generic
 
 from msgspec import Meta, Struct, field
 
-from tool0.control.manager import TRAJECTORY_KIND, why_not_driven
+from tool0.control.controller import Role
+from tool0.control.status import why_not_driven
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.transform import Pose, Transform
@@ -226,8 +227,8 @@ def _controller(simulation: Simulation, chain: ArmChain) -> str:
     """Return the running trajectory controller of the arm's joints."""
     for status in simulation.snapshot.controllers:
         if (
-            status.state == "running"
-            and status.kind == TRAJECTORY_KIND
+            status.is_running
+            and status.role is Role.TRAJECTORY
             and status.joints.issuperset(chain.joint_names)
         ):
             return status.name

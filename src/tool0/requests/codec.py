@@ -16,7 +16,7 @@ from msgspec import UNSET, Raw, Struct, UnsetType
 
 from tool0 import errors
 from tool0.control.goal import GoalResult, GripperResult, Result
-from tool0.control.manager import ControllerStatus
+from tool0.control.status import ControllerStatus
 from tool0.errors import (
     DivergenceError,
     GoalRejectedError,
@@ -25,6 +25,7 @@ from tool0.errors import (
     TransportError,
     did_you_mean,
 )
+from tool0.hardware.control_box import ControlBoxState
 from tool0.hardware.engine import ObjectState
 from tool0.requests.objects import ObjectInfo, info_of, object_of
 from tool0.requests.sensors import Picture, image_of, picture_of
@@ -158,6 +159,8 @@ class SnapshotMessage(Struct, frozen=True, kw_only=True, tag="snapshot"):
     """In a stream: only when they changed."""
     scene: tuple[ObjectInfo, ...] | UnsetType = UNSET
     """In a stream: only when an object was added or removed."""
+    control_boxes: tuple[ControlBoxState, ...] | UnsetType = UNSET
+    """In a stream: only when one changed."""
     missed: int = 0
     """In a stream: snapshots before this one that a slow reader has lost."""
 
@@ -179,6 +182,8 @@ def snapshot_message(
         changes["controllers"] = snapshot.controllers
     if before is None or before.scene is not snapshot.scene:
         changes["scene"] = tuple(map(info_of, snapshot.scene))
+    if before is None or before.control_boxes is not snapshot.control_boxes:
+        changes["control_boxes"] = snapshot.control_boxes
     return SnapshotMessage(
         **{name: getattr(snapshot, name) for name in _COPIED},
         **changes,
@@ -196,12 +201,16 @@ def snapshot_of(message: SnapshotMessage, before: Snapshot | None = None) -> Sna
     scene = () if before is None else before.scene
     if not isinstance(message.scene, UnsetType):
         scene = tuple(map(object_of, message.scene))
+    control_boxes = () if before is None else before.control_boxes
+    if not isinstance(message.control_boxes, UnsetType):
+        control_boxes = message.control_boxes
     return Snapshot(
         **{name: getattr(message, name) for name in _COPIED},
         objects=message.objects,
         received_setpoints=message.setpoints,
         controllers=controllers,
         scene=scene,
+        control_boxes=control_boxes,
     )
 
 

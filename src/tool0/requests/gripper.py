@@ -8,13 +8,15 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from tool0.control.manager import GRIPPER_KIND, TRAJECTORY_KIND, why_not_driven
+from tool0.control.controller import Role
+from tool0.control.status import start_command, why_not_driven
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import ParallelGripper
-from tool0.errors import ControlError, ModelError
+from tool0.description.parts import find_grippers
+from tool0.errors import ControlError, ModelError, did_you_mean
 from tool0.hardware.limits import DriveLimits
 from tool0.requests.motion import GoalStarted, follow, started
-from tool0.requests.table import Name, Request, handles
+from tool0.requests.table import Name, Request, answer, handles
 from tool0.runtime.gripper_motion import opening_motion
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.grasp import GraspState, judge, wanted_openings
@@ -41,6 +43,16 @@ class Grip(Request[GoalStarted], frozen=True):
     """Instead of a force: largest effort of the driven joint [N·m | N]."""
 
 
+class ReactivateGripper(Request[GoalStarted], frozen=True):
+    """Activate a gripper again, as ROS 2's service does: it opens, whatever it holds.
+
+    A real one closes and opens once more.
+    """
+
+    controller: Name
+    """A running RobotiqActivationController; it and its gripper have one prefix."""
+
+
 class ReadGripper(Request[GraspState], frozen=True):
     """The state of a gripper: whether it moves, has arrived, or holds an object."""
 
@@ -62,21 +74,45 @@ def _grip(simulation: Simulation, request: Grip) -> GoalStarted:
     )
     core, loop = simulation.core, simulation.loop
     for status in simulation.snapshot.controllers:
-        if status.state != "running" or joint not in status.joints:
+        if not status.is_running or joint not in status.joints:
             continue
-        if status.kind == GRIPPER_KIND:
+        if status.role is Role.GRIPPER:
             effort = request.effort
             if request.force is not None:
                 effort = simulation.joint_limits[joint].effort
             command = partial(core.command_gripper, status.name, target, effort, bounds)
             return started(simulation, loop.call(command))
-        if status.kind == TRAJECTORY_KIND:
+        if status.role is Role.TRAJECTORY:
             trajectory = TrajectoryGoal(
                 points=_plan(simulation, gripper, opening, speed), joint_names=[joint]
             )
             return follow(simulation, status.name, trajectory, {joint: bounds})
-    kinds = (TRAJECTORY_KIND, GRIPPER_KIND)
-    raise ControlError(why_not_driven(simulation.snapshot.controllers, [joint], kinds))
+    roles = (Role.TRAJECTORY, Role.GRIPPER)
+    raise ControlError(why_not_driven(simulation.snapshot.controllers, [joint], roles))
+
+
+@handles(ReactivateGripper)
+def _reactivate(simulation: Simulation, request: ReactivateGripper) -> GoalStarted:
+    name, statuses = request.controller, simulation.snapshot.controllers
+    status = next((item for item in statuses if item.name == name), None)
+    if status is None:
+        names = [item.name for item in statuses]
+        raise ControlError(
+            f"controller '{name}' is not loaded{did_you_mean(name, names)}"
+        )
+    if not status.is_running:
+        raise ControlError(
+            f"'{name}' is {status.state}; start it with {start_command(name)}"
+        )
+    claimed = next(iter(status.command_interfaces), "")
+    prefix, mark, _ = claimed.partition("reactivate_gripper/")
+    if not mark:
+        raise ControlError(f"'{name}' activates no gripper: it is {status.type}")
+    for gripper, geometry in find_grippers(simulation.description.model).items():
+        if geometry.joint.startswith(prefix):
+            opened = Grip(gripper=gripper, opening=geometry.max_opening)
+            return answer(simulation, opened)
+    raise ControlError(f"'{name}' finds no gripper whose joint begins with '{prefix}'")
 
 
 handles(ReadGripper)(

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Generic
+from pathlib import Path
+from typing import Annotated, Any, Generic
 
 from msgspec import Meta, Struct, field
 
-from tool0.control.config import ControllerConfig, ControllerSpec
+from tool0.control.config import ControllerConfig
+from tool0.control.controller import ControllerSpec
 from tool0.control.goal import Goal, GoalStatus, ToleranceOverride
-from tool0.control.manager import ControllerStatus, Strictness
+from tool0.control.manager import Strictness
 from tool0.control.parameters import Gains
+from tool0.control.status import ControllerStatus
 from tool0.control.trajectory import (
     JointsMotion,
     TrajectoryGoal,
@@ -76,6 +79,17 @@ class CommandTrajectory(_OfTrajectory[None], frozen=True):
     points: Points = ()
 
 
+class ScaleTrajectory(Request[None], frozen=True):
+    """Scale the speed of a controller's trajectories, as ROS 2's speed_scaling_input.
+
+    Its tolerances are judged by the slower trajectory.
+    """
+
+    controller: Name
+    factor: Annotated[float, Meta(ge=0.0)]
+    """Trajectory time per simulated time; 0 pauses."""
+
+
 class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
     """Move joints smoothly; there is a goal for each trajectory controller."""
 
@@ -109,7 +123,11 @@ class CommandGripper(Request[GoalStarted], frozen=True):
     position: float
     """[rad | m]"""
     max_effort: float | None = None
-    """[N·m | N]; the controller's own, if left out."""
+    """[N·m | N]; the controller's own, if left out.  ROS 2's parallel gripper writes it
+    to its ``max_effort_interface``: at the pads [N], if that is the gripper's."""
+    max_velocity: float | None = None
+    """Of ROS 2's parallel gripper, for its ``max_velocity_interface`` [rad/s | m/s], or
+    between the pads [m/s]; the controller's own, if left out."""
 
 
 class CommandJoints(Request[None], frozen=True):
@@ -171,6 +189,11 @@ def _command(simulation: Simulation, request: CommandTrajectory) -> None:
     simulation.loop.call(lambda: core.command_trajectory(request.controller, goal))
 
 
+@handles(ScaleTrajectory, in_tick=True)
+def _scale(simulation: Simulation, request: ScaleTrajectory) -> None:
+    simulation.core.scale_trajectory(request.controller, request.factor)
+
+
 @handles(MoveJoints)
 def _move(simulation: Simulation, request: MoveJoints) -> tuple[GoalStarted, ...]:
     import_planner()  # slow the first time: not in the thread of the tick
@@ -208,7 +231,10 @@ def _pose(simulation: Simulation, request: PoseJoints) -> None:
 @handles(CommandGripper, in_tick=True)
 def _command_gripper(simulation: Simulation, request: CommandGripper) -> GoalStarted:
     goal = simulation.core.command_gripper(
-        request.controller, request.position, request.max_effort
+        request.controller,
+        request.position,
+        request.max_effort,
+        max_velocity=request.max_velocity,
     )
     return started(simulation, goal)
 
@@ -216,6 +242,8 @@ def _command_gripper(simulation: Simulation, request: CommandGripper) -> GoalSta
 handles(CommandJoints, in_tick=True)(
     lambda sim, request: sim.core.command_joints(request.controller, request.values)
 )
+
+
 handles(CancelGoal, in_tick=True)(
     lambda sim, request: sim.core.cancel(sim.goals.find(request.goal))
 )
@@ -291,9 +319,41 @@ class ListControllers(Request[tuple[ControllerStatus, ...]], frozen=True):
 
 
 class LoadController(Request[None], frozen=True):
-    """Load a controller that the bring-up's configuration defines."""
+    """Load a controller: of the bring-up's configuration, or of files for ROS 2."""
 
     name: Name
+    type: Name | None = None
+    """Its type, if the files do not say it; as the manager's ``<name>.type``."""
+    files: Annotated[tuple[str, ...], Meta(max_length=100)] = ()
+    """YAML files on the simulation's machine, as ``<name>.params_file``; the bring-up's
+    configuration, if left out together with the type."""
+    configure: bool = True
+    """Whether it is configured at once; a controller of ROS 1 always is."""
+
+
+class ConfigureController(Request[None], frozen=True):
+    """Check the parameters of a loaded controller: it can be started then."""
+
+    name: Name
+
+
+class CleanupController(Request[None], frozen=True):
+    """Make an inactive controller of ROS 2 unconfigured again."""
+
+    name: Name
+
+
+class ControllerTypeInfo(Struct, frozen=True, kw_only=True):
+    """A type of controllers that can be loaded."""
+
+    name: str
+    """``joint_trajectory_controller/JointTrajectoryController``"""
+    base: str
+    """The C++ class that ROS reports as its base."""
+
+
+class ListControllerTypes(Request[tuple[ControllerTypeInfo, ...]], frozen=True):
+    """Every type of controller that can be loaded."""
 
 
 class LoadControllerWith(Request[None], frozen=True):
@@ -363,6 +423,23 @@ class SetGains(Request[Gains], frozen=True):
     """Whether the integral itself is clamped, not only its contribution."""
 
 
+class ReadControllerParameters(Request[dict[str, Any]], frozen=True):
+    """Every parameter of a loaded controller by dotted name, defaults included."""
+
+    controller: Name
+
+
+class SetControllerParameters(Request[None], frozen=True):
+    """Change parameters of a loaded controller that may change while it runs.
+
+    They hold until the controller is unloaded; no file changes.
+    """
+
+    controller: Name
+    parameters: dict[str, bool | int | float | str]
+    """By dotted name: ``constraints.goal_time``."""
+
+
 class ReadControllerSpec(Request[ControllerSpec], frozen=True):
     """The parameters that a controller was loaded with."""
 
@@ -370,8 +447,11 @@ class ReadControllerSpec(Request[ControllerSpec], frozen=True):
 
 
 handles(ListControllers)(lambda sim, _: sim.snapshot.controllers)
-handles(LoadController, in_tick=True)(
-    lambda sim, request: sim.core.manager.load(request.name)
+handles(ConfigureController, in_tick=True)(
+    lambda sim, request: sim.core.manager.configure(request.name)
+)
+handles(CleanupController, in_tick=True)(
+    lambda sim, request: sim.core.manager.cleanup(request.name)
 )
 handles(LoadControllerWith, in_tick=True, local=True)(
     lambda sim, request: sim.core.manager.load(request.name, request.config)
@@ -379,6 +459,29 @@ handles(LoadControllerWith, in_tick=True, local=True)(
 handles(UnloadController, in_tick=True)(
     lambda sim, request: sim.core.manager.unload(request.name)
 )
+
+
+@handles(LoadController)
+def _load(simulation: Simulation, request: LoadController) -> None:
+    name, manager = request.name, simulation.core.manager
+    config = manager.config
+    if request.files:
+        config = ControllerConfig.from_files(map(Path, request.files))
+    if request.type is not None:
+        config = config.with_type(name, request.type)
+    configure = request.configure or manager.dialect.is_configured_when_loaded
+    simulation.loop.call(lambda: manager.load(name, config, configure=configure))
+
+
+@handles(ListControllerTypes)
+def _types(
+    simulation: Simulation, request: ListControllerTypes
+) -> tuple[ControllerTypeInfo, ...]:
+    dialect = simulation.core.manager.dialect
+    return tuple(
+        ControllerTypeInfo(name=name, base=dialect.bases[kind.role])
+        for name, kind in sorted(dialect.types.items())
+    )
 
 
 @handles(SwitchControllers, in_tick=True)
@@ -418,6 +521,14 @@ def _set_gains(simulation: Simulation, request: SetGains) -> Gains:
     return manager.set_gains(request.controller, request.joint, **changes)
 
 
+handles(ReadControllerParameters, in_tick=True, publishes=False)(
+    lambda sim, request: dict(sim.core.manager.parameters(request.controller))
+)
+handles(SetControllerParameters, in_tick=True)(
+    lambda sim, request: sim.core.manager.set_parameters(
+        request.controller, request.parameters
+    )
+)
 handles(ReadControllerSpec, in_tick=True, publishes=False, local=True)(
     lambda sim, request: sim.core.manager.spec(request.controller)
 )

@@ -8,6 +8,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from tool0.description.rigid_model import MAX_LENGTH, read_rigid_model
 from tool0.description.scene import DEFAULT_FRICTION, PALETTE, STILL_RGBA, SceneObject
 from tool0.description.shapes import (
     Box,
@@ -20,7 +21,7 @@ from tool0.description.shapes import (
     mesh,
     parts_of,
 )
-from tool0.description.transform import Pose, to_transform
+from tool0.description.transform import Pose, from_quaternion, to_transform
 from tool0.errors import ConfigError
 from tool0.hardware.engine import Contact, ObjectState
 from tool0.requests.table import (
@@ -125,6 +126,31 @@ class AddObject(Request[None], frozen=True):
     """Coulomb coefficient of sliding friction."""
     rgba: RGBA | None = None
     """Each within 0 … 1; a colour of its own, if left out."""
+
+
+class SpawnedModel(Struct, frozen=True, kw_only=True):
+    """The object that a model became."""
+
+    xyz: Vector3
+    """Of the object's origin, in the frame that the model was placed at [m]."""
+    quat_wxyz: Quaternion
+    """Of the object, in that frame."""
+
+
+class AddModel(Request[SpawnedModel], frozen=True):
+    """Add the body of a URDF or SDF document to the scene, at rest.
+
+    It has one link of simple shapes.  One that is ``<static>``, or fixed to a link
+    ``world``, stands still.
+    """
+
+    name: Name
+    model: Annotated[str, Meta(max_length=MAX_LENGTH)]
+    """The document."""
+    xyz: Place = (0.0, 0.0, 0.0)
+    """Of the model's frame, in the robot's root [m]."""
+    quat_wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    """Of the model's frame; of any length but zero."""
 
 
 class RemoveObject(Request[None], frozen=True):
@@ -258,26 +284,42 @@ def _geometry_of(shape: SingleShape) -> Geometry:
 @handles(AddObject)
 def _add(simulation: Simulation, request: AddObject) -> None:
     scene = simulation.snapshot.scene
-    geometry = solid_of(request.shape)
-    solids = [*(item.geometry for item in scene), geometry]
-    count = sum(len(parts_of(solid)) for solid in solids)
-    if count > MOST_SHAPES:
-        raise ConfigError(
-            f"the objects would have {count} shapes; {MOST_SHAPES} is the most; "
-            "remove some"
-        )
     rgba = request.rgba
     if rgba is None:
         movable = sum(item.mass is not None for item in scene)
         rgba = STILL_RGBA if request.mass is None else PALETTE[movable % len(PALETTE)]
     item = SceneObject(
         name=request.name,
-        geometry=geometry,
+        geometry=solid_of(request.shape),
         pose=Pose(xyz=request.xyz, rpy=request.rpy),
         mass=request.mass,
         friction=request.friction,
         rgba=rgba,
     )
+    _spawn(simulation, item)
+
+
+@handles(AddModel)
+def _add_model(simulation: Simulation, request: AddModel) -> SpawnedModel:
+    if not math.hypot(*request.quat_wxyz) > 0.0:
+        raise ConfigError("'quat_wxyz' must not be zero")
+    model = read_rigid_model(request.model)
+    T_root_frame = from_quaternion(request.xyz, request.quat_wxyz)
+    item = model.scene_object(request.name, T_root_frame @ model.placement)
+    _spawn(simulation, item)
+    T_frame_shape = model.placement @ model.T_model_shape
+    return SpawnedModel(xyz=T_frame_shape.position, quat_wxyz=T_frame_shape.quat_wxyz)
+
+
+def _spawn(simulation: Simulation, item: SceneObject) -> None:
+    """Add an object, unless there would be too many shapes."""
+    solids = [*(known.geometry for known in simulation.snapshot.scene), item.geometry]
+    count = sum(len(parts_of(solid)) for solid in solids)
+    if count > MOST_SHAPES:
+        raise ConfigError(
+            f"the objects would have {count} shapes; {MOST_SHAPES} is the most; "
+            "remove some"
+        )
     simulation.loop.call(lambda: simulation.core.scene.spawn(item))
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Annotated, Any
 
 from msgspec import Meta, Struct, field
 
 from tool0.description.forward_kinematics import link_pose
+from tool0.description.packages import BUNDLED
+from tool0.description.robot import load_description
 from tool0.description.transform import Transform
 from tool0.errors import ControlError
 from tool0.requests.table import JointPositions, Name, Request, handles
@@ -67,6 +70,15 @@ class CatalogueRobotInfo(Struct, frozen=True, kw_only=True):
     """Prefix of the names of its links and joints."""
 
 
+class NamespaceInfo(Struct, frozen=True, kw_only=True):
+    """A robot of a cell that has a namespace of its own in ROS."""
+
+    name: str
+    """Of the robot, and of the namespace."""
+    urdf: str
+    """The robot alone, with the names that it has alone."""
+
+
 class DescriptionInfo(Struct, frozen=True, kw_only=True):
     """The robot's description."""
 
@@ -76,6 +88,10 @@ class DescriptionInfo(Struct, frozen=True, kw_only=True):
     """The xacro or URDF file it was read from."""
     robots: tuple[CatalogueRobotInfo, ...]
     """Its arms and grippers of the catalogue; none for your own file."""
+    namespaces: tuple[NamespaceInfo, ...]
+    """The robots of a cell with namespaces; otherwise none."""
+    packages: dict[str, str]
+    """``file://`` URIs of the ROS packages inside tool0, which the URDF refers to."""
 
 
 class ReadDescription(Request[DescriptionInfo], frozen=True):
@@ -138,7 +154,20 @@ def _description(simulation: Simulation, request: ReadDescription) -> Descriptio
             )
             for robot in description.robots
         ),
+        namespaces=tuple(_namespaces(simulation)),
+        packages={
+            folder.name: folder.as_uri()
+            for folder in BUNDLED.iterdir()
+            if (folder / "package.xml").is_file()
+        },
     )
+
+
+def _namespaces(simulation: Simulation) -> Iterator[NamespaceInfo]:
+    cell = simulation.description.cell
+    for robot in cell.robots if cell is not None and cell.namespaces else ():
+        alone = load_description(robot.description, spawn_z=simulation.spawn_z)
+        yield NamespaceInfo(name=robot.name, urdf=alone.urdf)
 
 
 handles(ReadSnapshot)(lambda sim, _: sim.snapshot)

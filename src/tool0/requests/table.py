@@ -123,12 +123,27 @@ def entries() -> Mapping[str, Entry]:
     return _BY_NAME
 
 
+_MODULES = (
+    *(
+        "arm",
+        "control_box",
+        "gripper",
+        "hardware",
+        "motion",
+        "objects",
+        "sensors",
+        "state",
+    ),
+    "updates",
+)
+
+
 @cache
 def load_all() -> None:
     """Import every module that declares requests of our own."""
     from importlib import import_module
 
-    for module in ("arm", "gripper", "motion", "objects", "sensors", "state"):
+    for module in _MODULES:
         import_module(f"tool0.requests.{module}")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import final
@@ -68,13 +69,31 @@ class Assembly:
             manager=manager,
             initial_position=self.position,
             scene=scene,
-            control_period=self.control.control_period,
+            control_period=self._control_period(engine.dt),
             grasp_assist=grasp_assist,
         )
         for name in (*started, *stopped):
             manager.load(name)
         manager.switch(started, (), Strictness.STRICT, core.state)
         return core
+
+    def _control_period(self, dt: float) -> float | None:
+        """Return the time between updates, of the options or else of the YAML [s].
+
+        Raises:
+            ConfigError: If that of the YAML is no multiple of ``dt`` [s].
+        """
+        period = self.control.control_period or self.choice.config.control_period
+        if period is None or period == self.control.control_period:
+            return period
+        steps = max(round(period / dt), 1)
+        if not math.isclose(steps * dt, period, rel_tol=1e-9):
+            raise ConfigError(
+                f"the controller_manager's update_rate {1.0 / period:g} Hz is a period "
+                f"of {period:g} s, which is no multiple of the physics step {dt:g} s; "
+                "choose another rate, dt or control_period"
+            )
+        return steps * dt
 
 
 def chosen_scene(description: RobotDescription, scene: Scene | File | None) -> Scene:
@@ -117,4 +136,4 @@ def _hardware(
         name: replace(joint, limits=hardware.limits.get(name, joint.limits))
         for name, joint in model.joint_by_name.items()
     }
-    return hardware, ControllerManager(hardware, config, joints)
+    return hardware, ControllerManager(hardware, config, joints, model)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from tool0.control.lint import lint
 from tool0.description.camera import default_cameras, merged
 from tool0.description.robot import RobotDescription
 from tool0.engines.registry import make_engine
@@ -61,6 +60,6 @@ def start_simulation(
         ground=engine.world.ground,
         warnings=(
             *assembly.choice.findings,
-            *lint(config, [joint.name for joint in model.movable_joints]),
+            *config.lint([joint.name for joint in model.movable_joints]),
         ),
     )

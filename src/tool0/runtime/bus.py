@@ -86,8 +86,18 @@ class Subscription:
         when_closed: Callable[[], None] = lambda: None,
         *,
         keep_all: bool = False,
+        with_commands: bool = False,
+        latest_only: bool = False,
+        when_published: Callable[[], None] | None = None,
     ) -> None:
         self._period = period
+        self._with_commands = with_commands
+        """Whether the snapshots need the commands of the joints."""
+        self._latest_only = latest_only
+        """Whether it takes events and the newest snapshot only: the bus need not keep
+        older ones."""
+        self._when_published = when_published
+        """Called for every snapshot, in the thread of the tick; it must not wait."""
         self._bus = bus
         self._when_closed = when_closed
         self._seen: Snapshot | None = None
@@ -159,13 +169,17 @@ class Bus:
         """Readers that wait for a change: mostly none, and waking takes time."""
         self.latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
-        """Since there are subscribers: freeing a snapshot that has left the processor's
-        cache takes longer than making one."""
+        """Since there are subscribers that want them: freeing a snapshot that has left
+        the processor's cache takes longer than making one."""
+        self._keeps_recent = False
         self._history: deque[Snapshot] = deque(maxlen=HISTORY_LENGTH)
         self._history_time = -math.inf
         """Of the newest snapshot in the history [s]."""
         self._subscriptions: tuple[Subscription, ...] = ()
         self._backlogs: tuple[deque[Snapshot], ...] = ()
+        self._wakers: tuple[Callable[[], None], ...] = ()
+        self.wants_commands = False
+        """Whether a subscriber needs the commands of the joints."""
 
     def history(self) -> tuple[Snapshot, ...]:
         """Return the last half second of simulated time, the newest at the end."""
@@ -179,9 +193,23 @@ class Bus:
         when_closed: Callable[[], None] = lambda: None,
         *,
         keep_all: bool = False,
+        with_commands: bool = False,
+        latest_only: bool = False,
+        when_published: Callable[[], None] | None = None,
     ) -> Subscription:
-        """Return a new reader; with ``keep_all``, its ``pending`` misses nothing."""
-        subscription = Subscription(self, period, when_closed, keep_all=keep_all)
+        """Return a new reader; with ``keep_all``, its ``pending`` misses nothing.
+
+        The other arguments are explained in ``Subscription``.
+        """
+        subscription = Subscription(
+            self,
+            period,
+            when_closed,
+            keep_all=keep_all,
+            with_commands=with_commands,
+            latest_only=latest_only,
+            when_published=when_published,
+        )
         with self._lock:
             self._use((*self._subscriptions, subscription))
         return subscription
@@ -204,14 +232,18 @@ class Bus:
         self._subscriptions = tuple(subscriptions)
         backlogs = (subscription.backlog for subscription in self._subscriptions)
         self._backlogs = tuple(backlog for backlog in backlogs if backlog is not None)
-        if not self._subscriptions:
+        wakers = (subscription._when_published for subscription in self._subscriptions)
+        self._wakers = tuple(waker for waker in wakers if waker is not None)
+        self.wants_commands = any(s._with_commands for s in self._subscriptions)
+        self._keeps_recent = not all(s._latest_only for s in self._subscriptions)
+        if not self._keeps_recent:
             self._recent.clear()
 
     def publish(self, snapshot: Snapshot) -> None:
         time = snapshot.time
         with self._lock:
             self.latest = snapshot
-            if self._subscriptions:
+            if self._keeps_recent:
                 self._recent.append(snapshot)
             if not 0.0 <= time - self._history_time < SNAPSHOT_PERIOD - _ROUNDING:
                 self._history.append(snapshot)
@@ -220,6 +252,8 @@ class Bus:
                 backlog.append(snapshot)
             if self._n_waiting:
                 self._changed.notify_all()
+        for wake in self._wakers:
+            wake()
 
     def announce(self, event: Event) -> None:
         for subscription in self._subscriptions:

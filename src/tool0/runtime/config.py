@@ -21,8 +21,8 @@ class ControlConfig:
     """The controllers, and the initial pose."""
 
     controllers_file: File | Sequence[File] | None = None
-    """YAML files of ros_control; later files override earlier ones.  If not given, the
-    built-in controllers."""
+    """YAML files of ros_control, or of ros2_control for a robot with `<ros2_control>`;
+    later files override earlier ones.  If not given, the built-in controllers."""
     controllers: Names | None = None
     """Names of the controllers to load and start; if not given, the standard ones that
     fit the robot."""
@@ -35,7 +35,8 @@ class ControlConfig:
     """A named pose (built-in or saved), or positions by joint [rad | m], which replace
     those of the pose home."""
     control_period: float | None = None
-    """Simulated time between controller updates [s]; the same as dt if not given."""
+    """Simulated time between controller updates [s]; if not given, that of the
+    `update_rate` of ROS 2's controllers, otherwise the same as dt."""
 
 
 @final

@@ -12,6 +12,8 @@ from tool0.control.default_controllers import (
     controller_prefixes,
     default_controllers,
 )
+from tool0.control.ros2.built_in import started as started_controllers
+from tool0.control.ros2.dialect import ROS2
 from tool0.description.finding import Finding, quoted, warning_at
 from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
@@ -24,8 +26,8 @@ DEFAULT_CONTROLLERS = (
     "gripper_controller",
 )
 DEFAULT_STOPPED_CONTROLLERS = ("joint_group_eff_controller",)
-"""As in the launch file ``ur5_bringup.launch``; only those that the YAML defines.  In a
-cell, those of each robot, with its name as prefix."""
+"""Of ROS 1, as in the launch file ``ur5_bringup.launch``; only those that the YAML
+defines.  In a cell, those of each robot, with its name as prefix."""
 
 
 class ControllerChoice(NamedTuple):
@@ -49,16 +51,27 @@ def choose_controllers(
     """
     config = _config(description, control)
     prefixes = ("", *controller_prefixes(description))
-    started = _existing(config, control.controllers, DEFAULT_CONTROLLERS, prefixes)
-    stopped = _existing(
-        config, control.stopped_controllers, DEFAULT_STOPPED_CONTROLLERS, prefixes
-    )
+    to_start, to_stop = _defaults(description, control, config)
+    started = _existing(config, control.controllers, to_start, prefixes)
+    stopped = _existing(config, control.stopped_controllers, to_stop, prefixes)
     return ControllerChoice(
         config,
         started,
         tuple(name for name in stopped if name not in started),
         tuple(_findings(description, control, config, started)),
     )
+
+
+def _defaults(
+    description: RobotDescription, control: ControlConfig, config: ControllerConfig
+) -> tuple[Sequence[str], Sequence[str]]:
+    """Return the controllers to start and to load, if the YAML defines them."""
+    if config.dialect is not ROS2:
+        return DEFAULT_CONTROLLERS, DEFAULT_STOPPED_CONTROLLERS
+    always, built_in = started_controllers()
+    if control.controllers_file is not None or not description.robots:
+        built_in = ()
+    return (*always, *built_in), ()
 
 
 def _config(description: RobotDescription, control: ControlConfig) -> ControllerConfig:
@@ -107,8 +120,14 @@ def _findings(
     here = SourceLocation(description.source)
     driven = [item.joint for item in description.model.transmissions]
     if not driven:
-        problem = "the robot has no driven joint: no <transmission> names one"
-        remedy = "add a <transmission> for each joint that a motor moves"
+        problem = (
+            "the robot has no driven joint: no <transmission> or <ros2_control> names "
+            "one"
+        )
+        remedy = (
+            "add one for each joint that a motor moves, or use --ros2 (in Python: "
+            "ros2_control=True), which drives every joint"
+        )
         return [warning_at(here, "no-driven-joint", "", problem, remedy)]
     chosen = (control.controllers, control.stopped_controllers)
     if started or chosen != (None, None):

@@ -6,13 +6,19 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from operator import sub
-from typing import TypeVar, final
+from typing import final
 
-from tool0.control.forward_command import ForwardCommandController
+from tool0.control.controller import (
+    CommandTaker,
+    Controller,
+    GripperDriver,
+    Role,
+    SpeedScalable,
+    TrajectoryFollower,
+)
 from tool0.control.goal import Goal, GoalResult, Result
-from tool0.control.gripper_action import GripperActionController
-from tool0.control.joint_trajectory import JointTrajectoryController
 from tool0.control.manager import ControllerManager
+from tool0.control.status import KIND_OF
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
@@ -20,9 +26,11 @@ from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError, did_you_mean
 from tool0.hardware.engine import Contact, Engine, JointState, joint_selector
 from tool0.hardware.limits import DriveLimits
+from tool0.hardware.payload import Payload
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.kernel import Kernel
 from tool0.kernel.program import Ended, Program
+from tool0.runtime.control_boxes import ControlBoxes
 from tool0.runtime.joint_motion import (
     joints_by_controller,
     planned_motion,
@@ -33,8 +41,6 @@ from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp import GraspAssist
 from tool0.sensing.grip_contacts import GripContacts
 from tool0.sensing.stalls import StallMonitor, contacts_text, external_contacts
-
-C = TypeVar("C")
 
 
 @final
@@ -64,12 +70,14 @@ class Core:
         self.hardware = hardware
         self.manager = manager
         self.scene = SceneObjects(model, engine, scene or Scene())
+        self.control_boxes = ControlBoxes(model, hardware, manager)
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
+        self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
+        hardware.set_steps_per_command(self._steps_per_tick)
         self._kernel = Kernel(engine, hardware, manager, self.control_period)
         self._program: Program | None = None
         """What executes the ticks, while it has the state of controllers and drives."""
-        self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
         self._initial = list(initial_position)
         self._start = self._initial
         self._commanded: set[str] = set()
@@ -89,11 +97,19 @@ class Core:
         """Simulated time [s]."""
         return self.ticks * self.control_period
 
+    @property
+    def command(self) -> tuple[float, ...]:
+        """The last command of each joint, in the unit of its interface."""
+        program = self._program
+        return tuple(self.hardware.command if program is None else program.command)
+
     def tick(self) -> None:
         """Update the controllers once and advance by one control period."""
         self.settle()
         state = self.state
         self.scene.wrenches.tick(self.time)
+        if not self.control_boxes.is_steady:
+            self.control_boxes.tick(self.control_period)
         self.manager.update(state, self.control_period)
         self._finish_tick(state, self._steps_per_tick)
 
@@ -120,11 +136,17 @@ class Core:
         if program is None or stepper is None:
             self.tick()
             return 1
+        for sensor in self._sensors:
+            most = min(most, sensor.ticks_left)
         return self.ran(*program.run(most, stepper))
 
     def program(self) -> Program | None:
         """Let the kernel execute the coming ticks; None if only Python can."""
-        if self._program is None and not self._sensors and self.scene.wrenches.is_idle:
+        if (
+            self._program is None
+            and self.scene.wrenches.is_idle
+            and self.control_boxes.is_steady
+        ):
             self._program = self._kernel.load(self.state)
         return self._program
 
@@ -137,15 +159,20 @@ class Core:
         if program is None or stepper is None:
             raise RuntimeError("the kernel has not run")
         self.ticks += done
-        state = self.state
-        if program.note_steps(stepper):
+        state, left = self.state, program.steps_left
+        has_stepped = program.note_steps(stepper)
+        if has_stepped or left:
             self.state = program.tick_start()
             self.manager.observe(self.state)
+        if has_stepped:
             state = self.engine.read()
         if result is Ended.DONE:
             self.state = state
+            for sensor in self._sensors:
+                sensor.tick(program.step_start(), state, self._forces, done)
             return done
-        left = program.steps_left
+        for sensor in self._sensors:
+            sensor.skip(done)
         self.settle()
         if result is Ended.EVENT and not left:
             self.state = state
@@ -179,7 +206,7 @@ class Core:
         bounds: Mapping[str, DriveLimits] | None = None,
     ) -> Goal:
         """Start a trajectory goal; ``bounds`` hold until a joint's next goal."""
-        trajectory = self._drivable(controller, JointTrajectoryController)
+        trajectory = self._follower(controller)
         accepted = trajectory.follow(goal, self.time)
         self._note_command(controller, goal.joint_names, bounds)
         return self._started(accepted)
@@ -194,9 +221,19 @@ class Core:
 
         ``bounds`` are as for ``follow``.
         """
-        trajectory = self._drivable(controller, JointTrajectoryController)
+        trajectory = self._follower(controller)
         trajectory.command(goal, self.time)
         self._note_command(controller, goal.joint_names, bounds)
+
+    def scale_trajectory(self, controller: str, factor: float) -> None:
+        """Scale the speed of a controller's trajectories by ``factor``."""
+        running = self.manager.running(controller)
+        if not isinstance(running, SpeedScalable):
+            raise ControlError(
+                f"the speed of '{controller}' cannot be scaled: only trajectory "
+                "controllers of ROS 2 scale theirs"
+            )
+        running.scale_speed(factor)
 
     def move_joints(
         self, positions: Mapping[str, float], speed: float, controller: str | None
@@ -212,7 +249,7 @@ class Core:
             moves = {controller: positions}
         planned = []
         for name, targets in moves.items():
-            trajectory = self._drivable(name, JointTrajectoryController)
+            trajectory = self._follower(name)
             plan = planned_motion(trajectory, targets, speed=speed, now=self.time)
             planned.append((trajectory, plan))
         for name, targets in moves.items():
@@ -239,7 +276,7 @@ class Core:
                     "move them one after another"
                 )
             name = next(iter(moves))
-        trajectory = self._drivable(name, JointTrajectoryController)
+        trajectory = self._follower(name)
         joints = trajectory.spec.joints
         for joint in positions:
             if joint not in joints:
@@ -262,7 +299,7 @@ class Core:
         self, controller: str, positions: Mapping[str, float], speed: float
     ) -> None:
         """Replace a controller's motion by a smooth one, without a goal."""
-        trajectory = self._drivable(controller, JointTrajectoryController)
+        trajectory = self._follower(controller)
         plan = planned_motion(trajectory, positions, speed=speed, now=self.time)
         trajectory.command(plan, self.time)
         self._note_command(controller, positions)
@@ -273,18 +310,29 @@ class Core:
         position: float,
         max_effort: float | None = None,
         bounds: DriveLimits | None = None,
+        *,
+        max_velocity: float | None = None,
     ) -> Goal:
-        """Start a gripper goal in joint units: [rad | m] and [N·m | N]."""
-        gripper = self._drivable(controller, GripperActionController)
-        goal = gripper.command(position, max_effort, self.time, bounds)
-        joint = gripper.spec.joint.name
+        """Start a gripper goal in joint units: [rad | m] and [N·m | N].
+
+        Without ``bounds``, they are the controller's for ``max_effort`` and
+        ``max_velocity``.
+        """
+        gripper = self._drivable(controller)
+        if not isinstance(gripper, GripperDriver):
+            raise _wrong_role(controller, gripper, Role.GRIPPER)
+        bounds = bounds or gripper.limits(max_effort, max_velocity)
+        goal = gripper.drive(position, max_effort, self.time, bounds)
+        joint = gripper.joint.name
         self._note_command(controller, (joint,), {joint: bounds})
         return self._started(goal)
 
     def command_joints(self, controller: str, values: tuple[float, ...]) -> None:
         """Set the setpoints of a forwarding controller, in its joints' order."""
-        forward = self._drivable(controller, ForwardCommandController)
-        forward.command(values)
+        forward = self._drivable(controller)
+        if not isinstance(forward, CommandTaker):
+            raise _wrong_role(controller, forward, Role.COMMAND)
+        forward.command_joints(values)
         self._note_command(controller)
         self.manager.release_brakes(controller, self.state)
 
@@ -293,17 +341,25 @@ class Core:
         if goal.status.is_terminal:
             return
         controller = self.manager.running(goal.controller)
-        if isinstance(controller, JointTrajectoryController | GripperActionController):
+        if isinstance(controller, TrajectoryFollower | GripperDriver):
             controller.cancel(goal, self.time)
+        if isinstance(controller, GripperDriver):
+            bounds = controller.limits(None, None)
+            if bounds is not None:
+                self.hardware.set_drive_limits(controller.joint.name, bounds)
 
-    def trajectory_controller(self, name: str) -> JointTrajectoryController:
+    def trajectory_controller(self, name: str) -> TrajectoryFollower:
         """Return a running trajectory controller, or raise ControlError."""
-        return self._running(name, JointTrajectoryController)
+        controller = self.manager.running(name)
+        if not isinstance(controller, TrajectoryFollower):
+            raise _wrong_role(name, controller, Role.TRAJECTORY)
+        return controller
 
     # ---- sensors, time, safety ------------------------------------------------------
 
     def start_sensor(self, sensor: ForceTorqueSensor) -> None:
         """Sample once now, and then in the tick."""
+        sensor.subtract(self.hardware.payloads)
         sensor.restart(self._before, self.state, self._forces)
         self._sensors = (*self._sensors, sensor)
 
@@ -332,12 +388,22 @@ class Core:
         for sensor in self._sensors:
             sensor.restart(self._before, self.state, self._forces)
 
+    def set_payload(self, arm: str | None, payload: Payload | None) -> None:
+        """Let drives and sensors expect this at an arm's flange.
+
+        None is what the description has there.
+        """
+        self.control_boxes.set_payload(arm, payload)
+        for sensor in self._sensors:
+            sensor.subtract(self.hardware.payloads)
+
     def set_stopped(self, engaged: bool) -> None:
         """Brake every joint, or release the brakes; controllers then hold still."""
         if engaged == self.hardware.is_stopped:
             return
         self.hardware.set_stopped(engaged, self.state)
         self.manager.restart(self.state)
+        self.control_boxes.note_emergency_stop()
 
     def drift(self, at_least: float = 0.0) -> float:
         """Return the largest drift of an uncommanded joint from its start [rad | m].
@@ -361,22 +427,18 @@ class Core:
         """Return the external forces on the robot: contacts, and applied wrenches."""
         return self.engine.world.contacts() + self.scene.wrenches.contacts()
 
-    def _running(self, name: str, kind: type[C]) -> C:
-        controller = self.manager.running(name)
-        if not isinstance(controller, kind):
-            raise ControlError(
-                f"controller '{name}' is a {type(controller).__name__}; "
-                f"this needs a {kind.__name__}"
-            )
-        return controller
-
-    def _drivable(self, name: str, kind: type[C]) -> C:
+    def _drivable(self, name: str) -> Controller:
         """Return a controller that may move joints now."""
         if self.hardware.is_stopped:
             raise ControlError(
                 "the emergency stop is engaged; release it before moving the robot"
             )
-        return self._running(name, kind)
+        return self.manager.running(name)
+
+    def _follower(self, name: str) -> TrajectoryFollower:
+        """Return a trajectory controller that may move joints now."""
+        self._drivable(name)
+        return self.trajectory_controller(name)
 
     def _note_command(
         self,
@@ -403,7 +465,7 @@ class Core:
 
     def _with_contacts(self, goal: Goal, result: Result) -> Result:
         """Return an outcome with the reason why the joints stopped, if it is known."""
-        if not isinstance(result, GoalResult) or not result.error_string:
+        if not isinstance(result, GoalResult) or not result.is_violation:
             return result
         joints = self.manager.spec(goal.controller).joints
         links = {
@@ -426,4 +488,11 @@ def _whole_multiple(period: float, dt: float) -> int:
             return n_steps
     raise ConfigError(
         f"control period {period} s is not a multiple of the engine's step {dt} s"
+    )
+
+
+def _wrong_role(name: str, controller: Controller, wanted: Role) -> ControlError:
+    return ControlError(
+        f"controller '{name}' is a {type(controller).__name__}; "
+        f"this needs a {KIND_OF[wanted]}"
     )

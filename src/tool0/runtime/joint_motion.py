@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
-from tool0.control.goal_check import ROUNDING, check_position
-from tool0.control.joint_trajectory import JointTrajectoryController
-from tool0.control.manager import TRAJECTORY_KIND, ControllerManager, why_not_driven
+from tool0.control.controller import Role, TrajectoryFollower
+from tool0.control.manager import ControllerManager
+from tool0.control.position_limits import ROUNDING, check_position
 from tool0.control.spline import Motion, MotionPlan, Segment, shortest_turn
+from tool0.control.status import why_not_driven
 from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointType
 from tool0.errors import ControlError, GoalRejectedError, did_you_mean
@@ -74,7 +75,7 @@ def joints_by_controller(
     owners = {
         joint: status.name
         for status in manager.list()
-        if status.state == "running" and status.kind == TRAJECTORY_KIND
+        if status.is_running and status.role is Role.TRAJECTORY
         for joint in status.joints
     }
     found: dict[str, dict[str, float]] = {}
@@ -86,7 +87,7 @@ def joints_by_controller(
 
 
 def planned_motion(
-    controller: JointTrajectoryController,
+    controller: TrajectoryFollower,
     positions: Mapping[str, float],
     *,
     speed: float,

@@ -374,6 +374,8 @@ class Loop:
                 core.engine.world.object_states(),
                 core.stall_monitor.stalls,
                 core.grip_contacts.gripping,
+                core.control_boxes.states,
+                core.command if self._bus.wants_commands else (),
             )
         )
 

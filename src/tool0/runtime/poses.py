@@ -102,8 +102,8 @@ class PoseBook:
     def start(self) -> dict[str, float]:
         """Return where joints start [rad | m], unless options say otherwise.
 
-        That is the pose ``home``, or as near to zero as the limits allow; in a cell,
-        the initial pose of each robot.
+        That is the initial values of ``<ros2_control>``, else the pose ``home``, else
+        as near to zero as the limits allow; in a cell, the initial pose of each robot.
 
         Raises:
             ConfigError: If an initial pose of a cell's robot is wrong.
@@ -116,6 +116,7 @@ class PoseBook:
         }
         if DEFAULT_POSE in self.own:
             positions |= self.own[DEFAULT_POSE].positions
+        positions |= model.initial_positions
         for robot in cell.robots if cell else ():
             try:
                 own = self._initial(robot)

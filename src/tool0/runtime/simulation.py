@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeVar, final
 
@@ -96,11 +96,22 @@ class Simulation:
         return snapshot
 
     def subscribe(
-        self, rate: float | None = None, *, keep_all: bool = False
+        self,
+        rate: float | None = None,
+        *,
+        keep_all: bool = False,
+        with_commands: bool = False,
+        latest_only: bool = False,
+        when_published: Callable[[], None] | None = None,
     ) -> Subscription:
         """Return a reader of snapshots and events; ControlError for a bad rate [Hz].
 
-        With ``keep_all`` it misses no snapshot, however late it takes them.
+        Args:
+            rate: Snapshots per simulated second [Hz]; the default rate if left out.
+            keep_all: Miss no snapshot, however late they are taken.
+            with_commands: Let the snapshots have the commands of the joints.
+            latest_only: Deliver events, and the newest snapshot only.
+            when_published: Called for every snapshot, in the thread of the tick.
         """
         if rate is None:
             return self.bus.subscribe(keep_all=keep_all)
@@ -110,7 +121,12 @@ class Simulation:
                 f"{MAX_SNAPSHOT_RATE:g}] Hz"
             )
         subscription = self.bus.subscribe(
-            1.0 / rate, self._update_snapshot_period, keep_all=keep_all
+            1.0 / rate,
+            self._update_snapshot_period,
+            keep_all=keep_all,
+            with_commands=with_commands,
+            latest_only=latest_only,
+            when_published=when_published,
         )
         self._update_snapshot_period()
         return subscription

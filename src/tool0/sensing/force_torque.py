@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -14,6 +14,7 @@ from tool0.description.robot import RobotDescription
 from tool0.description.transform import Vector3
 from tool0.errors import ControlError
 from tool0.hardware.engine import Contact, Engine, JointState
+from tool0.hardware.payload import Payload, payload_inertia
 from tool0.hardware.tool_dynamics import ToolDynamics
 
 Contacts = Callable[[], tuple[Contact, ...]]
@@ -85,7 +86,8 @@ class LowPass:
 class WrenchReading:
     """Wrench of the tool on the flange, averaged over one step of the physics.
 
-    In the axes of ``frame``, at its origin, minus the reading at the last tare.
+    In the axes of ``frame``, at its origin, minus the payload if one was set, and minus
+    the reading at the last tare.
     """
 
     time: float
@@ -140,12 +142,35 @@ class ForceTorqueSensor:
         self._number = -1
         self._readings: deque[WrenchReading] = deque(maxlen=READINGS_KEPT)
 
-    def tick(self, before: JointState, after: JointState, contacts: Contacts) -> None:
-        """Sample the step from ``before`` to ``after``, if a sample is due."""
-        self._left -= 1
+    @property
+    def ticks_left(self) -> int:
+        """Ticks until the next sample, at least one."""
+        return self._left
+
+    def tick(
+        self,
+        before: JointState,
+        after: JointState,
+        contacts: Contacts,
+        ticks: int = 1,
+    ) -> None:
+        """Sample the last step of ``ticks``, if a sample is due.
+
+        It is the one from ``before`` to ``after``; ``ticks`` are no more than are left.
+        """
+        self._left -= ticks
         if self._left == 0:
             self._left = self._ticks
             self._sample(before, after, contacts())
+
+    def skip(self, ticks: int) -> None:
+        """Note ``ticks`` without a sample: fewer than are left."""
+        self._left -= ticks
+
+    def subtract(self, payloads: Mapping[str, Payload]) -> None:
+        """Subtract payloads, by flange, as a UR does; in the thread of the tick."""
+        inertias = {link: payload_inertia(item) for link, item in payloads.items()}
+        self._dynamics.subtract(inertias)
 
     def restart(
         self, before: JointState, after: JointState, contacts: Contacts
@@ -245,14 +270,16 @@ class ForceTorqueSensors:
         self._sensors: dict[str, ForceTorqueSensor] = {}
 
     def link(self, name: str | None) -> str:
-        """Return the link to measure at: ``name``, or the robot's only ``tool0``.
+        """Return the link to measure at, by the name of link or sensor.
+
+        Without a name, it is the robot's only ``tool0``.
 
         Raises:
-            ModelError: If there is no such link.
+            ModelError: If there is neither.
             ControlError: If no name is given, and there is no ``tool0`` or several.
         """
         if name is not None:
-            return self._model.link(name).name
+            return self._model.link(self._model.wrench_sensors.get(name, name)).name
         names = self._model.flanges
         if self._tool0 in names:
             names = (self._tool0,)

@@ -8,9 +8,10 @@ from typing import NamedTuple, final
 
 from msgspec import Struct, field
 
-from tool0.control.manager import ControllerStatus
+from tool0.control.status import ControllerStatus
 from tool0.control.trajectory import Setpoint
 from tool0.description.scene import SceneObject
+from tool0.hardware.control_box import ControlBoxState
 from tool0.hardware.engine import ObjectState
 from tool0.sensing.stalls import Stall
 
@@ -89,6 +90,11 @@ class Snapshot(Struct, frozen=True):
     """Joints that push at their effort limit without moving, and what they touch."""
     gripping: tuple[str, ...] = ()
     """The grippers whose fingers press on something from two sides."""
+    control_boxes: tuple[ControlBoxState, ...] = ()
+    """The control box of each arm: the same tuple until one changes."""
+    command: tuple[float, ...] = ()
+    """The last command of each joint, in the unit of its interface; empty unless a
+    subscriber needs it."""
 
     @property
     def positions(self) -> dict[str, float]:
@@ -104,7 +110,7 @@ class Snapshot(Struct, frozen=True):
             return self.received_setpoints
         found: dict[str, JointSetpoint] = {}
         for setpoint in self.controller_setpoints.values():
-            time = setpoint.measured.time
+            time = setpoint.time
             for joint, spline in zip(
                 setpoint.joint_models, setpoint.splines, strict=True
             ):

@@ -11,7 +11,7 @@ import tool0
 from tool0 import scene
 from tool0.description.scene import PALETTE, STILL_RGBA
 from tool0.errors import ConfigError, ControlError, DescriptionError, RequestError
-from tool0.requests.objects import MOST_SHAPES
+from tool0.requests.objects import MOST_SHAPES, AddModel
 from tool0.scene import Box, Compound, Pose, SceneObject, Sphere
 
 BOX = Box(size=(0.1, 0.1, 0.1))
@@ -144,3 +144,34 @@ def test_what_cannot_be_is_refused(robot: tool0.Robot) -> None:
         with raises_naming(ControlError, "'cub'"):
             look("cub")
     assert list(robot.scene) == ["cube"]
+
+
+MODEL = """
+<sdf version="1.6"><model name="box"><pose>0 0 0.1 0 0 0</pose><link name="link">
+  <pose>0.2 0 0 0 0 0</pose><inertial><mass>0.5</mass></inertial>
+  <collision name="c"><geometry><box><size>0.1 0.2 0.3</size></box></geometry>
+  </collision>
+</link></model></sdf>
+"""
+
+
+def test_a_model_becomes_an_object(robot: tool0.Robot) -> None:
+    turned = (0.5**0.5, 0.0, 0.0, 0.5**0.5)  # x of the model is y of the root
+    request = AddModel(name="m", model=MODEL, xyz=(1.0, 1.0, 1.0), quat_wxyz=turned)
+    placed = robot.channel.call(request)
+    np.testing.assert_allclose(placed.xyz, (0.2, 0.0, 0.1), atol=1e-12)
+    (item,) = robot.snapshot.scene
+    assert (item.name, item.mass) == ("m", 0.5)
+    assert item.geometry == Box(size=(0.1, 0.2, 0.3))
+    np.testing.assert_allclose(item.pose.xyz, (1.0, 1.2, 1.1), atol=1e-12)
+
+
+def test_what_is_no_model_is_refused(robot: tool0.Robot) -> None:
+    call = robot.channel.call
+    with pytest.raises(DescriptionError, match="<robot>"):
+        call(AddModel(name="m", model="<nothing/>"))
+    with pytest.raises(RequestError, match="'model'"):
+        call(AddModel(name="m", model=" " * 1_000_001))
+    with pytest.raises(ConfigError, match="quat_wxyz"):
+        call(AddModel(name="m", model=MODEL, quat_wxyz=(0.0, 0.0, 0.0, 0.0)))
+    assert not robot.snapshot.scene

@@ -123,6 +123,19 @@ def test_a_cell_with_two_robots() -> None:
         beside.check()
 
 
+def test_controllers_of_ros_2() -> None:
+    """Their motions start where the copies are measured to be."""
+    description = tool0.DescriptionConfig(ros2_control=True)
+    with Beside(2, description=description) as beside:
+        beside.command(around(beside, 0.2, 1), duration=0.2)
+        beside.run(0.1)
+        beside.check()
+        points = np.stack([around(beside, 0.1, seed) for seed in range(2)], axis=1)
+        beside.follow(points, [0.1, 0.2], np.zeros_like(points))
+        beside.run(0.3)
+        beside.check()
+
+
 def test_a_gripper_action_controller() -> None:
     control = tool0.ControlConfig(gripper_action=True)
     with Beside(2, control=control) as beside:

@@ -40,7 +40,7 @@ MODEL = RobotModel(
         ),
     ),
     transmissions=(
-        Transmission(name="drive", joint="slide", interface=Interface.EFFORT),
+        Transmission(name="drive", joint="slide", interfaces=(Interface.EFFORT,)),
     ),
 )
 
@@ -101,7 +101,7 @@ def test_columns_are_aligned_and_end_without_blanks() -> None:
         ("urdf", "<?xml"),
         ("mjcf", "<mujoco"),
         ("controllers", "# Controllers of ur5 + 2f85"),
-        ("sources", "ur5\n  payload    5.0\n"),
+        ("sources", "ur5\n  payload      5.0\n"),
     ],
 )
 def test_every_form_is_written(
@@ -133,7 +133,8 @@ def test_sources_tell_what_has_no_published_source(
     text = capsys.readouterr().out
     head, _, unsourced = text.partition("  without a published source:\n")
     assert [line.split() for line in head.splitlines()] == [
-        ["ur18"], ["payload", "18.0"], ["reach", "0.95"], ["dh_source", "-"]
+        ["ur18"], ["payload", "18.0"], ["reach", "0.95"], ["update_rate", "500"],
+        ["dh_source", "-"],
     ]  # fmt: skip
     assert "physical_parameters.base_mass  " in unsourced
     own = tmp_path / "mine"

@@ -7,23 +7,20 @@ from raises_naming import raises_naming
 from toy_robot import ARM, JOINTS
 from ur5_rig import ARM_JOINTS, POST, POST_GRIPPER
 
-from tool0.control.config import (
-    TYPES,
-    ControllerConfig,
-    joint_limit_parameters,
-    parameters_of,
-    readers_of,
-)
+from tool0.control.config import ControllerConfig
 from tool0.control.gripper_action import GripperActionSpec
-from tool0.control.joint_trajectory import JointTrajectorySpec
+from tool0.control.joint_limits import joint_limit_parameters
 from tool0.control.parameters import Gains, RobotJoints
+from tool0.control.ros1.dialect import ROS1
+from tool0.control.ros1.joint_trajectory import JointTrajectorySpec
 from tool0.description.model import Interface, JointLimits
 from tool0.description.robot import assemble
 from tool0.errors import ConfigError, SourceLocation
 
-TOY = RobotJoints(JOINTS, dict.fromkeys(("hip", "slide", "wheel"), Interface.EFFORT))
+OFFERED = (Interface.EFFORT,)
+TOY = RobotJoints(JOINTS, dict.fromkeys(("hip", "slide", "wheel"), OFFERED))
 UR5 = assemble().model.joint_by_name
-REAL = RobotJoints(UR5, dict.fromkeys(UR5, Interface.EFFORT))
+REAL = RobotJoints(UR5, dict.fromkeys(UR5, OFFERED))
 
 
 def from_text(text: str) -> ControllerConfig:
@@ -206,18 +203,18 @@ def test_wrong_joint_limits_are_errors(text: str, named: tuple[str, ...]) -> Non
         from_text(f"joint_limits: {{{text}}}").joint_limits()
 
 
-@pytest.mark.parametrize("type_name", TYPES)
+@pytest.mark.parametrize("type_name", sorted(ROS1.types))
 def test_every_type_has_a_parser_that_names_its_parameters(type_name: str) -> None:
-    assert parameters_of(type_name) & {"joint", "joints"}
+    assert ROS1.parameters_of(type_name) & {"joint", "joints"}
 
 
 def test_known_parameters_are_those_that_the_parsers_look_up() -> None:
-    trajectory = parameters_of("effort_controllers/JointTrajectoryController")
+    trajectory = ROS1.parameters_of("effort_controllers/JointTrajectoryController")
     assert {"gains/*/p", "velocity_ff/*", "constraints/*/goal"} <= trajectory
     assert "gains/*/publish_state" in trajectory  # of ROS only
-    positions = parameters_of("position_controllers/JointTrajectoryController")
+    positions = ROS1.parameters_of("position_controllers/JointTrajectoryController")
     assert trajectory - positions == {
         item for item in trajectory if item.startswith(("gains/", "velocity_ff/"))
     }
-    assert readers_of("stall_timeout") == ("GripperActionController",)
+    assert ROS1.readers_of("stall_timeout") == ("GripperActionController",)
     assert {"max_jerk", "has_effort_limits"} <= joint_limit_parameters()

@@ -3,7 +3,7 @@ from toy_robot import ARM, JOINTS
 from ur5_rig import CONTROLLERS, POST, POST_GRIPPER
 
 from tool0.control.config import ControllerConfig
-from tool0.control.lint import lint
+from tool0.control.ros1.lint import lint
 from tool0.description.model import RobotModel
 from tool0.description.robot import assemble
 
@@ -15,17 +15,17 @@ Found = dict[str, tuple[str, str]]
 def found(text: str, robot: RobotModel | None = TOY) -> Found:
     """Return rule and remedy of each finding, by key."""
     joints = None if robot is None else [j.name for j in robot.movable_joints]
-    findings = lint(ControllerConfig.from_text(text), joints)
+    findings = lint(ControllerConfig.from_text(text).tree, joints)
     return {item.key: (item.rule, item.remedy) for item in findings}
 
 
 def test_good_files_are_clean() -> None:
-    assert lint(ControllerConfig.from_files(POST_GRIPPER), UR5) == ()
+    assert lint(ControllerConfig.from_files(POST_GRIPPER).tree, UR5) == ()
     assert found(ARM) == {}
 
 
 def test_the_arm_file_has_exactly_the_four_keys_of_another_controller() -> None:
-    warnings = lint(ControllerConfig.from_files(POST))
+    warnings = lint(ControllerConfig.from_files(POST).tree)
     lines = POST.read_text().splitlines()
     assert len(warnings) == 4
     for item in warnings:
@@ -38,7 +38,7 @@ def test_the_arm_file_has_exactly_the_four_keys_of_another_controller() -> None:
 
 def test_the_gazebo_file_is_read_by_nothing() -> None:
     path = CONTROLLERS / "gazebo_controller.yaml"
-    warnings = lint(ControllerConfig.from_files(path), UR5)
+    warnings = lint(ControllerConfig.from_files(path).tree, UR5)
     assert [(item.location.line, item.key) for item in warnings] == [
         (3, "ros_control/pid_gains"),
         (7, "ros_control/pid_gains/right_outer_knuckle_joint"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import pytest
 import yaml
 from raises_naming import raises_naming
 
+import tool0
 from tool0.control.default_controllers import controllers_yaml, default_controllers
 from tool0.control.parameters import RobotJoints
 from tool0.description.catalogue import find_part
@@ -51,7 +53,7 @@ def joints_named_in(text: str) -> set[str]:
 
 def robot_joints(description: RobotDescription) -> RobotJoints:
     model = description.model
-    interfaces = {item.joint: item.interface for item in model.transmissions}
+    interfaces = {item.joint: item.interfaces for item in model.transmissions}
     return RobotJoints(model.joint_by_name, interfaces)
 
 
@@ -247,3 +249,20 @@ def test_your_own_file_with_the_usual_joints_gets_gains_of_its_model(
     assert list(mine) == [*CONTROLLERS, "joint_limits"]
     p = mine["eff_joint_traj_controller"]["gains"]["shoulder_lift_joint"]["p"]
     assert p > 20000  # a UR5's is 10000
+
+
+def test_ros2_controllers_need_no_interface_that_the_robot_lacks(
+    tmp_path: Path,
+) -> None:
+    urdf = assemble(ros2_control=True).urdf
+    bare = re.sub(r'<command_interface name="(set_gripper|reactivate)\w+"/>', "", urdf)
+    assert bare != urdf
+    for text, expected in ((urdf, True), (bare, False)):
+        file = tmp_path / "robot.urdf"
+        file.write_text(text)
+        yaml_text = controllers_yaml(load_robot(file))
+        assert ("max_effort_interface: finger_joint" in yaml_text) is expected
+        assert "robotiq_gripper_controller" in yaml_text
+        with tool0.bringup(robot=file, realtime=False) as robot:
+            running = {item.name for item in robot.controllers() if item.is_running}
+            assert "robotiq_gripper_controller" in running

@@ -22,11 +22,11 @@ def test_a_group_forwards_in_the_order_of_its_joints_and_a_single_a_number(
     robot.tick()
     first = [0.0, 0.2, 0.0, 0.4] if kind == "POSITION" else [0.0] * 4
     assert robot.hardware.command == first
-    controller.command([1.0, 2.0])
+    controller.command_joints([1.0, 2.0])
     robot.tick()
     assert robot.hardware.command == [0.0, 2.0, 0.0, 1.0]
     single = ToyRobot(SINGLE.format(kind.lower(), kind.title()), interface)
-    single.start("c").command(1.5)
+    single.start("c").command_joints(1.5)
     single.tick()
     assert single.hardware.command == [0.0, 0.0, 1.5, 0.0]
 
@@ -38,9 +38,9 @@ def test_a_group_forwards_in_the_order_of_its_joints_and_a_single_a_number(
 def test_a_bad_command_changes_nothing(values: list[float], shown: str) -> None:
     robot = ToyRobot(GROUP.format("effort", "Effort"))
     controller = robot.start("c")
-    controller.command([3.0, 4.0])
+    controller.command_joints([3.0, 4.0])
     with raises_naming(ControlError, shown):
-        controller.command(values)
+        controller.command_joints(values)
     robot.tick()
     assert robot.hardware.command == [0.0, 4.0, 0.0, 3.0]
 
@@ -53,7 +53,7 @@ def test_a_position_is_followed_by_effort_within_the_limits() -> None:
     controller = robot.start("c")
     robot.run(0.1)
     assert robot.position[1] == 0.0
-    controller.command(99.0)
+    controller.command_joints(99.0)
     robot.run(3.0)
     assert robot.position[1] == pytest.approx(6.0, abs=1e-3)
 
@@ -65,7 +65,7 @@ def test_a_continuous_joint_goes_the_shortest_way_to_a_position() -> None:
         " wheel: {pid: {p: 400, d: 40}}, hip: {pid: {p: 400, d: 40}}}"
     )
     controller = robot.start("c")
-    controller.command([5.0, 5.0])
+    controller.command_joints([5.0, 5.0])
     robot.run(3.0)
     assert robot.position[1] == pytest.approx(5.0, abs=1e-3)
     assert robot.position[3] == pytest.approx(5.0 - math.tau, abs=1e-3)
@@ -85,7 +85,7 @@ def test_other_quantities_are_followed_by_a_pid(
         interface,
     )
     controller = robot.start("c")
-    controller.command(0.7)
+    controller.command_joints(0.7)
     robot.run(3.0)
     followed = robot.velocity if kind == "Velocity" else robot.position
     assert followed[1] == pytest.approx(0.7)

@@ -34,7 +34,7 @@ def target(controller) -> float:
 
 def test_succeeds_within_the_tolerance() -> None:
     robot, controller = hand()
-    goal = controller.command(0.5, 8.0, robot.time)
+    goal = controller.drive(0.5, 8.0, robot.time)
     while abs(0.5 - robot.position[1]) >= 0.01:
         robot.tick()
         assert goal.status is GoalStatus.ACTIVE
@@ -62,7 +62,7 @@ def test_the_goal_else_the_yaml_else_the_joint_bounds_the_effort(
     yaml = GRIPPER if own else GRIPPER.replace("max_effort: 8", "")
     robot, controller = hand(yaml)
     robot.blocked = {"hip"}
-    controller.command(position, effort, robot.time)
+    controller.drive(position, effort, robot.time)
     robot.tick()
     assert robot.hardware.command[1] == commanded
 
@@ -71,7 +71,7 @@ def test_the_goal_else_the_yaml_else_the_joint_bounds_the_effort(
 def test_a_stall_ends_the_goal_and_keeps_squeezing(allow: str) -> None:
     robot, controller = hand(GRIPPER + f"  allow_stalling: {allow}\n")
     robot.blocked = {"hip"}
-    goal = controller.command(0.5, 5.0, robot.time)
+    goal = controller.drive(0.5, 5.0, robot.time)
     robot.run(0.199)
     assert goal.status is GoalStatus.ACTIVE
     robot.run(0.004)
@@ -93,7 +93,7 @@ def test_a_slow_motion_and_chatter_are_stalls_below_the_threshold(
 ) -> None:
     robot, controller = hand()
     robot.blocked = {"hip"}
-    goal = controller.command(0.5, 5.0, robot.time)
+    goal = controller.drive(0.5, 5.0, robot.time)
     for k in range(1000):
         robot.position[1] = speed * DT * k + chatter * (-1) ** k
         robot.velocity[1] = chatter / 5e-4 * (-1) ** k
@@ -104,9 +104,9 @@ def test_a_slow_motion_and_chatter_are_stalls_below_the_threshold(
 def test_a_new_goal_preempts_and_restarts_the_clock() -> None:
     robot, controller = hand()
     robot.blocked = {"hip"}
-    first = controller.command(0.5, 5.0, robot.time)
+    first = controller.drive(0.5, 5.0, robot.time)
     robot.run(0.15)
-    second = controller.command(0.6, 5.0, robot.time)
+    second = controller.drive(0.6, 5.0, robot.time)
     assert first.status is GoalStatus.PREEMPTED
     robot.run(0.15)
     assert second.status is GoalStatus.ACTIVE
@@ -114,7 +114,7 @@ def test_a_new_goal_preempts_and_restarts_the_clock() -> None:
 
 def test_a_cancel_holds_the_measured_position() -> None:
     robot, controller = hand()
-    goal = controller.command(0.5, 2.0, robot.time)
+    goal = controller.drive(0.5, 2.0, robot.time)
     robot.run(0.1)
     controller.cancel(goal, robot.time)
     assert goal.status is GoalStatus.PREEMPTED
@@ -127,7 +127,7 @@ def test_a_cancel_holds_the_measured_position() -> None:
 def test_the_position_variant_commands_the_position() -> None:
     yaml = GRIPPER.replace("effort_controllers", "position_controllers")
     robot, controller = hand(yaml, Interface.POSITION)
-    goal = controller.command(0.5, None, robot.time)
+    goal = controller.drive(0.5, None, robot.time)
     robot.run(0.003)
     assert robot.position[1] == 0.5
     assert goal.result.reached_goal
@@ -141,9 +141,9 @@ def test_bad_goals_are_rejected_and_the_old_one_goes_on(
     position, effort, shown
 ) -> None:
     robot, controller = hand()
-    goal = controller.command(0.5, 2.0, robot.time)
+    goal = controller.drive(0.5, 2.0, robot.time)
     with raises_naming(GoalRejectedError, shown):
-        controller.command(position, effort, robot.time)
+        controller.drive(position, effort, robot.time)
     assert goal.status is GoalStatus.ACTIVE
     assert target(controller) == 0.5
 
@@ -163,7 +163,7 @@ def test_at_a_bounded_speed_an_integral_does_not_wind_up() -> None:
     gains = "{p: 400, d: 40, i: 100, i_clamp: 100}"
     robot, controller = hand(GRIPPER.replace("{p: 400, d: 40}", gains))
     slow = DriveLimits(gripper=JAWS, speed=0.2)
-    goal = controller.command(0.5, None, robot.time, slow)
+    goal = controller.drive(0.5, None, robot.time, slow)
     start = robot.time
     while goal.result is None:
         robot.tick()
@@ -180,15 +180,15 @@ def test_a_firmer_squeeze_does_not_let_go_and_opening_does() -> None:
     robot, controller = hand()
     robot.blocked = {"hip"}
     slow = DriveLimits(gripper=JAWS, speed=0.1)
-    controller.command(0.5, None, robot.time)
+    controller.drive(0.5, None, robot.time)
     robot.tick()
     assert robot.hardware.command[1] == 8.0
-    controller.command(0.5, None, robot.time, slow)
+    controller.drive(0.5, None, robot.time, slow)
     robot.tick()
     assert robot.hardware.command[1] == 8.0
-    controller.command(0.01, None, robot.time, slow)
+    controller.drive(0.01, None, robot.time, slow)
     robot.tick()
     assert robot.hardware.command[1] == pytest.approx(400 * 0.01)
-    controller.command(-0.5, None, robot.time, slow)
+    controller.drive(-0.5, None, robot.time, slow)
     robot.tick()
     assert -0.1 < robot.hardware.command[1] < 0.0

@@ -4,7 +4,8 @@ import pytest
 from raises_naming import raises_naming
 from toy_robot import DT, ToyRobot
 
-from tool0.control.joint_state import PublishedJointState, PublishRate
+from tool0.control.publish_rate import PublishRate
+from tool0.control.ros1.joint_state import PublishedJointState
 from tool0.errors import ConfigError
 
 TYPE = "type: joint_state_controller/JointStateController"

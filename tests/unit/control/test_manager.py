@@ -2,8 +2,10 @@ import pytest
 from raises_naming import raises_naming
 from toy_robot import ARM, ToyRobot
 
+from tool0.control.controller import Role
 from tool0.control.goal import GoalStatus
-from tool0.control.manager import ControllerStatus, Strictness
+from tool0.control.manager import Strictness
+from tool0.control.status import ControllerStatus
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
 from tool0.description.model import Interface
 from tool0.errors import ClaimError, ConfigError, ControlError, GoalRejectedError
@@ -35,7 +37,7 @@ def switch(robot: ToyRobot, start=(), stop=(), strictness=STRICT):
 
 
 def command(robot: ToyRobot, name: str, *values: float) -> None:
-    robot.manager.running(name).command(values)
+    robot.manager.running(name).command_joints(values)
     robot.manager.release_brakes(name, robot.state)
 
 
@@ -53,8 +55,11 @@ def test_list_is_in_load_order_with_types_and_claims(robot: ToyRobot) -> None:
     assert status[1] == ControllerStatus(
         name="group",
         type="effort_controllers/JointGroupEffortController",
+        role=Role.COMMAND,
         state="initialized",
+        is_running=False,
         claimed=((EFFORT, ("slide", "wheel")),),
+        command_interfaces=("slide/effort", "wheel/effort"),
     )
     assert status[3].claimed == ()
 
@@ -88,11 +93,11 @@ def test_updates_write_the_commands_of_running_controllers_only(
     robot: ToyRobot,
 ) -> None:
     switch(robot, ["one", "group"])
-    robot.manager.running("one").command(5.0)
-    robot.manager.running("group").command([6.0, 7.0])
+    robot.manager.running("one").command_joints(5.0)
+    robot.manager.running("group").command_joints([6.0, 7.0])
     robot.tick()
     assert robot.hardware.command == [0.0, 5.0, 6.0, 7.0]
-    robot.manager.running("one").command(1.0)
+    robot.manager.running("one").command_joints(1.0)
     switch(robot, [], ["one"])
     robot.tick()
     assert robot.hardware.command[1] == 5.0

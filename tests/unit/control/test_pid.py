@@ -1,10 +1,11 @@
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from tool0.control.parameters import Gains, Pid
+from tool0.control.parameters import Gains, Pid, Unwinding
 from tool0.errors import ConfigError
 
 numbers = st.floats(-100.0, 100.0)
@@ -88,3 +89,39 @@ def test_new_gains_keep_what_the_integral_contributes(
     assert after == pytest.approx(kept if new.i else 0.0, abs=1e-9)
     pid.set_gains(0, Gains(p=3.0))
     assert updates(pid, 2.0) == [6.0]
+
+
+# ---- what ROS 2 adds -----------------------------------------------------------------
+
+
+@given(gains, errors, st.floats(0.0, 5.0))
+def test_the_command_stays_within_its_limits(
+    item: Gains, sequence: list[tuple[float, float]], limit: float
+) -> None:
+    limited = Pid([replace(item, u_min=-limit, u_max=2 * limit)])
+    for error, rate in sequence:
+        (command,) = limited.update([error], [rate], 0.01)
+        assert -limit <= command <= 2 * limit
+
+
+def test_errors_within_the_deadband_are_not_integrated() -> None:
+    item = Gains(p=0.0, i=1.0, i_min=-9.0, i_max=9.0, error_deadband=0.5)
+    assert updates(Pid([item]), 0.5, -0.5, 1.0, 0.2) == [0.0, 0.0, 0.1, 0.1]
+
+
+def test_a_limited_command_keeps_the_integral_from_growing() -> None:
+    def integral(unwinding: Unwinding, error: float = 1.0) -> float:
+        item = Gains(
+            p=1.0, i=1.0, i_min=-99.0, i_max=99.0, u_min=-0.5, u_max=0.5,
+            unwinding=unwinding, tracking_time=0.5,
+        )  # fmt: skip
+        pid = Pid([item])
+        updates(pid, *[error] * 100)
+        return pid.integrals[0]
+
+    assert integral(Unwinding.NONE) == pytest.approx(10.0)
+    assert integral(Unwinding.CONDITIONAL_INTEGRATION) == 0.0
+    # It settles where the excess of the command balances the error.
+    assert abs(integral(Unwinding.BACK_CALCULATION)) < 0.2
+    for unwinding in Unwinding:
+        assert integral(unwinding, 0.001) == pytest.approx(0.01)

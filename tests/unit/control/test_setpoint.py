@@ -35,7 +35,7 @@ def test_of_one_joint_it_says_the_same_as_of_all() -> None:
     robot.run(0.4)
     assert robot.manager.setpoints()["arm"].target() == pytest.approx((1.0, 0.5, -0.2))
     other = ToyRobot(ARM + OTHERS)
-    other.start("servo", "js").command([3.0, 1.0])
+    other.start("servo", "js").command_joints([3.0, 1.0])
     other.manager.load("hand")
     for manager in (robot.manager, other.manager):
         (setpoint,) = manager.setpoints().values()
@@ -69,7 +69,7 @@ def test_a_gripper_wants_its_command_from_the_start() -> None:
     robot.position[1] = 0.2
     controller = robot.start("hand")
     assert controller.setpoint().target() == (0.2,)
-    controller.command(0.5, None, robot.time)
+    controller.drive(0.5, None, robot.time)
     robot.tick()
     state = controller.setpoint().state()
     assert state.joint_names == ("hip",)
@@ -82,7 +82,7 @@ def test_a_position_forwarder_wants_nothing_before_its_first_command() -> None:
     robot = ToyRobot(OTHERS)
     controller = robot.start("servo")
     assert controller.setpoint() is None
-    controller.command([3.0, 100.0])
+    controller.command_joints([3.0, 100.0])
     robot.position = [0.0, 5.0, 0.0, -3.0]
     robot.tick()
     assert controller.setpoint().joint_names == ("wheel", "hip")
@@ -94,6 +94,6 @@ def test_a_position_forwarder_wants_nothing_before_its_first_command() -> None:
 @pytest.mark.parametrize("name", ["effort", "velocity"])
 def test_raw_efforts_and_velocities_want_no_position(name: str) -> None:
     robot = ToyRobot(OTHERS, Interface[name.upper()])
-    robot.start(name).command(1.0)
+    robot.start(name).command_joints(1.0)
     robot.tick()
     assert robot.manager.setpoints() == {}

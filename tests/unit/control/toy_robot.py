@@ -35,11 +35,14 @@ class ToyHardware:
     def __init__(self, interface: Interface) -> None:
         self.joint_names = tuple(JOINTS)
         self.index = {name: i for i, name in enumerate(JOINTS)}
-        self.interfaces = {name: interface for name in JOINTS if name != "idle"}
+        self.interfaces = {name: (interface,) for name in JOINTS if name != "idle"}
         self.command = [0.0] * len(JOINTS)
         self.claimed: list[str] = []
+        self.speed_scaling = {"": 1.0}
 
-    def claim(self, joints: Sequence[str], state: JointState) -> None:
+    def claim(
+        self, joints: Sequence[str], interface: Interface, state: JointState
+    ) -> None:
         self.claimed += joints
 
     def release(self, joints: Sequence[str], state: JointState) -> None:

@@ -247,7 +247,7 @@ def test_there_is_no_pedestal_where_none_can_stand(
 @pytest.mark.parametrize("interface", list(Interface))
 def test_the_interface_can_be_chosen(interface: Interface) -> None:
     model = assemble(transmission_hw_interface=interface.value).model
-    assert {item.interface for item in model.transmissions} == {interface}
+    assert {item.interfaces for item in model.transmissions} == {(interface,)}
 
 
 def test_safety_limits_narrow_the_arm_by_their_margin(model: RobotModel) -> None:
@@ -395,7 +395,9 @@ def test_the_fields_are_the_arguments_of_the_xacro_file() -> None:
     text = assemble().source.read_text()
     declared = re.findall(r'<xacro:arg name="(\w+)"', text)
     names = {item.name for item in fields(DescriptionConfig)}
-    without_tool0 = {"gripper_damping", "gripper_knuckle_inertia"}  # workspace.md
+    without_tool0 = {  # workspace.md
+        *("gripper_damping", "gripper_knuckle_inertia", "ros2_control_plugin"),
+    }
     own = {"robot", "cell", "robots", "namespaces", "args"}
     assert names == {*declared, *own} - without_tool0
 
@@ -548,3 +550,51 @@ def test_the_arm_is_called_as_in_the_table_of_the_post() -> None:
     assert names["upper_arm_link"] == "上臂"
     assert names["wrist_3_joint"] == "腕关节3"
     assert names["tool0"].startswith("末端")
+
+
+ROS2_PARTS = [("ur5", "2f85"), ("ur5e", "hande"), ("ur10e", "2f140"), ("ur3e", None)]
+
+
+@pytest.mark.parametrize(("arm", "gripper"), ROS2_PARTS)
+def test_ros2_control_describes_the_same_drives(arm: str, gripper: str | None) -> None:
+    usual = assemble(arm, gripper, prefix="left_").model
+    found = assemble(arm, gripper, prefix="left_", ros2_control=True)
+    model = found.model
+    assert "<transmission" not in found.urdf
+    assert (model.links, model.joints) == (usual.links, usual.joints)
+    drives, before = model.transmission_by_joint, usual.transmission_by_joint
+    assert list(drives) == list(before)
+    grips = {item.joint for item in model.grippers}
+    for joint, drive in drives.items():
+        assert drive.armature == before[joint].armature
+        assert drive.gravity_compensation == before[joint].gravity_compensation
+        several = (Interface.POSITION, Interface.VELOCITY, Interface.EFFORT)
+        assert drive.interfaces == (several[:1] if joint in grips else several)
+    assert model.wrench_sensors == {"left_tcp_fts_sensor": "left_tool0"}
+    assert model.initial_positions["left_shoulder_lift_joint"] == -1.57
+
+
+def test_every_moving_joint_has_a_state_in_ros2_control() -> None:
+    for kind in ("mimic", "linkage"):
+        model = assemble(ros2_control=True, gripper_model=kind).model
+        states = {name for item in model.hardware for name in item.state_interfaces}
+        joints = {joint.name for joint in model.movable_joints}
+        assert {f"{joint}/position" for joint in joints} <= states
+        commands = {n for item in model.hardware for n in item.command_interfaces}
+        assert "finger_joint/set_gripper_max_velocity" in commands
+        assert "reactivate_gripper/reactivate_gripper_cmd" in commands
+
+
+def test_a_cell_gives_ros2_control_to_each_robot() -> None:
+    robots = ["left=ur5+2f85@0,0.6,0", "right=ur10e@0,-0.6,0"]
+    config = DescriptionConfig(robots=robots, ros2_control=True)
+    model = load_description(config).model
+    names = [component.name for component in model.hardware]
+    assert names == ["left_ur5", "left_2f85", "right_ur10e"]
+    assert set(model.wrench_sensors.values()) == {"left_tool0", "right_tool0"}
+
+
+def test_ros2_control_offers_its_own_interfaces() -> None:
+    effort = Interface.EFFORT.value
+    with pytest.raises(ConfigError, match="not with ros2_control"):
+        DescriptionConfig(ros2_control=True, transmission_hw_interface=effort)

@@ -1,4 +1,7 @@
 import contextlib
+import os
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -251,3 +254,36 @@ print(len(load_description(DescriptionConfig()).model.joints) > 6)
 
 def test_warnings_of_xacro_s_import_are_no_errors() -> None:
     assert fresh_python.run(WARNING_IMPORT) == "True\n"
+
+
+def test_the_robots_name_may_be_an_argument_with_a_default(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf.xacro"
+    path.write_text(
+        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="$(arg name)_robot">\n'
+        '<xacro:arg name="name" default="ur"/><link name="$(arg name)"/></robot>'
+    )
+    for args, expected in (({}, "ur"), ({"name": "left"}, "left")):
+        robot = expand(path, args).documentElement
+        assert robot is not None
+        assert robot.getAttribute("name") == f"{expected}_robot"
+        assert links(path, **args) == [expected]
+
+
+def test_a_sourced_ros_does_not_replace_the_expander(tmp_path: Path) -> None:
+    """ROS puts its own xacro, of any version, first in the path."""
+    (tmp_path / "xacro.py").write_text("raise RuntimeError")
+    path = write(tmp_path, "robot.xacro", '<link name="a"/>')
+    code = (
+        "from pathlib import Path\n"
+        "from tool0.description.expansion import expand\n"
+        f"print(expand(Path({str(path)!r})).documentElement.tagName)"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        check=False,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    assert done.stdout.strip() == "robot", done.stderr

@@ -30,6 +30,24 @@ def test_finds_packages_at_and_below_each_entry_by_their_name_not_their_folder(
             find_package(name)
 
 
+def test_finds_packages_that_ros2_has_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    prefixes = (tmp_path / "missing", tmp_path / "overlay", tmp_path / "underlay")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", os.pathsep.join(map(str, prefixes)))
+    make_package(tmp_path / "underlay" / "share" / "arm_description", "arm_description")
+    first = make_package(
+        tmp_path / "overlay" / "share" / "arm_description", "arm_description"
+    )
+    assert find_package("arm_description") == first
+    with pytest.raises(DescriptionError, match=r"overlay/share.*'arm_description'"):
+        find_package("arm_descripton")
+    sources = make_package(tmp_path / "src" / "arm_description", "arm_description")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "src"))
+    assert find_package("arm_description") == sources
+
+
 def test_bundled_packages_come_first(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

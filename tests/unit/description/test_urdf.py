@@ -130,7 +130,7 @@ def test_refuses_chains_and_loops_of_mimics() -> None:
     [
         '<cone radius="1"/>',
         '<capsule radius="1" length="1"/>',
-        '<box size="1 0 1"/>',
+        '<box size="1 0 0"/>',
         '<box size="1 1"/>',
         '<sphere radius="-1"/>',
         '<sphere radius="nan"/>',

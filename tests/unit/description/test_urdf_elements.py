@@ -190,7 +190,7 @@ def test_reads_the_interface_with_and_without_its_package(
 ) -> None:
     text = interface(prefix + expected.value.partition("/")[2])
     (found,) = read_inside(transmission(in_joint=text)).transmissions
-    assert found.interface is expected
+    assert found.interfaces == (expected,)
     assert found.armature == 0
 
 
@@ -200,8 +200,8 @@ def test_the_joints_interface_goes_before_the_actuators() -> None:
         transmission("elbow_joint", interface(EFFORT), position)
     ).transmissions
     (one,) = read_inside(transmission(in_actuator=position)).transmissions
-    assert both.interface is Interface.EFFORT
-    assert one.interface is Interface.POSITION
+    assert both.interfaces == (Interface.EFFORT,)
+    assert one.interfaces == (Interface.POSITION,)
 
 
 def test_reads_the_motor() -> None:

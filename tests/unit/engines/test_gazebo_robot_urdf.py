@@ -12,6 +12,8 @@ import pytest
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import JointType, Mimic, RobotModel
 from tool0.description.robot import assemble, load_robot
+from tool0.description.urdf import read_model
+from tool0.description.xml_source import parse_text
 from tool0.engines.gazebo.connection import pack_pose
 from tool0.engines.gazebo.robot_urdf import (
     STOP_SLACK,
@@ -251,3 +253,13 @@ def test_collada_brings_its_own_colors(tmp_path: Path) -> None:
     robot = urdf_of(file)
     assert len(robot.findall("link[@name='a']/visual")) == 2
     assert robot.findall("gazebo") == []
+
+
+def test_controller_managers_of_ros2_are_left_out() -> None:
+    plugin = '<plugin name="p" filename="{}"/>'
+    names = ("gz_ros2_control-system", "libgazebo_ros2_control.so", "libcamera.so")
+    extensions = "".join(map(plugin.format, names))
+    text = WHEEL.replace("</robot>", f"<gazebo>{extensions}</gazebo></robot>")
+    model = read_model(parse_text(text))
+    robot = ET.fromstring(gazebo_urdf(text, model, *held(model)))
+    assert [item.get("filename") for item in robot.iter("plugin")] == ["libcamera.so"]

@@ -228,7 +228,7 @@ def test_a_wheel_without_limits_turns_freely() -> None:
         axis=(0.0, 0.0, 1.0),
     )
     rim = Link(name="rim", inertial=Inertial(mass=1.0, ixx=0.1, iyy=0.1, izz=0.1))
-    drive = Transmission(name="drive", joint="wheel", interface=Interface.EFFORT)
+    drive = Transmission(name="drive", joint="wheel", interfaces=(Interface.EFFORT,))
     engine = MujocoEngine(
         RobotModel(
             name="wheel",
@@ -245,3 +245,49 @@ def test_a_wheel_without_limits_turns_freely() -> None:
     state = engine.read()
     assert state.velocity[0] == pytest.approx(20.0, rel=1e-6)  # 2 N·m on 0.1 kg·m²
     assert state.position[0] == pytest.approx(10.0, rel=1e-2)
+
+
+def test_a_link_at_rest_does_not_collide_with_what_it_carries() -> None:
+    def ball(name: str, radius: float) -> Link:
+        return Link(
+            name=name,
+            inertial=Inertial(mass=1.0, ixx=0.1, iyy=0.1, izz=0.1),
+            collisions=(Collision(geometry=Sphere(radius=radius)),),
+        )
+
+    def robot(base: float, table: float) -> MujocoEngine:
+        wheel = Joint(
+            name="wheel",
+            type=JointType.CONTINUOUS,
+            parent="base",
+            child="rim",
+            axis=(0.0, 0.0, 1.0),
+        )
+        mounts = (
+            Joint(name=name, type=JointType.FIXED, parent="world", child=name)
+            for name in ("base", "table")
+        )
+        return MujocoEngine(
+            RobotModel(
+                name="wheel",
+                root="world",
+                links=(
+                    Link(name="world"),
+                    ball("base", base),
+                    ball("table", table),
+                    ball("rim", 0.2),
+                ),
+                joints=(*mounts, wheel),
+            ),
+            ground=None,
+        )
+
+    for sizes, others in (((0.2, 1e-3), {"table"}), ((1e-3, 0.2), {"table"})):
+        engine = robot(*sizes)
+        engine.reset([0.0])
+        engine.write([0.0])
+        engine.step()
+        touching = {
+            name for c in engine.world.contacts() for name in (c.first, c.second)
+        }
+        assert touching == {"rim", *others}

@@ -13,6 +13,8 @@ from tool0.installation.doctor.report import ProbeResult
 from tool0.installation.gazebo.installation import NAMED_BY
 from tool0.installation.machine import Machine
 from tool0.installation.ros1.packages import Ros1Status
+from tool0.installation.ros2.installation import Ros2
+from tool0.installation.ros2.status import Ros2Status
 
 # --- GPUs ---
 
@@ -110,6 +112,7 @@ def test_what_gazebo_lacks_has_a_remedy(root: Path) -> None:
 
 NEEDED = {"rospy": ("rospy", "rosgraph"), "messages": ("genpy", "genmsg", "std_msgs")}
 ROS1 = "tool0.installation.ros1"
+ROS2 = "tool0.installation.ros2"
 REMEDY = "tool0 ros1 install --rviz"
 
 
@@ -118,16 +121,45 @@ def with_ros1(patch: pytest.MonkeyPatch, status: Ros1Status) -> list[ProbeResult
     return ros1(Machine(environ={"PATH": ""}))
 
 
-def test_ros_2_is_reported_and_not_supported(tmp_path: Path) -> None:
-    (result,) = ros2(Machine(root=tmp_path))
-    assert result.state == "not supported"
-    for distro in ("humble", "jazzy"):
-        home = tmp_path / "opt/ros" / distro / "lib/python3.10/site-packages/rclpy"
-        home.mkdir(parents=True)
-    (result,) = ros2(Machine(root=tmp_path))
-    assert result.state == "not supported"
-    for distro in ("humble", "jazzy"):
-        assert str(tmp_path / "opt/ros" / distro) in result.found
+def with_ros2(
+    monkeypatch: pytest.MonkeyPatch, found: Ros2 | None, **missing: str
+) -> ProbeResult:
+    remedies = (REMEDY,) if missing or found is None else ()
+    status = Ros2Status(
+        ros2=found,
+        rclpy="9.1.2",
+        rmw="rmw_fastrtps_cpp",
+        missing=missing,
+        remedies=remedies,
+    )
+    monkeypatch.setattr(f"{ROS2}.status.ros2_status", lambda: status)
+    (result,) = ros2(Machine())
+    return result
+
+
+def test_ros_2_is_found_or_can_be_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = Ros2(
+        kind="system",
+        distro="jazzy",
+        prefix=Path("/opt/ros/jazzy"),
+        python=Path("/usr/bin/python3.12"),
+        environment={},
+    )
+    result = with_ros2(monkeypatch, found)
+    assert (result.state, result.remedy) == ("ready", "")
+    assert "jazzy, the system's, rclpy 9.1.2, rmw_fastrtps_cpp" in result.found
+    result = with_ros2(monkeypatch, found, control_msgs="no such module")
+    assert (result.state, result.remedy) == ("missing", REMEDY)
+    assert "without control_msgs" in result.found
+    result = with_ros2(monkeypatch, found, ur_msgs="no such module")
+    assert (result.state, result.remedy) == ("ready", REMEDY)
+    monkeypatch.setattr(f"{ROS2}.install.why_not_installable", lambda: None)
+    result = with_ros2(monkeypatch, None)
+    assert (result.state, result.remedy) == ("missing", "tool0 ros2 install")
+    monkeypatch.setattr(f"{ROS2}.install.why_not_installable", lambda: "the reason")
+    result = with_ros2(monkeypatch, None)
+    assert (result.state, result.remedy) == ("not supported", "")
+    assert "the reason" in result.found
 
 
 def test_ros_1_is_installed_where_it_is_packaged(

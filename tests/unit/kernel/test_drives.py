@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -57,10 +57,33 @@ def hexes(values: list[float]) -> list[str]:
 def driven_by(model: RobotModel, *interfaces: Interface) -> RobotModel:
     """Return the model with these interfaces in turn."""
     transmissions = tuple(
-        replace(transmission, interface=interfaces[i % len(interfaces)])
+        replace(transmission, interfaces=(interfaces[i % len(interfaces)],))
         for i, transmission in enumerate(model.transmissions)
     )
     return replace(model, transmissions=transmissions)
+
+
+def offering_all(model: RobotModel) -> RobotModel:
+    """Return the model with drives that each offer every interface."""
+    transmissions = tuple(
+        replace(transmission, interfaces=tuple(Interface))
+        for transmission in model.transmissions
+    )
+    return replace(model, transmissions=transmissions)
+
+
+def claim_again(
+    hardware: RobotHardware, chosen: Mapping[str, Interface], state: JointState
+) -> None:
+    """Give joints to controllers, which may have had them before."""
+    hardware.release(list(chosen), state)
+    for name, interface in chosen.items():
+        hardware.claim([name], interface, state)
+
+
+def claim_all(hardware: RobotHardware, state: JointState) -> None:
+    first = {name: offered[0] for name, offered in hardware.interfaces.items()}
+    claim_again(hardware, first, state)
 
 
 def softened(model: RobotModel) -> RobotModel:
@@ -109,7 +132,9 @@ MODELS: dict[str, Callable[[], RobotModel]] = {
         softened(assemble("ur5", "hande").model), Interface.POSITION, Interface.VELOCITY
     ),
     "compensated": lambda: compensated(assemble().model),
+    "several": lambda: offering_all(compensated(assemble().model)),
 }
+STEPS_PER_COMMAND = {"several": 8, "soft-servos": 2}
 GRAVITY = {"skew": (1.0, -2.0, -9.0), "soft": (0.0, 0.0, 9.81)}
 
 
@@ -148,9 +173,10 @@ class Script:
 
     def _some_command(self, name: str, i: int) -> float:
         draw, limits = self.random, self.limits[i]
-        if self.hardware.interfaces[name] is Interface.POSITION:
+        interface = self.hardware.claimed.get(name, self.hardware.interfaces[name][0])
+        if interface is Interface.POSITION:
             return self.state.position[i] + draw.gauss(0.0, 0.02)
-        if self.hardware.interfaces[name] is Interface.VELOCITY:
+        if interface is Interface.VELOCITY:
             return draw.gauss(0.0, 0.5 * min(limits.velocity, 10.0))
         return draw.gauss(0.0, 0.7 * min(limits.effort, 200.0))
 
@@ -158,12 +184,14 @@ class Script:
         """Return what somebody requests between two steps."""
         draw, driven = self.random, list(self.hardware.interfaces)
         some = draw.sample(driven, draw.randint(1, len(driven)))
+        chosen = {name: draw.choice(self.hardware.interfaces[name]) for name in driven}
+        few = {name: chosen[name] for name in some}
         engaged = draw.random() < 0.2
         return draw.choice(
             [
-                lambda hardware, state: hardware.claim(some, state),
-                lambda hardware, state: hardware.claim(driven, state),
-                lambda hardware, state: hardware.claim(driven, state),
+                lambda hardware, state: claim_again(hardware, few, state),
+                lambda hardware, state: claim_again(hardware, chosen, state),
+                lambda hardware, state: claim_again(hardware, chosen, state),
                 lambda hardware, state: hardware.release(some, state),
                 lambda hardware, state: hardware.set_stopped(engaged, state),
                 lambda hardware, state: hardware.restart(state),
@@ -201,6 +229,8 @@ def pair(name: str) -> tuple[RobotModel, RobotHardware, RobotHardware]:
     first, second = (
         RobotHardware(model, names, 1e-3, gravity=gravity) for _ in range(2)
     )
+    for hardware in (first, second):
+        hardware.set_steps_per_command(STEPS_PER_COMMAND.get(name, 1))
     return model, first, second
 
 
@@ -253,7 +283,7 @@ def test_what_is_not_finite_is_left_to_python(
     name: str, value: float, efforts: Efforts
 ) -> None:
     model, hardware, _ = pair(name)
-    hardware.claim(list(hardware.interfaces), Script(model, hardware, name).state)
+    claim_all(hardware, Script(model, hardware, name).state)
     state = Script(model, hardware, name).state
     hardware.efforts(state)
     drives, last = NativeDrives(hardware), len(hardware.command) - 1
@@ -272,7 +302,7 @@ def test_what_is_not_finite_is_left_to_python(
 def test_copies_are_independent(efforts: Efforts) -> None:
     model, hardware, _ = pair("mixed")
     script = Script(model, hardware, "copies")
-    hardware.claim(list(hardware.interfaces), script.state)
+    claim_all(hardware, script.state)
     hardware.efforts(script.state)
     start, copy, other = (NativeDrives(hardware) for _ in range(3))
     (gripper, *_) = model.grippers

@@ -11,6 +11,7 @@ import pytest
 
 import tool0
 from tool0 import TrajectoryPoint
+from tool0.control.controller import Role
 from tool0.description.config import DescriptionConfig
 from tool0.description.shapes import Box
 from tool0.errors import Tool0Error
@@ -26,6 +27,32 @@ arm:
   joints: [shoulder_pan_joint, shoulder_lift_joint, elbow_joint, wrist_1_joint,
            wrist_2_joint, wrist_3_joint]
   constraints: {goal_time: 0.5, elbow_joint: {trajectory: 0.05, goal: 0.01}}
+"""
+ROS2 = """
+arm:
+  ros__parameters:
+    type: joint_trajectory_controller/JointTrajectoryController
+    joints: [shoulder_pan_joint, shoulder_lift_joint, elbow_joint, wrist_1_joint,
+             wrist_2_joint, wrist_3_joint]
+    command_interfaces: [COMMANDED]
+    state_interfaces: [position, velocity]
+    allow_trajectory_replacement: SPLICED
+    cmd_timeout: 0.8
+    gains:
+      shoulder_pan_joint: {p: 20, i: 1, ff_velocity_scale: 0.9}
+      shoulder_lift_joint: {p: 20, i: 1, i_clamp: 0.1, ff_velocity_scale: 1}
+      elbow_joint: {p: 20, d: 0.1, u_clamp_max: 0.1, error_deadband: 0.001,
+                    i: 5, ff_velocity_scale: 1}
+      wrist_1_joint: {p: 10, i: 1, u_clamp_min: -0.05, ff_velocity_scale: 1,
+                      antiwindup_strategy: conditional_integration}
+      wrist_2_joint: {p: 10, i: 1, u_clamp_max: 0.05, ff_velocity_scale: 1,
+                      antiwindup_strategy: back_calculation}
+      wrist_3_joint: {p: 10}
+    constraints:
+      goal_time: 0.5
+      stopped_velocity_tolerance: 0.05
+      elbow_joint: {trajectory: 0.05, goal: 0.01}
+      wrist_1_joint: {trajectory: 0.1, goal: 0.002}
 """
 FORWARD = """
 arm:
@@ -104,7 +131,7 @@ def send_goals(
     names = [
         status.name
         for status in robot.snapshot.controllers
-        if status.kind == "JointTrajectoryController" and status.state == "running"
+        if status.is_running and status.role is Role.TRAJECTORY
     ]
     for _ in range(count):
         controller = robot.controller(rng.choice(names))
@@ -175,7 +202,40 @@ def resets(robot: Any, record: Record) -> None:
         record.append(numbers(robot))
 
 
-@pytest.mark.parametrize("scenario", [trajectories, grips, stops, resets])
+def sensing(robot: Any, record: Record) -> None:
+    """Sample a sensor while joints move, at two rates, with and without a payload."""
+    for rate, mass in ((125.0, None), (500.0, 2.5), (1000.0, None)):
+        robot.force_torque.start(rate=rate)
+        if mass is not None:
+            robot.arm.control_box.set_payload(mass, (0.01, 0.0, 0.1))
+        else:
+            robot.arm.control_box.clear_payload()
+        robot.move_joints({"shoulder_pan_joint": 0.5, "elbow_joint": 1.2})
+        robot.run(0.3)
+        robot.move_joints({"shoulder_pan_joint": -0.5, "elbow_joint": 0.7})
+        robot.run(0.3)
+        samples = robot.force_torque.samples()
+        record.append([item.raw_force + item.raw_torque for item in samples])
+        assert len(samples) == round(0.6 * rate) + 1
+        record.append(numbers(robot))
+
+
+def payloads(robot: Any, record: Record) -> None:
+    """Change payload and speed slider while servos hold and move the arm."""
+    for k, mass in enumerate((3.0, 0.0, 1.5, 6.0)):
+        robot.arm.control_box.set_payload(mass, (0.0, 0.02, 0.1))
+        robot.arm.control_box.set_speed_slider(0.2 + 0.2 * k)
+        robot.run(0.2)
+        robot.move_joints({"shoulder_pan_joint": 0.3 * k, "elbow_joint": 1.2})
+        robot.run(0.3)
+        record.append(numbers(robot))
+    robot.arm.control_box.stop()
+    robot.run(0.3)
+    robot.arm.control_box.play()
+    robot.run(0.3)
+
+
+@pytest.mark.parametrize("scenario", [trajectories, grips, stops, resets, sensing])
 def test_of_the_default_robot(
     monkeypatch: pytest.MonkeyPatch, scenario: Scenario
 ) -> None:
@@ -233,6 +293,91 @@ def test_of_other_controllers(
         transmission_hw_interface=f"hardware_interface/{interface}JointInterface"
     )
     assert_identical(monkeypatch, commands, control=control, description=description)
+    if yaml is POSITION:
+        assert_identical(
+            monkeypatch, payloads, control=control, description=description
+        )
+
+
+@pytest.mark.parametrize("spliced", ["true", "false"])
+@pytest.mark.parametrize("commanded", ["position", "velocity"])
+def test_of_trajectories_of_ros_2(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, commanded: str, spliced: str
+) -> None:
+    """Goals and messages, also of the future, at several speeds."""
+    file = tmp_path / "controllers.yaml"
+    file.write_text(ROS2.replace("COMMANDED", commanded).replace("SPLICED", spliced))
+
+    def motions(robot: Any, record: Record) -> None:
+        arm, rng = robot.controller("arm"), random.Random(3)
+        for k in range(5):
+            if commanded == "position":
+                arm.scale_speed(rng.choice((1.0, 1.0, 0.5, 0.3)))
+            send_goals(robot, record, rng, count=3, rest=1.0)
+            motion = robot.snapshot.controller_setpoints["arm"].state().desired
+            point = TrajectoryPoint(
+                [q + rng.uniform(-0.1, 0.1) for q in motion.positions],
+                time_from_start=0.3,
+            )
+            arm.command_trajectory([point], stamp=rng.choice((None, robot.time + 0.1)))
+            robot.run(rng.choice((0.05, 0.2, 1.5)))
+            record.append(numbers(robot))
+            if k == 3:
+                robot.reset()
+
+    control = ControlConfig(controllers_file=file, controllers="arm")
+    description = DescriptionConfig(ros2_control=True)
+    assert_identical(monkeypatch, motions, control=control, description=description)
+
+
+def test_of_grippers_and_forwarding_controllers_of_ros_2(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With speeds and forces of the drive, and brakes until the first effort."""
+
+    def motions(robot: Any, record: Record) -> None:
+        hand = robot.controller("robotiq_gripper_controller")
+        for position, force, speed in ((0.7, None, 0.05), (0.2, 20.0, None)):
+            hand.command_gripper(position, force, max_velocity=speed)
+            robot.run(0.4)
+            record.append(numbers(robot))
+        hand.command_gripper(0.8, max_velocity=0.02)
+        robot.run(0.1)
+        hand.command_gripper(0.3).cancel()
+        robot.run(0.3)
+        running = "joint_trajectory_controller"
+        for kind, size in (("velocity", 0.2), ("position", -0.7), ("effort", 5.0)):
+            name = f"forward_{kind}_controller"
+            robot.load(name)
+            robot.switch(start=[name], stop=[running])
+            robot.run(0.1)
+            record.append(numbers(robot))
+            robot.controller(name).command([size] * 6)
+            robot.run(0.3)
+            record.append(numbers(robot))
+            running = name
+
+    description = DescriptionConfig(ros2_control=True)
+    assert_identical(monkeypatch, motions, description=description)
+
+
+def test_of_scaled_trajectories(monkeypatch: pytest.MonkeyPatch) -> None:
+    def scaled(robot: Any, record: Record) -> None:
+        box = robot.arm.control_box
+        for fraction in (0.5, 0.13, 1.0):
+            robot.move_joints({"elbow_joint": fraction, "wrist_1_joint": 1.0})
+            robot.run(0.2)
+            box.set_speed_slider(fraction)
+            robot.run(0.5)
+            box.pause()
+            robot.run(0.4)
+            record.append((box.state.speed_scaling, numbers(robot)))
+            box.set_payload(2.0, (0.0, 0.01, 0.08))
+            box.play()
+            robot.run(1.0)
+            record.append((box.state.speed_scaling, numbers(robot)))
+
+    assert_identical(monkeypatch, scaled, ros2_control=True)
 
 
 def test_of_two_thousand_goals(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ import pytest
 import yaml
 from check_files import DATA, of_yaml, summary
 
-from tool0.control.config import TYPES
+from tool0.control.ros1.dialect import ROS1
 from tool0.description.robot import assemble
 from tool0.description.xml_source import parse_text
 from tool0.lint.robot.elements import Tag
@@ -122,7 +122,7 @@ def test_what_only_tool0_does_otherwise_is_no_fault_of_the_file() -> None:
     assert of_yaml("gazebo_ros_control: {pid_gains: {elbow_joint: {p: 1}}}") == []
 
 
-@pytest.mark.parametrize("name", TYPES)
+@pytest.mark.parametrize("name", sorted(ROS1.types))
 def test_every_type_is_known(name: str) -> None:
     assert not [f for f in of_yaml(f"c: {{type: {name}}}") if f.rule == "unknown-type"]
 

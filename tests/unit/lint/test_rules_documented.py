@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from tool0.control.lint import OF_TOOL0
+from tool0.control.ros1.lint import OF_TOOL0
 
 ROOT = Path(__file__).parents[3]
 COMPOSED = {"duplicate-link", "duplicate-joint"}

@@ -256,3 +256,14 @@ def test_it_names_every_controller_that_the_yaml_defines(robot: tool0.Robot) -> 
     }
     assert next(iter(robot.info.defined_controllers)) == "joint_state_controller"
     assert (robot.control_period, robot.is_realtime) == (0.001, False)
+
+
+def test_initial_values_of_ros2_control_go_before_home_and_after_a_given_pose() -> None:
+    start = {"elbow_joint": 0.3}
+    with tool0.bringup(ros2_control=True, initial_pose=start, realtime=False) as robot:
+        positions = robot.snapshot.positions
+    assert positions["elbow_joint"] == pytest.approx(0.3)
+    assert positions["shoulder_lift_joint"] == pytest.approx(-1.57)
+    with tool0.bringup(ros2_control=True, initial_pose="home", realtime=False) as robot:
+        positions = robot.snapshot.positions
+    assert positions["elbow_joint"] == pytest.approx(1.5708)

@@ -17,6 +17,9 @@ const TONES: Record<ControllerInfo["state"], Tone> = {
   running: "ok",
   stopped: "neutral",
   initialized: "neutral",
+  active: "ok",
+  inactive: "neutral",
+  unconfigured: "neutral",
   unloaded: "neutral",
 };
 
@@ -67,13 +70,13 @@ interface RowProps {
 
 function ControllerRow({ controller, all }: RowProps) {
   const [problem, setProblem] = useState<ErrorInfo | null>(null);
-  const { name, state } = controller;
-  const inTheWay = state === "running" ? [] : conflicting(controller, all);
+  const { name, state, is_running } = controller;
+  const inTheWay = is_running ? [] : conflicting(controller, all);
   const send = <M extends Method>(method: M, ...params: Params<M>) => {
     void connection.request(method, ...params).then(setProblem);
   };
   const action = <M extends Method>(
-    key: "load" | "unload" | "start" | "stop",
+    key: "load" | "configure" | "unload" | "start" | "stop",
     method: M,
     ...params: Params<M>
   ) => (
@@ -106,10 +109,13 @@ function ControllerRow({ controller, all }: RowProps) {
           ))}
         </span>
         {state === "unloaded" && action("load", "load_controller", { name })}
-        {state === "running" && action("stop", "switch_controllers", { stop: [name] })}
-        {(state === "initialized" || state === "stopped") && (
+        {is_running && action("stop", "switch_controllers", { stop: [name] })}
+        {state === "unconfigured" &&
+          action("configure", "configure_controller", { name })}
+        {!is_running && state !== "unloaded" && (
           <>
-            {action("start", "switch_controllers", { start: [name] })}
+            {state !== "unconfigured" &&
+              action("start", "switch_controllers", { start: [name] })}
             {action("unload", "unload_controller", { name })}
           </>
         )}

@@ -24,10 +24,7 @@ const robotKey = computed(() => selected.value?.name ?? "");
 /** The joints of the first trajectory controller that runs, or the first three; one a line. */
 const usualNames = computed(() => {
   const running = status.value?.controllers.find(
-    (one) =>
-      one.state === "running" &&
-      one.type.endsWith("/JointTrajectoryController") &&
-      isOurController(one),
+    (one) => one.is_running && one.role === "trajectory" && isOurController(one),
   );
   const ours = joints.value.map(({ name }) => name).filter(isOurs);
   const names = running?.joints ?? ours.slice(0, 3);

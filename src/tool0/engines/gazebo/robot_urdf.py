@@ -1,8 +1,9 @@
 """The robot's URDF for Gazebo, and the constraints of mimic joints.
 
-Gazebo's own libsdformat converts the URDF, as for any Gazebo user.  tool0 changes five
+Gazebo's own libsdformat converts the URDF, as for any Gazebo user.  tool0 changes six
 things before: mesh paths, the joint that fixes the robot to the world, the constraints
-and the stops of mimic joints, and colours.
+and the stops of mimic joints, colours, and controller managers of ROS 2, which it
+replaces.
 
 ODE's gearbox joint constrains a mimic joint where that is exact, otherwise teeth in the
 bridge.  The gearbox holds w_child + ratio · w_parent = 0 between the angular
@@ -37,6 +38,8 @@ STOP_SLACK = 0.02
 A master's stop also stops its mimics: ODE's direct solver fails on redundant rows, and
 undamped fingers then oscillate at 6 rad/s.
 """
+_ROS2_CONTROL = "ros2_control"
+"""In the file names of Gazebo's controller managers of ROS 2."""
 _COLORED = "tool0_paint"
 """Prefix of the links of coloured shapes: libsdformat does not lump a link whose name
 begins with its parent's."""
@@ -104,6 +107,9 @@ def gazebo_urdf(
                 limit.set(side, repr(float(limit.get(side, "0")) + back))
     geared = set()
     for extension in robot.iterfind("gazebo"):
+        for plugin in extension.findall("plugin"):
+            if _ROS2_CONTROL in plugin.get("filename", ""):
+                extension.remove(plugin)
         for joint in extension.findall("joint[@type='gearbox']"):
             child = joint.findtext("child")
             if child in constrained and constrained[child].is_gearbox:

@@ -95,9 +95,13 @@ def build_spec(
             size=[0.0, 0.0, 0.05],
             rgba=[0.85, 0.86, 0.88, 1.0],
         )
-    for name, frame in fixed_to_world(model):
-        _add_shapes(spec, spec.worldbody, model.link(name), frame, visuals)
     bodies = moving_bodies(model)
+    bases = {body.joint.parent for body in bodies if body.parent < 0}
+    for name, frame in fixed_to_world(model):
+        link, handle = model.link(name), spec.worldbody
+        if name in bases and link.collisions:
+            handle = handle.add_body(name=_base_name(name))
+        _add_shapes(spec, handle, link, frame, visuals)
     check_masses(model, bodies)
     handles: list[Any] = []
     for body in bodies:
@@ -109,7 +113,21 @@ def build_spec(
         _add_loop(spec, loop, bodies)
     for first, second in _excluded_pairs(model, bodies):
         spec.add_exclude(bodyname1=first, bodyname2=second)
+    for body in bodies:
+        link = model.link(body.joint.parent)
+        if body.parent < 0 and link.collisions:
+            spec.add_exclude(
+                bodyname1=_base_name(link.name), bodyname2=body.joint.child
+            )
     return spec
+
+
+def _base_name(link: str) -> str:
+    """Return the body of a link at rest that carries a joint.
+
+    MuJoCo lets no two bodies at one joint collide, but for those of the world.
+    """
+    return f"{link}/base"
 
 
 def to_mjcf(model: RobotModel) -> str:

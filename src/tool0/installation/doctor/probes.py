@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import platform
 import re
@@ -187,15 +186,26 @@ def _without_ros1(missing: list[str], *, can_have: bool) -> ProbeResult:
 
 
 def ros2(examined: Machine) -> list[ProbeResult]:
-    """Return the installed ROS 2, which tool0 does not support yet."""
-    pattern = "*/lib/python3*/site-packages/rclpy"
-    homes = sorted((examined.root / "opt/ros").glob(pattern))
-    distros = [f"{home.parents[3]} with rclpy" for home in homes]
-    spec = None if distros else importlib.util.find_spec("rclpy")
-    if spec is not None and spec.origin is not None:
-        distros = [f"rclpy in {spec.origin}"]
-    found = f"by tool0 yet; {', '.join(distros) or 'nothing of it is here'}"
-    return [ProbeResult("ros2", "not supported", found)]
+    """Return whether ``tool0 bringup --ros2`` works."""
+    from tool0.installation.ros2.install import why_not_installable
+    from tool0.installation.ros2.status import INSTALL, ros2_status
+
+    status = ros2_status()
+    remedy = "; ".join(status.remedies)
+    if status.ros2 is None:
+        reason = why_not_installable()
+        if reason is None:
+            found = "no ROS 2; for --ros2"
+            return [ProbeResult("ros2", "missing", found, INSTALL)]
+        return [ProbeResult("ros2", "not supported", f"no ROS 2; {reason}")]
+    found = (
+        f"{status.ros2.distro}, {status.ros2.origin}, rclpy {status.rclpy}, "
+        f"{status.rmw}, {status.ros2.prefix}"
+    )
+    if status.missing:
+        found = f"{status.ros2.distro} without {', '.join(status.missing)}"
+    state: ProbeState = "ready" if status.can_run else "missing"
+    return [ProbeResult("ros2", state, found, remedy)]
 
 
 # --- the workspace ---

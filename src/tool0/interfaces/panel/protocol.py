@@ -12,6 +12,7 @@ from typing import Literal
 
 from msgspec import Struct
 
+from tool0.control.controller import Role
 from tool0.description.catalogue import DisplayName
 from tool0.requests.codec import Mode
 from tool0.requests.table import RGBA, Quaternion, Vector3
@@ -132,12 +133,27 @@ class ViewObject(Struct, frozen=True, kw_only=True):
     """[kg]; null is fixed."""
 
 
+ControllerStage = Literal[
+    "unloaded",
+    "initialized",
+    "running",
+    "stopped",
+    "unconfigured",
+    "inactive",
+    "active",
+]
+"""The states of ROS 1 and of ROS 2, and ``unloaded``."""
+
+
 class ControllerInfo(Struct, frozen=True, kw_only=True):
     """A controller of the YAML, loaded or not."""
 
     name: str
     type: str
-    state: Literal["unloaded", "initialized", "running", "stopped"]
+    state: ControllerStage
+    is_running: bool
+    role: Role
+    """What it is for; sliders drive those that follow trajectories."""
     interface: str | None
     """The command interface it claims; null if it only reads, or is unloaded."""
     joints: list[str]

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, cast, final
+from typing import TYPE_CHECKING, cast, final
 
-from tool0.control.manager import ControllerStatus
+from tool0.control.controller import Role
+from tool0.control.status import ControllerStatus
 from tool0.description.model import Joint, JointType
 from tool0.description.parts import find_grippers
 from tool0.interfaces.panel.notices import EventWatcher, Notification
 from tool0.interfaces.panel.protocol import (
     ControllerInfo,
+    ControllerStage,
     Frame,
     GripperState,
     StallInfo,
@@ -104,6 +106,7 @@ class SimulationView:
                 self._simulation.defined_controllers,
                 snapshot.controllers,
                 self._joints,
+                self._simulation.core.manager.dialect.role,
             ),
             grippers=self._grippers,
             poses=pose_infos(self._simulation.poses, self._watcher.report_once),
@@ -174,46 +177,60 @@ def _rounded(value: float) -> float:
     return round(value, _DIGITS) + 0.0  # no minus zero
 
 
-_State = Literal["unloaded", "initialized", "running", "stopped"]
-
-
 def controller_infos(
     defined: Mapping[str, str],
     loaded: Sequence[ControllerStatus],
     joints: Mapping[str, Joint],
+    role_of: Callable[[str], Role],
 ) -> list[ControllerInfo]:
-    """Return every controller of the YAML in its order; ``defined`` is name → type."""
+    """Return every controller: those of the YAML in its order, then others.
+
+    Args:
+        defined: Name → type of those of the YAML.
+        loaded: The loaded ones.
+        joints: The robot's joints, with their limits.
+        role_of: Returns the role of a type.
+    """
     status_of = {status.name: status for status in loaded}
+    types = {**defined, **{status.name: status.type for status in loaded}}
     infos = []
-    for name, kind in defined.items():
+    for name, kind in types.items():
         status = status_of.get(name)
+        role = role_of(kind)
         claims = () if status is None else status.claimed
         claimed = [joint for _, names in claims for joint in names]
-        state = "unloaded" if status is None else cast(_State, status.state)
         infos.append(
             ControllerInfo(
                 name=name,
                 type=kind,
-                state=state,
+                state="unloaded"
+                if status is None
+                else cast(ControllerStage, status.state),
+                is_running=status is not None and status.is_running,
+                role=role,
                 interface=claims[0][0] if claims else None,
                 joints=claimed,
-                undrivable=_obstacle(kind, state, [joints[item] for item in claimed]),
+                undrivable=_obstacle(
+                    kind, role, status, [joints[item] for item in claimed]
+                ),
             )
         )
     return infos
 
 
-def _obstacle(kind: str, state: _State, joints: Sequence[Joint]) -> str | None:
+def _obstacle(
+    kind: str, role: Role, status: ControllerStatus | None, joints: Sequence[Joint]
+) -> str | None:
     """Return why sliders cannot drive a controller of these joints."""
-    if kind.endswith("/JointStateController"):
-        return "It only publishes joint states."
-    if not kind.endswith("/JointTrajectoryController"):
+    if role is Role.READER:
+        return "It moves no joints."
+    if role is not Role.TRAJECTORY:
         name = kind.rpartition("/")[2]
         return f"Sliders drive a JointTrajectoryController; this is a {name}."
-    if state == "unloaded":
+    if status is None:
         return "It is not loaded: load and start it."
-    if state != "running":
-        return f"It is {state}, not running: start it."
+    if not status.is_running:
+        return f"It is {status.state}: start it."
     for joint in joints:
         is_limited = math.isfinite(joint.limits.upper - joint.limits.lower)
         if joint.type is not JointType.CONTINUOUS and not is_limited:

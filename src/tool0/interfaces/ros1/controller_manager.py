@@ -11,12 +11,13 @@ import yaml
 from controller_manager_msgs import msg, srv
 
 from tool0.api.robot import Robot
-from tool0.control.config import ControllerConfig, ControllerSpec
-from tool0.control.forward_command import ForwardCommandSpec
+from tool0.control.config import ControllerConfig
+from tool0.control.controller import ControllerSpec
 from tool0.control.gripper_action import GripperActionSpec
-from tool0.control.joint_state import JointStateSpec
-from tool0.control.joint_trajectory import JointTrajectorySpec
-from tool0.control.manager import ControllerStatus
+from tool0.control.ros1.forward_command import ForwardCommandSpec
+from tool0.control.ros1.joint_state import JointStateSpec
+from tool0.control.ros1.joint_trajectory import JointTrajectorySpec
+from tool0.control.status import ControllerStatus
 from tool0.errors import ControlError, RosUnavailableError, Tool0Error
 from tool0.interfaces.ros1.controllers import (
     ForwardCommandBridge,
@@ -80,7 +81,7 @@ class ControllerManagerBridge:
             self._registrar.submit(self._update)
         bridges = self._bridges  # _update() may replace it meanwhile
         for status in snapshot.controllers:
-            if status.state == "running" and status.name in bridges:
+            if status.is_running and status.name in bridges:
                 bridges[status.name][1].publish(snapshot)
 
     def close(self) -> None:

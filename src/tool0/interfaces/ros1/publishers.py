@@ -15,7 +15,7 @@ from tf2_msgs.msg import TFMessage
 
 from tool0.api.robot import Robot
 from tool0.api.sensors import CameraHandle, ForceTorque
-from tool0.control.joint_state import PublishRate
+from tool0.control.publish_rate import PublishRate
 from tool0.description.forward_kinematics import joint_transform
 from tool0.description.model import FLANGE, Joint
 from tool0.description.parts import flange_names

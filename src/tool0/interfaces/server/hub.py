@@ -22,6 +22,7 @@ from tool0.interfaces.server.streams import (
     SnapshotStreams,
     StreamedSetpoint,
 )
+from tool0.interfaces.server.updates import UpdateStreams
 from tool0.requests.codec import (
     PROTOCOL,
     GoalEnded,
@@ -34,8 +35,13 @@ from tool0.requests.codec import (
 from tool0.requests.motion import GoalStarted, SteerJoints
 from tool0.requests.state import Subscribe, SubscribeView, Unsubscribe, ViewShown
 from tool0.requests.table import Request, entry_of
+from tool0.requests.updates import SubscribeUpdates
 
 logger = logging.getLogger(__name__)
+
+
+_STREAMS: Final = (Subscribe, SubscribeUpdates, SubscribeView, Unsubscribe)
+"""Requests that concern the streams of one connection."""
 
 
 class Service(Protocol):
@@ -78,6 +84,9 @@ class Hub:
         self._snapshots = (
             None if backend.simulation is None else SnapshotStreams(backend.simulation)
         )
+        self._updates = (
+            None if backend.simulation is None else UpdateStreams(backend.simulation)
+        )
         self._workers = ThreadPoolExecutor(WORKERS, "tool0-server-worker")
         # An emergency stop never waits for the requests of others.
         self._urgent_worker = ThreadPoolExecutor(1, "tool0-server-stop")
@@ -109,14 +118,15 @@ class Hub:
             await session.serve()
         finally:
             self.sessions.discard(session)
-            if self._snapshots is not None:
-                self._snapshots.remove(session)
+            self._remove_streams(session)
 
     async def close(self) -> None:
         """Close every connection; requests in progress are still carried out."""
         self._setpoints.close()
         if self._snapshots is not None:
             self._snapshots.close()
+        if self._updates is not None:
+            self._updates.close()
         sessions = list(self.sessions)
         await asyncio.gather(*map(_close, sessions))
         self._workers.shutdown(wait=False, cancel_futures=True)
@@ -153,7 +163,7 @@ class Hub:
     async def _answer(
         self, session: Session, ident: Ident, request: Request[Any]
     ) -> None:
-        if isinstance(request, Subscribe | Unsubscribe | SubscribeView):
+        if isinstance(request, _STREAMS):
             await self._change_streams(session, ident, request)
             return
         if isinstance(request, ViewShown):
@@ -167,7 +177,7 @@ class Hub:
         self,
         session: Session,
         ident: Ident,
-        request: Subscribe | Unsubscribe | SubscribeView,
+        request: Request[Any],
     ) -> None:
         reply = encode_reply(ident, request, None)
         if isinstance(request, SubscribeView):
@@ -177,14 +187,22 @@ class Hub:
             else:
                 session.send(reply)
                 self.attach_view(session)
-        elif self._snapshots is None:
+        elif self._snapshots is None or self._updates is None:
             error = ControlError("a robot without physics has no snapshots")
             session.send(encode_error(ident, error))
         else:
-            self._snapshots.remove(session)
+            self._remove_streams(session)
             if isinstance(request, Subscribe):
                 await self._snapshots.add(session, request.rate)
+            elif isinstance(request, SubscribeUpdates):
+                self._updates.add(session, request)
             session.send(reply)
+
+    def _remove_streams(self, session: Session) -> None:
+        """Send no snapshots and updates to a session."""
+        for streams in (self._snapshots, self._updates):
+            if streams is not None:
+                streams.remove(session)
 
     async def _carry_out(
         self,

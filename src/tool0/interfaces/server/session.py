@@ -29,8 +29,9 @@ _CHUNK: Final = 4096
 MAX_BACKLOG: Final = 4096
 """Requests of one connection that may wait for each other, in chunks: 16 MiB.  Further
 ones are rejected, so that an emergency stop behind them is always read."""
-MAX_LINE: Final = 1 << 20
-"""Longest request [bytes]; 10 000 waypoints of 6 joints fit."""
+MAX_LINE: Final = 1 << 23
+"""Longest request [bytes]; 10 000 points of 6 joints with velocities and accelerations
+fit."""
 
 _TOO_MANY: Final = TransportError(
     "too many requests of this connection wait already; wait for replies"

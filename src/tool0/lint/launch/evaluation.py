@@ -37,20 +37,20 @@ _CONSTANTS: Final[dict[str, object]] = {
     "inf": math.inf,
     "nan": math.nan,
 }
-_METHODS: Final = frozenset(
+METHODS: Final = frozenset(
     {
         *("capitalize", "count", "endswith", "find", "isdigit", "lower", "lstrip"),
         *("rstrip", "split", "startswith", "strip", "title", "upper"),
     }
 )
 """Of texts: those whose result is no longer than the text."""
-_UNARY: Final[dict[type[ast.unaryop], Function]] = {
+UNARY: Final[dict[type[ast.unaryop], Function]] = {
     ast.Not: operator.not_,
     ast.UAdd: operator.pos,
     ast.USub: operator.neg,
     ast.Invert: operator.invert,
 }
-_COMPARE: Final[dict[type[ast.cmpop], Function]] = {
+COMPARE: Final[dict[type[ast.cmpop], Function]] = {
     ast.Eq: operator.eq,
     ast.NotEq: operator.ne,
     ast.Lt: operator.lt,
@@ -140,9 +140,9 @@ class _Evaluator:
             case ast.Name(id=name):
                 return self._name(name)
             case ast.UnaryOp(op=op, operand=operand):
-                return _UNARY[type(op)](self.value(operand))
+                return UNARY[type(op)](self.value(operand))
             case ast.BinOp(left=left, op=op, right=right):
-                return _binary(op, self.value(left), self.value(right))
+                return binary(op, self.value(left), self.value(right))
             case ast.BoolOp(op=op, values=values):
                 return self._either(isinstance(op, ast.Or), values)
             case ast.IfExp(test=test, body=body, orelse=otherwise):
@@ -181,7 +181,7 @@ class _Evaluator:
         left = self.value(node.left)
         for op, operand in zip(node.ops, node.comparators, strict=True):
             right = self.value(operand)
-            if not _COMPARE[type(op)](left, right):
+            if not COMPARE[type(op)](left, right):
                 return False
             left = right
         return True
@@ -196,7 +196,7 @@ class _Evaluator:
                 if name in ("pow", "int") and len(arguments) > 1:
                     arguments = [_small(argument) for argument in arguments]
                 return _FUNCTIONS[name](*arguments)
-            case ast.Attribute(value=owner, attr=name) if name in _METHODS:
+            case ast.Attribute(value=owner, attr=name) if name in METHODS:
                 text = self.value(owner)
                 if isinstance(text, str):
                     return getattr(text, name)(*arguments)
@@ -209,7 +209,7 @@ def _item(whole: object, index: object) -> object:
     raise EvaluationError(f"{type(whole).__name__} has no element {index!r}")
 
 
-def _binary(op: ast.operator, left: object, right: object) -> object:
+def binary(op: ast.operator, left: object, right: object) -> object:
     """Return the result of the operator, if it cannot be large."""
     for value in (left, right):
         _small(value)

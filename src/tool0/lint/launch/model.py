@@ -100,12 +100,16 @@ class Argument:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Statement:
-    """A ``<remap>``, ``<env>`` or ``<machine>``: it has only attributes."""
+    """A ``<remap>``, ``<env>`` or ``<machine>``: it has only attributes.
 
-    kind: Literal["remap", "env", "machine"]
+    In ROS 2, also a process that is no node.
+    """
+
+    kind: Literal["remap", "env", "machine", "process"]
     place: Place
     texts: tuple[NamedText, ...]
-    """``from`` and ``to`` of a remap, ``name`` and ``value`` of an env."""
+    """``from`` and ``to`` of a remap, ``name`` and ``value`` of an env, ``name`` and
+    ``cmd`` of a process."""
 
     @property
     def subject(self) -> Text:
@@ -243,6 +247,13 @@ class LaunchFile:
     """In the order of the file; those of groups too, in place of the group."""
     findings: tuple[Finding, ...] = ()
     """Of this file and of those it includes."""
+    notes: tuple[str, ...] = ()
+    """What could not be analysed, of this file and of those it includes."""
+
+    @property
+    def is_python(self) -> bool:
+        """Whether it is a launch file of ROS 2."""
+        return self.file.suffix == ".py"
 
     def walk(self, *, active_only: bool = True) -> Iterator[Entry]:
         """Yield the entries in the order in which roslaunch acts on them.

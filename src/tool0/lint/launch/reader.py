@@ -1,5 +1,7 @@
 """Reading launch files: arguments, groups and includes, as roslaunch does.
 
+A Python launch file is read as ROS 2 does (``python``).
+
 Every problem becomes a finding, and reading continues; dependent values are unresolved.
 """
 
@@ -21,6 +23,7 @@ from tool0.lint.launch.load_context import (
     LoadContext,
 )
 from tool0.lint.launch.model import Entry, Include, LaunchFile, Node, Text
+from tool0.lint.launch.python.reader import read_python_launch
 from tool0.lint.launch.scope import Scope
 from tool0.lint.launch.statements import (
     read_node,
@@ -44,15 +47,18 @@ def read_launch(
         arguments: Its arguments, as given by ``name:=value``.
         packages: The packages of ``$(find …)``.
     """
-    given = {
-        name: GivenArgument(
-            text=Text(raw=value, resolved=value, location=SourceLocation(None)),
-            origin="command line",
-        )
+    texts = {
+        name: Text(raw=value, resolved=value, location=SourceLocation(None))
         for name, value in (arguments or {}).items()
     }
     context = LoadContext(packages or PackageIndex())
     file = file.absolute()
+    if file.suffix == ".py":
+        return read_python_launch(file, texts, context)
+    given = {
+        name: GivenArgument(text=text, origin="command line")
+        for name, text in texts.items()
+    }
     root = context.root(file)
     if isinstance(root, Finding):
         return LaunchFile(file=file, findings=(root,))

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Final, final
 
-from tool0.control.config import TYPES, ControllerConfig, parameters_of
-from tool0.control.lint import OF_TOOL0, lint
+from tool0.control.config import ControllerConfig
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     RobotJoints,
     joint_entries,
 )
+from tool0.control.ros1.dialect import ROS1
+from tool0.control.ros1.lint import OF_TOOL0, lint
 from tool0.description.finding import Finding, Severity, error_at
 from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import ConfigError, is_typo, nearest_name
@@ -65,7 +66,7 @@ def controller_findings(
     joints = None if robot is None else robot.movable_joints
     linted = [
         finding
-        for finding in lint(config, joints)
+        for finding in lint(config.tree, joints)
         if finding.rule not in OF_TOOL0 and _is_controller(finding, config)
     ]
     yield from linted
@@ -119,7 +120,7 @@ class _Ros1Controller:
         return str(self.entry.children["type"].scalar)
 
     def findings(self) -> Iterator[Finding]:
-        if self.type not in TYPES:
+        if self.type not in ROS1.types:
             yield from self._unknown_type()
             return
         joints = [(str(item.scalar), item) for item in joint_entries(self.entry)]
@@ -136,7 +137,7 @@ class _Ros1Controller:
 
     def _missing(self) -> Iterator[Finding]:
         """Yield missing keys that it needs to load."""
-        patterns = parameters_of(self.type)
+        patterns = ROS1.parameters_of(self.type)
         publishes = "publish_rate" in patterns
         for key in ("publish_rate",) if publishes else ("joints", "joint"):
             if key in patterns and key not in self.entry.children:
@@ -149,7 +150,7 @@ class _Ros1Controller:
                 )
 
     def _unknown_type(self) -> Iterator[Finding]:
-        written, known = self.type, (*TYPES, *OTHER_TYPES)
+        written, known = self.type, (*ROS1.types, *OTHER_TYPES)
         if written in known or written in self.plugins:
             return
         near = nearest_name(written, known)
@@ -208,7 +209,7 @@ class _Ros1Controller:
 
     def _gains(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         """Yield joints without the gains that this controller needs."""
-        patterns = parameters_of(self.type)
+        patterns = ROS1.parameters_of(self.type)
         for pattern, path in (
             ("gains/*/p", "gains/{}"),
             ("*/pid/p", "{}/pid"),

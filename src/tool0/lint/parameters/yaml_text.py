@@ -9,13 +9,10 @@ from functools import cache
 from types import MappingProxyType
 from typing import final
 
-from tool0.control.config import (
-    TYPES,
-    ControllerConfig,
-    joint_limit_parameters,
-    parameters_of,
-)
-from tool0.control.lint import gain_parameters
+from tool0.control.config import ControllerConfig
+from tool0.control.joint_limits import joint_limit_parameters
+from tool0.control.ros1.dialect import ROS1
+from tool0.control.ros1.lint import gain_parameters
 from tool0.description.finding import Finding, error_at
 from tool0.description.yaml_tree import Tree, require_yaml
 from tool0.errors import ConfigError, SourceLocation
@@ -80,8 +77,7 @@ def yaml_findings(
     for text in trees:
         whole.load(text.text, text.location)
     if ros2.is_ros2(whole.root):
-        yield from whole.findings
-        yield from ros2.controller_findings(whole.root, robot, PluginIndex(packages))
+        yield from ros2.controller_findings(whole, robot, PluginIndex(packages))
     else:
         config = ControllerConfig(whole)
         yield from ros1.controller_findings(config, robot, PluginIndex(packages))
@@ -131,7 +127,9 @@ def _flat_findings(text: str, first: SourceLocation) -> Iterator[Finding]:
 @cache
 def _inner_keys() -> frozenset[str]:
     """Return the keys that stand below another one, never at the top."""
-    inner = {key.split("/")[0] for name in TYPES for key in parameters_of(name)}
+    inner = {
+        key.split("/")[0] for name in ROS1.types for key in ROS1.parameters_of(name)
+    }
     inner |= gain_parameters() | joint_limit_parameters()
     inner |= {"type", "pid_gains", "trajectory", "goal", "goal_time"}
     inner |= {"ros__parameters", "command_interfaces", "state_interfaces"}

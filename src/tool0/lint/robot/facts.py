@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import final
 
 from tool0.description.model import Interface
+from tool0.description.ros2_control import command_interfaces
 from tool0.errors import SourceLocation, nearest_name
 from tool0.lint.packages import PackageIndex
 from tool0.lint.robot.elements import Subject, Tag
@@ -240,13 +241,7 @@ def facts_of(root: Tag) -> RobotFacts:
             for item in extension.children("plugin")
         ),
         gearboxes=tuple(_gearboxes(extensions)),
-        ros2_joints={
-            joint["name"]: tuple(
-                item["name"] for item in joint.children("command_interface")
-            )
-            for system in root.children("ros2_control")
-            for joint in system.children("joint")
-        },
+        ros2_joints=command_interfaces(root.element) if root.element else {},
         passive_joints=frozenset(
             item["name"] for item in root.children("passive_joint")
         ),

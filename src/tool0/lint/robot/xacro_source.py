@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import final
 
 from tool0.description.finding import Finding, error_at, short, warning_at
+from tool0.description.packages import source_path
 from tool0.lint.packages import PackageIndex, nearest_file
 from tool0.lint.robot.elements import Tag
 from tool0.lint.robot.facts import is_interface, meant_interface
@@ -75,7 +76,8 @@ def include_findings(root: Tag, packages: PackageIndex) -> Iterator[Finding]:
     named: set[str] = set()
     for tag in root.descendants("xacro:include"):
         text = tag["filename"]
-        missing = [name for name in _FIND.findall(text) if packages.get(name) is None]
+        names = [name for name in _FIND.findall(text) if "${" not in name]
+        missing = [name for name in names if packages.get(name) is None]
         for name in missing:
             if name not in named:
                 named.add(name)
@@ -109,7 +111,7 @@ def _included(tag: Tag, packages: PackageIndex) -> Path | None:
     filled = filled.replace("$(dirname)", str(folder))
     if "$" in filled or _PATTERN.search(text):
         return None
-    return folder / filled  # an absolute one stays as it is
+    return source_path(folder / filled)  # an absolute one stays as it is
 
 
 def parameter_findings(root: Tag, _: PackageIndex) -> Iterator[Finding]:

@@ -3,7 +3,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import tool0
-from tool0.control.manager import ControllerStatus
+from tool0.control.ros1.dialect import ROS1
+from tool0.control.status import ControllerStatus
 from tool0.description.model import Joint, JointLimits, JointType
 from tool0.interfaces.panel.simulation_view import SimulationView, controller_infos
 
@@ -20,9 +21,16 @@ ELBOW = Joint(
 def why(state: str | None, kind: str = KIND, joint: Joint = ELBOW) -> str | None:
     """Return why a controller of one joint cannot be driven; state None is unloaded."""
     claimed = (("hardware_interface/EffortJointInterface", ("elbow",)),)
-    status = ControllerStatus(name="it", type=kind, state=state or "", claimed=claimed)
+    status = ControllerStatus(
+        name="it",
+        type=kind,
+        role=ROS1.role(kind),
+        state=state or "",
+        is_running=state == "running",
+        claimed=claimed,
+    )
     loaded = [] if state is None else [status]
-    (info,) = controller_infos({"it": kind}, loaded, {"elbow": joint})
+    (info,) = controller_infos({"it": kind}, loaded, {"elbow": joint}, ROS1.role)
     return info.undrivable
 
 

@@ -1,0 +1,99 @@
+"""The handle on the control box of an arm."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import final
+
+from tool0.api.channel import Channel
+from tool0.hardware.control_box import AnalogDomain, ControlBoxState
+from tool0.requests import control_box as requests
+
+
+@final
+class ControlBox:
+    """Pins, speed slider, payload and program of one arm.
+
+    Pins are only stored: a client reads and sets outputs, and you set what the inputs
+    measure.  The rest acts as on a UR.
+    """
+
+    def __init__(self, arm: str, channel: Channel) -> None:
+        self._arm = arm
+        self._channel = channel
+
+    @property
+    def state(self) -> ControlBoxState:
+        """Everything, as it is now."""
+        return self._channel.call(requests.ReadIO(arm=self._arm))
+
+    def set_digital_output(self, pin: int, value: bool) -> None:
+        """Set an output: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
+        self._channel.call(requests.SetIO(arm=self._arm, digital_outputs={pin: value}))
+
+    def set_digital_input(self, pin: int, value: bool) -> None:
+        """Set what an input measures, in place of a wire; pins as for the outputs."""
+        self._channel.call(requests.SetIO(arm=self._arm, digital_inputs={pin: value}))
+
+    def set_analog_output(
+        self, pin: int, level: float, domain: AnalogDomain = AnalogDomain.VOLTAGE
+    ) -> None:
+        """Set output 0 or 1 to a ``level`` of its range, 0 … 1."""
+        self._channel.call(
+            requests.SetAnalogOutput(arm=self._arm, pin=pin, level=level, domain=domain)
+        )
+
+    def set_analog_input(
+        self,
+        pin: int,
+        value: float,
+        domain: AnalogDomain = AnalogDomain.VOLTAGE,
+        *,
+        tool: bool = False,
+    ) -> None:
+        """Set what input 0 or 1 of the box, or of the tool, measures [V | A]."""
+        self._channel.call(
+            requests.SetAnalogInput(
+                arm=self._arm, pin=pin, value=value, domain=domain, tool=tool
+            )
+        )
+
+    def set_tool_voltage(self, voltage: int) -> None:
+        """Supply 0, 12 or 24 V at the tool's connector."""
+        self._channel.call(
+            requests.SetIO(arm=self._arm, tool_voltage=voltage)  # type: ignore[arg-type]
+        )
+
+    def set_speed_slider(self, fraction: float) -> None:
+        """Slow down scaled trajectories to this fraction, 0.01 … 1."""
+        self._channel.call(requests.SetSpeedSlider(arm=self._arm, fraction=fraction))
+
+    def set_payload(
+        self, mass: float, center_of_gravity: Sequence[float] = (0.0, 0.0, 0.0)
+    ) -> None:
+        """Set what the drives expect at the flange, with the gripper and its load.
+
+        Args:
+            mass: [kg]
+            center_of_gravity: In the frame of the flange [m].
+        """
+        x, y, z = center_of_gravity
+        self._channel.call(
+            requests.SetPayload(arm=self._arm, mass=mass, center_of_gravity=(x, y, z))
+        )
+
+    def clear_payload(self) -> None:
+        """Let the drives expect what the description has at the flange."""
+        self._channel.call(requests.SetPayload(arm=self._arm))
+
+    def play(self) -> None:
+        """Start or resume the program that lets clients control the arm."""
+        self._channel.call(requests.PlayProgram(arm=self._arm))
+
+    def pause(self) -> None:
+        """Pause the program: scaled trajectories slow down to a standstill."""
+        self._channel.call(requests.PauseProgram(arm=self._arm))
+
+    def stop(self) -> None:
+        """Stop the program and the controllers of the arm; ``play`` starts them."""
+        self._channel.call(requests.StopProgram(arm=self._arm))

@@ -1,0 +1,79 @@
+"""``tool0 ros2``: install ROS 2, or show what is installed."""
+
+from __future__ import annotations
+
+from tool0.cli.installing import OK, Format, print_status
+from tool0.cli.text import ProgressBar
+
+
+def _install_ros2(*, own: bool = False) -> int:
+    """Prepare ROS 2 for `tool0 bringup --ros2`: yours, or one of PyPI's wheels.
+
+    A ROS 2 that is sourced in this terminal or in /opt/ros is used as it is; missing
+    packages are listed.  Without one, tool0 installs rclpy and the messages of Kilted
+    in your data folder.  That needs no root, takes about a minute, and 300 MB.
+
+    Args:
+        own: Install tool0's own even if there is another ROS 2.
+    """
+    from tool0.installation.ros2.install import install_ros2
+    from tool0.installation.ros2.installation import find_ros2
+    from tool0.installation.ros2.status import ros2_status
+
+    found = find_ros2()
+    if not own and found is not None and found.kind != "own":
+        status = ros2_status()
+        print(f"nothing to do: ROS 2 {found.distro} is in {found.prefix}")
+        for remedy in status.remedies:
+            print(f"it lacks packages; run: {remedy}")
+        return OK
+    with ProgressBar() as progress:
+        made = install_ros2(progress)
+    print(f"ready: ROS 2 {made.distro} in {made.prefix}")
+    other = find_ros2()
+    if other is not None and other.prefix != made.prefix:
+        print(f"another ROS 2 comes first: {other.distro} in {other.prefix}")
+    return OK
+
+
+def _ros2_status(*, format: Format = "text") -> int:
+    """Show which ROS 2 is used, and what is missing.
+
+    Exit status: 1 if there is no usable ROS 2.
+
+    Args:
+        format: Output format.
+    """
+    from tool0.installation.ros2.status import ros2_status
+
+    return print_status(ros2_status(), format)
+
+
+def _ros2_env() -> int:
+    """Print shell commands that make ROS 2 and tool0's node usable in a terminal.
+
+    Run `eval "$(tool0 ros2 env)"` in the shell: then `python` has rclpy, and `python -m
+    tool0_ros2` starts the node.
+    """
+    from tool0.installation.ros2.status import shell_exports
+
+    for line in shell_exports():
+        print(line)
+    return OK
+
+
+def _uninstall_ros2() -> int:
+    """Remove tool0's own ROS 2."""
+    from tool0.installation.ros2.install import uninstall_ros2
+
+    freed = uninstall_ros2()
+    print(f"removed {freed / 1e6:.0f} MB" if freed else "nothing to remove")
+    return OK
+
+
+ros2 = {
+    "install": _install_ros2,
+    "status": _ros2_status,
+    "env": _ros2_env,
+    "uninstall": _uninstall_ros2,
+}

@@ -1,0 +1,210 @@
+"""What every controller offers, of ROS 1 and of ROS 2: to the tick, and to requests."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol, runtime_checkable
+
+from tool0.control.goal import Goal
+from tool0.control.law import Law
+from tool0.control.parameters import Gains, Pid
+from tool0.control.spline import JointSpline, MotionPlan
+from tool0.control.trajectory import JointsMotion, Setpoint, TrajectoryGoal
+from tool0.description.model import Interface, Joint
+from tool0.hardware.engine import JointState
+from tool0.hardware.limits import DriveLimits
+
+
+class Role(enum.Enum):
+    """What a controller is for: which requests it takes."""
+
+    TRAJECTORY = "trajectory"
+    """It follows trajectories: ``TrajectoryFollower``."""
+    GRIPPER = "gripper"
+    """It moves one joint and squeezes: ``GripperDriver``."""
+    COMMAND = "command"
+    """It takes a number for each joint: ``CommandTaker``."""
+    READER = "reader"
+    """It moves nothing."""
+
+
+class Controller(Protocol):
+    """A running controller: if it exists, it is ready; stopping drops it."""
+
+    @property
+    def pid(self) -> Pid | None:
+        """The PID that turns errors into commands; None if commands are passed on."""
+
+    def update(self, state: JointState, period: float) -> Sequence[float]:
+        """Return a command per claimed joint, in the order of the spec's joints.
+
+        Args:
+            state: Every joint, in the engine's order.
+            period: Time since the last update [s].
+        """
+
+    def law(self) -> Law | None:
+        """Return what ``update`` does until an event; None if only it can tell."""
+
+    def observe(self, state: JointState) -> None:
+        """Note the state of the last tick, which was executed by its law."""
+
+    def setpoint(self) -> Setpoint | None:
+        """Return the setpoints of the joints; None if positions are not commanded.
+
+        It is called between ticks, about a hundred times a second, so it only keeps
+        references to immutable values.
+        """
+
+    def stop(self) -> None:
+        """End the motion in progress, and its goal: the controller is deactivated."""
+
+
+class ControllerSpec(Protocol):
+    """The checked parameters of a controller, ready to be started."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def type(self) -> str:
+        """As in YAML: ``effort_controllers/JointTrajectoryController``."""
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints it claims, in the order of its commands."""
+
+    @property
+    def interface(self) -> Interface | None:
+        """The command interface it claims of each joint; None if it only reads."""
+
+    @property
+    def further_interfaces(self) -> tuple[str, ...]:
+        """Command interfaces that it claims besides, such as ``gpio/io_async``."""
+
+    @property
+    def state_interfaces(self) -> tuple[str, ...]:
+        """The state interfaces that it requires: ``elbow_joint/position``."""
+
+    @property
+    def gains(self) -> tuple[Gains, ...]:
+        """One per joint; none without a PID."""
+
+    @property
+    def waits_for_command(self) -> bool:
+        """Whether the brakes stay on from its start to its first command."""
+
+    def start(self, indices: Sequence[int], state: JointState) -> Controller:
+        """Return a running controller that holds the measured ``state``.
+
+        Args:
+            indices: Indices of its joints in the state's lists.
+            state: The state at the instant of the start.
+        """
+
+
+class TrajectorySpec(ControllerSpec, Protocol):
+    """The parameters of a controller that follows trajectories."""
+
+    @property
+    def joint_models(self) -> tuple[Joint, ...]:
+        """Its joints with their limits."""
+
+    @property
+    def allow_partial_joints_goal(self) -> bool:
+        """Whether a goal may name some of its joints only."""
+
+
+@runtime_checkable
+class TrajectoryFollower(Controller, Protocol):
+    """A running controller that follows trajectories.
+
+    Requests come between ticks, with ``now`` the simulated time of the coming one [s].
+    """
+
+    @property
+    def spec(self) -> TrajectorySpec: ...
+
+    def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
+        """Replace the motion by ``goal`` and return its handle, or reject it.
+
+        A plan starts with the desired motion ``now``.
+
+        Raises:
+            GoalRejectedError: The previous motion then continues.
+        """
+
+    def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
+        """Replace the motion as ROS's topic does, or reject it; it has no result."""
+
+    def cancel(self, goal: Goal, now: float) -> None:
+        """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
+
+    def query_state(self, time: float) -> JointsMotion:
+        """Return the desired motion at ``time`` [s]; ControlError if it is unknown."""
+
+    def setpoint(self) -> Setpoint:
+        """Return the setpoints of the joints."""
+
+    def adopt(self, splines: Mapping[int, JointSpline], now: float) -> None:
+        """Continue with the motions of joints, by number, that the kernel started."""
+
+
+@runtime_checkable
+class SpeedScalable(Controller, Protocol):
+    """A running controller whose trajectories can be slowed down."""
+
+    def scale_speed(self, factor: float) -> None:
+        """Let so much trajectory time pass per simulated time; or ControlError."""
+
+
+@runtime_checkable
+class GripperDriver(Controller, Protocol):
+    """A running controller that moves one joint and squeezes what stops it."""
+
+    @property
+    def joint(self) -> Joint: ...
+
+    def drive(
+        self,
+        position: float,
+        max_effort: float | None,
+        now: float,
+        drive_limits: DriveLimits | None = None,
+    ) -> Goal:
+        """Replace the goal and return the new one's handle, or reject it.
+
+        ``max_effort`` [N·m | N] is the controller's own if None or 0; ``drive_limits``
+        hold meanwhile.
+
+        Raises:
+            GoalRejectedError: The previous command then continues.
+        """
+
+    def limits(
+        self, max_effort: float | None, max_velocity: float | None
+    ) -> DriveLimits | None:
+        """Return what the drive keeps to with these settings of a goal.
+
+        None means its all; settings left out are the controller's own.
+        """
+
+    def cancel(self, goal: Goal, now: float) -> None:
+        """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
+
+
+@runtime_checkable
+class CommandTaker(Controller, Protocol):
+    """A running controller that takes a number for each joint."""
+
+    def command_joints(self, values: Sequence[float] | float) -> None:
+        """Set one command per joint, in the order of its joints; or ControlError."""
+
+
+@runtime_checkable
+class Adjustable(Controller, Protocol):
+    """A running controller that takes other parameters."""
+
+    def adjust(self, spec: Any) -> None:
+        """Continue with ``spec``, of the same class."""  # so Any; gains are the pid's

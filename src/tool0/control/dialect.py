@@ -1,0 +1,148 @@
+"""The two versions of ros_control: each has its own controllers, YAML and words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from typing import Literal, NamedTuple, final
+
+from tool0.control.controller import ControllerSpec, Role
+from tool0.control.parameters import RobotJoints
+from tool0.description.finding import Finding
+from tool0.description.yaml_tree import Tree, YamlEntry
+from tool0.description.yaml_values import Namespace, Value
+from tool0.errors import ConfigError, SourceLocation, did_you_mean
+
+Parser = Callable[[str, str, Namespace, RobotJoints], ControllerSpec]
+"""Reads a controller's name, type and parameters."""
+
+
+class ControllerType(NamedTuple):
+    """A type of controllers."""
+
+    role: Role
+    module: str
+    """Where its ``parse(name, type_name, parameters, robot)`` is defined."""
+
+
+class Declared(NamedTuple):
+    """A controller in a YAML."""
+
+    type: YamlEntry
+    parameters: YamlEntry
+
+
+class Stages(NamedTuple):
+    """What the stages of a controller's life are called."""
+
+    unconfigured: str
+    configured: str
+    """Ready, and not running so far."""
+    running: str
+    stopped: str
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Dialect:
+    """One version: ROS 1's ros_control, or ros2_control."""
+
+    name: Literal["ros1", "ros2"]
+    title: str
+    """For messages: ``ROS 1``."""
+    types: Mapping[str, ControllerType]
+    declared: Callable[[YamlEntry], Mapping[str, Declared]]
+    """Returns the controllers of a YAML by name; their types need not exist."""
+    parameters: Callable[[YamlEntry, str], YamlEntry | None]
+    """Returns the parameters that a YAML has for a name, also without a type."""
+    joint_limits: Callable[[YamlEntry], Namespace | None]
+    """Returns the limits by joint that replace the URDF's."""
+    control_period: Callable[[YamlEntry], float | None]
+    """Returns the time between updates that a YAML asks for [s]."""
+    stages: Stages
+    common: frozenset[str]
+    """The parameters that every controller has."""
+    sample: str
+    """YAML of a controller of the joint ``*`` with every parameter that any type
+    requires, without its type."""
+    linter: str
+    """Where its ``lint(tree, joints)`` is defined."""
+    is_configured_when_loaded: bool
+    bases: Mapping[Role, str]
+    """What ``list_controller_types`` reports as the base class."""
+
+    def lint(self, tree: Tree, joints: Collection[str] | None) -> tuple[Finding, ...]:
+        """Return unused, ineffective and suspicious parameters of files."""
+        findings: tuple[Finding, ...] = import_module(self.linter).lint(tree, joints)
+        return findings
+
+    def role(self, type_name: str) -> Role:
+        """Return what a type is for; a reader if there is no such type."""
+        known = self.types.get(type_name)
+        return Role.READER if known is None else known.role
+
+    def parser_of(self, type_name: str, location: SourceLocation | None) -> Parser:
+        """Return the function that reads the parameters of a type.
+
+        Raises:
+            ConfigError: If there is no such type.
+        """
+        known = self.types.get(type_name)
+        if known is None:
+            names = sorted(self.types)
+            hint = did_you_mean(type_name, names)
+            all_of = "" if hint.startswith("; valid") else f" (of {', '.join(names)})"
+            raise ConfigError(
+                f"unknown controller type '{type_name}'{hint}{all_of}", location
+            )
+        parse: Parser = import_module(known.module).parse
+        return parse
+
+    def parameters_of(self, type_name: str) -> frozenset[str]:
+        """Return the parameters that a type reads; ``*`` is a joint.
+
+        They are recorded while the type's parser reads a sample, so that a new
+        parameter is added in the parser alone.
+
+        Raises:
+            ConfigError: If there is no such type.
+        """
+        return _sample_of(self, type_name).read_keys()
+
+    def values_of(self, type_name: str) -> Mapping[str, Value]:
+        """Return the defaults of a type's parameters, or values of the sample.
+
+        ``*`` is a joint.  They tell the type of each parameter.
+
+        Raises:
+            ConfigError: If there is no such type.
+        """
+        return _sample_of(self, type_name).read_values()
+
+    def readers_of(self, parameter: str) -> tuple[str, ...]:
+        """Return the kinds of controllers that read a parameter, without packages."""
+        types = sorted(self.types)
+        readers = {name for name in types if parameter in self.parameters_of(name)}
+        return tuple(sorted({name.partition("/")[2] for name in readers}))
+
+
+@cache
+def _sample_of(dialect: Dialect, type_name: str) -> Namespace:
+    tree = Tree()
+    tree.load(dialect.sample, SourceLocation(None, 1))
+    sample = Namespace(tree.root)
+    parse = dialect.parser_of(type_name, None)
+    parse("sample", type_name, sample, RobotJoints.assumed("*", type_name))
+    return sample
+
+
+def siblings(parameter: str, known: Iterable[str]) -> set[str]:
+    """Return the names of the known parameters beside ``parameter``."""
+    prefix = parameter[: parameter.rfind("/") + 1]
+    return {
+        name.removeprefix(prefix).partition("/")[0]
+        for name in known
+        if name.startswith(prefix)
+    }

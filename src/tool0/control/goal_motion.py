@@ -1,0 +1,138 @@
+"""From the points of a trajectory goal to the motion of each joint.
+
+What the controllers of ROS 1 and ROS 2 have in common: checks of the numbers, and the
+splines along a plan.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from tool0.control.goal import Goal, TrajectoryTolerances
+from tool0.control.position_limits import check_position, position_range
+from tool0.control.spline import (
+    JointSpline,
+    Knots,
+    Motion,
+    MotionPlan,
+    wrap_offset,
+)
+from tool0.control.trajectory import BLOCK, MARGIN, TrajectoryGoal, TrajectoryPoint
+from tool0.description.model import Joint, JointType
+from tool0.errors import GoalRejectedError
+
+_COARSE = 1e-9
+"""If times are rounded to more than this [s], every segment is examined."""
+
+Splines = Sequence[JointSpline]
+"""One per joint of a controller."""
+
+
+def start_time(goal: TrajectoryGoal, now: float) -> float:
+    """Return when the goal starts [s]."""
+    if goal.stamp is None or goal.stamp == 0.0:
+        return float(now)
+    if not math.isfinite(goal.stamp):
+        raise GoalRejectedError(f"stamp {goal.stamp}; it must be a simulated time")
+    return float(goal.stamp)
+
+
+def check_finite(
+    number: int, kind: str, names: Sequence[str], values: Sequence[float]
+) -> None:
+    """Reject values of a point, one per name, that are not finite."""
+    if all(map(math.isfinite, values)):
+        return
+    for name, value in zip(names, values, strict=True):
+        if not math.isfinite(value):
+            raise GoalRejectedError(
+                f"point {number} has {kind} {value} for joint '{name}'; "
+                "every number must be finite"
+            )
+
+
+def check_limits(goal: TrajectoryGoal, joints: Sequence[Joint], first: int) -> None:
+    """Reject positions that ``joints`` cannot reach, from point ``first`` on."""
+    limits = [position_range(joint) for joint in joints]
+    blocks = [range(first, len(goal.points))]
+    if goal.position_ranges is not None:
+        blocks = [
+            range(max(block * BLOCK, first), min((block + 1) * BLOCK, len(goal.points)))
+            for block in goal.position_ranges.blocks_beyond(limits)
+        ]
+    for block in blocks:
+        for number in block:
+            positions = goal.points[number].positions
+            for joint, (lowest, highest), position in zip(
+                joints, limits, positions, strict=True
+            ):
+                if not lowest <= position <= highest:
+                    check_position(joint, position, f"point {number}")
+
+
+def suspects_after(
+    goal: TrajectoryGoal, first: int, start: float, turns: Sequence[float | None]
+) -> Sequence[int]:
+    """Return the points after ``first`` whose segments may be implausible.
+
+    ``turns`` [rad] shift the positions of continuous joints.
+    """
+    shift = max(abs(turn or 0.0) for turn in turns)
+    if shift > MARGIN or math.ulp(start + goal.times[-1]) > _COARSE:
+        return range(first + 1, len(goal.points))
+    return [number for number in goal.suspects if number > first]
+
+
+def whole_turns(joint: Joint, at: float, following: float) -> float | None:
+    """Return the whole turns that bring ``following`` nearest to ``at`` [rad].
+
+    None if the joint does not turn endlessly.
+    """
+    if joint.type is not JointType.CONTINUOUS:
+        return None
+    return wrap_offset(at, following)
+
+
+def motion_at(
+    points: Sequence[TrajectoryPoint], column: int, offset: float | None
+) -> Callable[[int], Motion]:
+    """Return the function that returns the motion of joint ``column`` at each point.
+
+    ``offset`` [rad] is added to the positions of a continuous joint.
+    """
+
+    def motion_at(number: int) -> Motion:
+        point = points[number]
+        position = point.positions[column]
+        return Motion(
+            position if offset is None else position + offset,
+            point.velocities[column] if point.velocities else None,
+            point.accelerations[column] if point.accelerations else None,
+        )
+
+    return motion_at
+
+
+def splines_by_plan(
+    joints: Sequence[Joint],
+    running: Splines,
+    plan: MotionPlan,
+    now: float,
+    *,
+    goal: Goal | None = None,
+    tolerances: TrajectoryTolerances | None = None,
+) -> list[JointSpline]:
+    """Return the splines along a plan that starts with the desired motion ``now``."""
+    found = tolerances or TrajectoryTolerances()
+    return [
+        old.spliced(
+            now,
+            now,
+            Knots.of(path),
+            suspects=range(1, len(path)),
+            goal=goal,
+            tolerances=found.of(joint.name, None, None),
+        )
+        for joint, old, path in zip(joints, running, plan, strict=True)
+    ]

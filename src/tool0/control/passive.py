@@ -1,0 +1,56 @@
+"""Controllers that move nothing: their messages and services are the node's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+from tool0.control.law import IdleLaw
+from tool0.control.parameters import Gains
+from tool0.description.model import Interface
+from tool0.hardware.engine import JointState
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PassiveSpec:
+    """What a controller that moves nothing claims and reads."""
+
+    name: str
+    type: str
+    state_interfaces: tuple[str, ...] = ()
+    further_interfaces: tuple[str, ...] = ()
+
+    joints: ClassVar[tuple[str, ...]] = ()
+    interface: ClassVar[Interface | None] = None
+    gains: ClassVar[tuple[Gains, ...]] = ()
+    waits_for_command: ClassVar[bool] = False
+
+    def start(self, indices: Sequence[int], state: JointState) -> PassiveController:
+        """Return a controller; joints and state do not matter."""
+        del indices, state
+        return PassiveController()
+
+
+@final
+class PassiveController:
+    """Does nothing in the tick."""
+
+    pid: ClassVar[None] = None
+
+    def update(self, state: JointState, period: float) -> Sequence[float]:
+        """Return no command."""
+        return ()
+
+    def law(self) -> IdleLaw:
+        return IdleLaw()
+
+    def observe(self, state: JointState) -> None:
+        """Do nothing."""
+
+    def setpoint(self) -> None:
+        """Return None: it does not command joints."""
+
+    def stop(self) -> None:
+        """Do nothing: there is no goal to end."""

@@ -1,0 +1,34 @@
+"""Which positions a controller accepts for a joint."""
+
+from __future__ import annotations
+
+import math
+
+from tool0.description.model import Joint, JointType
+from tool0.description.units import ANGLE, LENGTH
+from tool0.errors import GoalRejectedError
+
+ROUNDING = 1e-6
+"""How far beyond a limit a position may be [rad | m]: limits are printed rounded."""
+
+
+def check_position(joint: Joint, position: float, where: str) -> None:
+    """Reject a position beyond the joint's limits; a continuous joint has none."""
+    if joint.type is JointType.CONTINUOUS:
+        return
+    lowest, highest = position_range(joint)
+    if not lowest <= position <= highest:
+        lower, upper = joint.limits.lower, joint.limits.upper
+        quantity = LENGTH if joint.type is JointType.PRISMATIC else ANGLE
+        raise GoalRejectedError(
+            f"{where} moves joint '{joint.name}' to {position:.6g}, "
+            f"which is beyond its limits [{lower:.6g}, {upper:.6g}]"
+            + quantity.suggestion(position, lambda meant: lower <= meant <= upper)
+        )
+
+
+def position_range(joint: Joint) -> tuple[float, float]:
+    """Return the smallest and the largest position that is not rejected."""
+    if joint.type is JointType.CONTINUOUS:
+        return -math.inf, math.inf
+    return joint.limits.lower - ROUNDING, joint.limits.upper + ROUNDING

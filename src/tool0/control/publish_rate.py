@@ -1,0 +1,39 @@
+"""When a message of a given rate is due, in simulated time."""
+
+from __future__ import annotations
+
+import math
+from typing import final
+
+_ROUNDING = 1e-9
+"""[s] that sums of periods may differ from multiples of the tick."""
+
+_PAUSE = 0.5
+"""After a pause this long [s], missed publications are dropped: the publisher did not
+run.  ros_control forgets at every start."""
+
+
+@final
+class PublishRate:
+    """ros_control's rule: due once a period has passed; late ones are caught up."""
+
+    def __init__(self, rate: float) -> None:
+        """Take a rate [Hz]; 0 or less is never."""
+        self._period = 1.0 / rate if rate > 0.0 else math.inf
+        self._last = self._checked = -math.inf
+
+    def is_due(self, time: float) -> bool:
+        """Return whether to publish at ``time`` [s]; the first time always.
+
+        An instant is published once, even if several snapshots have it.
+        """
+        if not math.isfinite(self._period) or time == self._checked:
+            return False
+        pause, self._checked = time - self._checked, time
+        if pause < 0.0 or pause > max(_PAUSE, self._period):
+            self._last = time
+            return True
+        if time < self._last + self._period - _ROUNDING:
+            return False
+        self._last += self._period
+        return True

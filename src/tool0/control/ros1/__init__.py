@@ -1,0 +1,1 @@
+"""ROS 1: the controllers of ros_control, their YAML and its linter."""

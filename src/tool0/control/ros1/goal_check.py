@@ -1,0 +1,260 @@
+"""From a trajectory goal to motion: its checks, and the splines that follow it.
+
+Wordings and codes are those of ROS's joint_trajectory_controller where it has any.
+Beyond ROS, which accepts them, these are rejected: numbers that are not finite,
+duplicate joints, wrong counts of positions, positions beyond the joint's limits, and
+tolerances for joints that the controller does not have.  A velocity or an
+acceleration beyond the joint's limit is accepted as in ROS: planners round them, and
+the tolerances tell whether the joint could follow.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from bisect import bisect_right
+from collections.abc import Collection, Sequence
+from typing import final
+
+from tool0.control.goal import Goal, Tolerance, TrajectoryTolerances
+from tool0.control.goal_motion import (
+    Splines,
+    check_finite,
+    check_limits,
+    motion_at,
+    start_time,
+    suspects_after,
+    whole_turns,
+)
+from tool0.control.spline import JointSpline, Knots, Sample, hold, stop
+from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.description.model import Joint, JointType
+from tool0.errors import GoalRejectedError, did_you_mean
+
+logger = logging.getLogger(__name__)
+
+INSTANT = 1e-6
+"""A point nearer in the future than this [s] counts as reached: shorter than any tick,
+and longer than the rounding errors of sums of times."""
+
+
+def check_names(
+    goal: TrajectoryGoal, joints: tuple[str, ...], *, allow_partial: bool
+) -> tuple[str, ...]:
+    """Return the joints of the goal's numbers, or reject the goal."""
+    names = joints if goal.joint_names is None else tuple(goal.joint_names)
+    for name in names:
+        if name not in joints:
+            raise _invalid_joints(f"unknown joint '{name}'", name, joints)
+    for name in names:
+        if names.count(name) > 1:
+            raise _invalid_joints(f"joint '{name}' is named twice")
+    if not names or (len(names) != len(joints) and not allow_partial):
+        missing = ", ".join(name for name in joints if name not in names)
+        raise _invalid_joints(
+            f"the goal names {len(names)} of {len(joints)} joints and lacks {missing}"
+            + ("" if allow_partial else "; allow_partial_joints_goal is false")
+        )
+    for tolerances in (goal.path_tolerance, goal.goal_tolerance):
+        for name, override in tolerances.items():
+            if name not in joints:
+                raise _invalid_joints(
+                    f"tolerance for unknown joint '{name}'", name, joints
+                )
+            numbers = override if isinstance(override, Tolerance) else (override,)
+            if not all(map(math.isfinite, numbers)):
+                raise GoalRejectedError(f"tolerance {override} of '{name}'")
+    if not math.isfinite(goal.goal_time_tolerance or 0.0):
+        raise GoalRejectedError(f"goal_time_tolerance {goal.goal_time_tolerance}")
+    return names
+
+
+def check_points(goal: TrajectoryGoal, names: tuple[str, ...]) -> None:
+    """Reject points with wrong times, counts or numbers."""
+    for number in goal.suspects:
+        time = goal.times[number]
+        last = goal.times[number - 1] if number else -math.inf
+        if not math.isfinite(time):
+            raise GoalRejectedError(f"point {number} has time_from_start {time}")
+        if not time > last:
+            raise GoalRejectedError(
+                "Trajectory message contains waypoints that are not strictly "
+                f"increasing in time. Point {number} has time_from_start {time} s, "
+                f"the one before it {last} s."
+            )
+    for number in goal.suspects:
+        _check_counts(number, goal.points[number], names)
+
+
+def _check_counts(number: int, point: TrajectoryPoint, names: tuple[str, ...]) -> None:
+    if len(point.positions) != len(names):
+        raise GoalRejectedError(
+            "Size mismatch between trajectory point and vector specifying whether "
+            f"joints wrap around. Point {number} has {len(point.positions)} positions "
+            f"for {len(names)} joints."
+        )
+    for kind in ("positions", "velocities", "accelerations"):
+        values = getattr(point, kind)
+        if values and len(values) != len(names):
+            raise GoalRejectedError(
+                "Size mismatch in trajectory point position, velocity or acceleration "
+                f"data. Point {number} has {len(values)} {kind} "
+                f"for {len(names)} joints."
+            )
+        if values:
+            check_finite(number, kind, names, values)
+
+
+def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
+    """Return the number of the first point still to be reached, or reject the goal.
+
+    Those before it are dropped.  A point at the start, or no more than an INSTANT after
+    it, is dropped as well: there is no time to move there, and ROS would jump.
+    """
+    earliest = max(start, now)
+    n_points = len(goal.points)
+    n_dropped = bisect_right(goal.times, earliest + INSTANT, key=start.__add__)
+    if n_dropped == n_points:
+        behind = earliest - (start + goal.times[-1])
+        is_missing = goal.times[-1] == 0.0
+        raise GoalRejectedError(
+            f"Dropping all {n_dropped} trajectory point(s), as they occur before the "
+            f"current time.\nLast point is {behind:.3f}s in the past."
+            + ("  Its time_from_start is missing or 0." if is_missing else "")
+        )
+    if n_dropped > 1 or (n_dropped == 1 and start < now):
+        logger.warning(
+            "Dropping first %d trajectory point(s) out of %d, as they occur before "
+            "the current time.\nFirst valid point will be reached in %.3fs.",
+            n_dropped,
+            n_points,
+            start + goal.times[n_dropped] - now,
+        )
+    return n_dropped
+
+
+def _invalid_joints(
+    text: str, name: str = "", valid: tuple[str, ...] = ()
+) -> GoalRejectedError:
+    hint = did_you_mean(name, valid) if valid else ""
+    return GoalRejectedError(text + hint, GoalRejectedError.INVALID_JOINTS)
+
+
+@final
+class TrajectoryReplacement:
+    """Makes the splines of one controller.
+
+    In its methods ``running`` are the splines that are executed so far, ``now`` is the
+    simulated time of the coming update [s], and ``handle`` is the goal whose tolerances
+    hold from now on; None for none.
+    """
+
+    def __init__(
+        self,
+        joints: Sequence[Joint],
+        tolerances: TrajectoryTolerances,
+        stop_duration: float,
+    ) -> None:
+        """Take the controller's parameters; its stop takes ``stop_duration`` [s]."""
+        self._joints = {joint.name: joint for joint in joints}
+        self._tolerances = tolerances
+        self._stop_duration = stop_duration
+
+    def by_goal(
+        self,
+        running: Splines,
+        goal: TrajectoryGoal,
+        names: tuple[str, ...],
+        now: float,
+        handle: Goal | None,
+    ) -> list[JointSpline]:
+        """Return the splines that follow a goal of at least one point, or reject it.
+
+        ``names`` are the joints of the points' numbers.  Other joints
+        keep their splines, which belong to the goal from now on, as in ROS.
+        """
+        check_points(goal, names)
+        start = start_time(goal, now)
+        first = first_point_ahead(goal, start, now)
+        check_limits(goal, [self._joints[name] for name in names], first)
+        before = dict(zip(self._joints, running, strict=True))
+        leave = max(now, start)
+        offsets = [
+            whole_turns(
+                self._joints[name], before[name].sample(leave).position, position
+            )
+            for name, position in zip(names, goal.points[first].positions, strict=True)
+        ]
+        suspects = suspects_after(goal, first, start, offsets)
+        splines: list[JointSpline] = []
+        for name, old in before.items():
+            if name not in names:
+                splines.append(old.with_goal(handle))
+                continue
+            column = names.index(name)
+            motion = motion_at(goal.points, column, offsets[column])
+            tolerances = self._tolerances.of(
+                name, goal.path_tolerance.get(name), goal.goal_tolerance.get(name)
+            )
+            splines.append(
+                old.spliced(
+                    now,
+                    start,
+                    Knots(goal.times, motion),
+                    first=first,
+                    suspects=suspects,
+                    goal=handle,
+                    tolerances=tolerances,
+                )
+            )
+        return splines
+
+    def by_stop(
+        self,
+        running: Splines,
+        positions: Sequence[float],
+        velocities: Sequence[float],
+        now: float,
+        handle: Goal | None,
+    ) -> list[JointSpline]:
+        """Return the splines to rest: at the measured positions, or by a ramp.
+
+        While the joints follow a trajectory, the ramp starts from the desired motion,
+        as in ROS.  Otherwise it starts from the measured motion, within the joint's
+        velocity limit, and is as short as a joint of that speed needs: a joint that
+        sags must not travel on for the whole duration.
+        """
+        whole = self._stop_duration
+        joints = self._joints.values()
+        desired = [old.sample(now) for old in running]
+        follows = _are_followed(joints, desired, velocities)
+        splines = []
+        for joint, wanted, position, velocity in zip(
+            joints, desired, positions, velocities, strict=True
+        ):
+            measured = Sample(position, joint.clamp_velocity(velocity), 0.0)
+            start = wanted if follows else measured
+            share = 1.0 if follows else abs(measured.velocity) / joint.max_velocity
+            if not whole * share > 0.0:
+                splines.append(hold(now, position, handle))
+                continue
+            clamp = float if joint.type is JointType.CONTINUOUS else joint.limits.clamp
+            splines.append(stop(now, start, whole * share, clamp, handle))
+        return splines
+
+
+FOLLOWED = 0.1
+"""Largest velocity error of joints that follow, as a fraction of the largest desired
+velocity."""
+
+
+def _are_followed(
+    joints: Collection[Joint], desired: Sequence[Sample], velocities: Sequence[float]
+) -> bool:
+    """Return whether the joints follow: neither blocked nor overloaded."""
+    fastest = max(abs(wanted.velocity) for wanted in desired)
+    return fastest > 0.0 and all(
+        abs(wanted.velocity) <= joint.max_velocity
+        and abs(wanted.velocity - velocity) <= FOLLOWED * fastest
+        for joint, wanted, velocity in zip(joints, desired, velocities, strict=True)
+    )

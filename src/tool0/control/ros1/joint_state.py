@@ -1,0 +1,146 @@
+"""JointStateController: which joints are published, and how often."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+from tool0.control.parameters import Gains, RobotJoints
+from tool0.control.passive import PassiveController
+from tool0.description.model import Interface
+from tool0.description.yaml_tree import YamlEntry
+from tool0.description.yaml_values import Namespace
+from tool0.errors import ConfigError, did_you_mean
+from tool0.hardware.engine import JointState
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExtraJoint:
+    """A joint that exists in the messages only."""
+
+    name: str
+    position: float = 0.0
+    velocity: float = 0.0
+    effort: float = 0.0
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedJointState:
+    """The joints of a sensor_msgs/JointState, in its order."""
+
+    names: tuple[str, ...]
+    position: tuple[float, ...]
+    velocity: tuple[float, ...]
+    effort: tuple[float, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointStateSpec:
+    """The parameters of a JointStateController; it claims no joint."""
+
+    name: str
+    type: str
+    joints: tuple[str, ...]
+    """The joints that are read, in the order of the messages."""
+    publish_rate: float
+    """[Hz]; 0 or less is never."""
+    extra_joints: tuple[ExtraJoint, ...] = ()
+
+    interface: ClassVar[Interface | None] = None
+    gains: ClassVar[tuple[Gains, ...]] = ()
+    further_interfaces: ClassVar[tuple[str, ...]] = ()
+    state_interfaces: ClassVar[tuple[str, ...]] = ()
+    waits_for_command: ClassVar[bool] = False
+
+    def start(self, indices: Sequence[int], state: JointState) -> PassiveController:
+        """Return a controller; joints and state do not matter."""
+        del indices, state
+        return PassiveController()
+
+    def message(
+        self,
+        joint_names: Sequence[str],
+        position: Sequence[float],
+        velocity: Sequence[float],
+        effort: Sequence[float],
+    ) -> PublishedJointState:
+        """Return the message to publish; extra joints keep their values from YAML.
+
+        All have shape (n_joints,), ordered as ``joint_names``.
+        """
+        picked = [joint_names.index(name) for name in self.joints]
+        extra = self.extra_joints
+        return PublishedJointState(
+            names=(*self.joints, *(joint.name for joint in extra)),
+            position=(*(position[i] for i in picked), *(j.position for j in extra)),
+            velocity=(*(velocity[i] for i in picked), *(j.velocity for j in extra)),
+            effort=(*(effort[i] for i in picked), *(j.effort for j in extra)),
+        )
+
+
+def parse(
+    name: str, type_name: str, parameters: Namespace, robot: RobotJoints
+) -> JointStateSpec:
+    """Return the checked parameters of a JointStateController.
+
+    Without ``joints`` it publishes those with a transmission, by name, as in ROS, which
+    keeps them in a map; with it, any movable joint, in the order given.
+    """
+    joints = tuple(sorted(robot.interfaces))
+    if parameters.find("joints") is not None:
+        joints = parameters.texts("joints")
+        entry = parameters.find("joints") or parameters.entry
+        movable = [key for key, joint in robot.joints.items() if joint.is_movable]
+        for joint in joints:
+            if joint not in movable:
+                raise ConfigError(
+                    f"'{entry.key}' names unknown joint '{joint}'"
+                    + did_you_mean(joint, movable),
+                    entry.location,
+                )
+    return JointStateSpec(
+        name=name,
+        type=type_name,
+        joints=joints,
+        publish_rate=parameters.number("publish_rate"),
+        extra_joints=_extra_joints(parameters, joints),
+    )
+
+
+def _extra_joints(
+    parameters: Namespace, joints: tuple[str, ...]
+) -> tuple[ExtraJoint, ...]:
+    """Read the extra joints; like ROS, skip those that are real.
+
+    Unlike ROS, ``position: 0`` is as good as ``0.0``.
+    """
+    entry = parameters.find("extra_joints")
+    if entry is None:
+        return ()
+    if not entry.is_list:
+        raise ConfigError(
+            f"'{entry.key}' must be a list of mappings with a name, "
+            f"got {entry.describe()}",
+            entry.location,
+        )
+    extra = map(_extra_joint, entry.items)
+    return tuple(joint for joint in extra if joint.name not in joints)
+
+
+def _extra_joint(entry: YamlEntry) -> ExtraJoint:
+    if not entry.is_mapping:
+        raise ConfigError(
+            f"'{entry.key}' must be a mapping with a name, got {entry.describe()}",
+            entry.location,
+        )
+    joint = Namespace(entry)
+    return ExtraJoint(
+        name=joint.text("name"),
+        position=joint.number("position", 0.0),
+        velocity=joint.number("velocity", 0.0),
+        effort=joint.number("effort", 0.0),
+    )

@@ -1,0 +1,323 @@
+"""JointTrajectoryController: follow trajectories, and hold still without one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+from tool0.control.goal import (
+    DEFAULT_GOAL_TIME,
+    DEFAULT_STOPPED_VELOCITY,
+    Goal,
+    GoalResult,
+    GoalStatus,
+    JointTolerances,
+    Tolerance,
+    TrajectoryTolerances,
+)
+from tool0.control.goal_motion import splines_by_plan
+from tool0.control.law import TrajectoryLaw
+from tool0.control.parameters import (
+    INTERFACE_OF_PACKAGE,
+    Gains,
+    Pid,
+    RobotJoints,
+    controlled_joints,
+    read_gains,
+)
+from tool0.control.ros1.goal_check import TrajectoryReplacement, check_names
+from tool0.control.sampler import GoalMonitor, TrajectorySampler
+from tool0.control.spline import JointSpline, MotionPlan, hold, shortest_turn
+from tool0.control.trajectory import (
+    JointsMotion,
+    Setpoint,
+    TrajectoryGoal,
+    joints_motion,
+)
+from tool0.description.model import Interface, Joint, JointType
+from tool0.description.yaml_values import Namespace
+from tool0.hardware.engine import JointState, joint_selector
+from tool0.hardware.limits import PUSHING
+
+RELIEF = 0.005
+"""Distance by which a stop moves back a joint that pushes at its effort limit
+[rad | m]: the contact is compressed there, by 2 mrad on Gazebo."""
+
+PREEMPTED = GoalResult(status=GoalStatus.PREEMPTED)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointTrajectorySpec:
+    """The parameters of a JointTrajectoryController."""
+
+    name: str
+    type: str
+    joint_models: tuple[Joint, ...]
+    interface: Interface
+    gains: tuple[Gains, ...] = ()
+    """One per joint; none for the position interface."""
+    velocity_ff: tuple[float, ...] = ()
+    """Command per desired velocity, one per joint; none for the position interface."""
+    tolerances: TrajectoryTolerances
+    stop_trajectory_duration: float = 0.0
+    """Length of the ramp to rest [s]; 0 holds the measured position at once."""
+    allow_partial_joints_goal: bool = False
+    state_publish_rate: float = 50.0
+    """[Hz], for interfaces that publish the state; 0 is never."""
+    action_monitor_rate: float = 20.0
+    """[Hz], for interfaces that publish feedback."""
+
+    further_interfaces: ClassVar[tuple[str, ...]] = ()
+    state_interfaces: ClassVar[tuple[str, ...]] = ()
+    waits_for_command: ClassVar[bool] = False
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        return tuple(joint.name for joint in self.joint_models)
+
+    def start(
+        self, indices: Sequence[int], state: JointState
+    ) -> JointTrajectoryController:
+        return JointTrajectoryController(self, indices, state)
+
+
+@final
+class JointTrajectoryController:
+    """Track a joint trajectory; effort and velocity joints by PID and feed-forward.
+
+    Time is the absolute simulated time of the states.  Goals come between ticks, with
+    ``now`` the time of the coming one: a goal without a stamp starts exactly then.
+
+    It behaves as ROS 1's controller of that name, but for these of its faults:
+
+    * a goal that violates a tolerance is aborted and the joints stop, by the same ramp
+      as after a cancel, instead of executing on;
+    * where the joints do not follow, that ramp starts from the measured motion;
+    * a joint that pushes at its effort limit loses its integral in a stop, and holds
+      RELIEF less: it does not keep pushing;
+    * position errors are wrapped for continuous joints only, not for joints whose
+      limits span more than a turn, nor for prismatic ones;
+    * without ``constraints/goal_time`` a goal gets DEFAULT_GOAL_TIME to come to rest;
+    * goals are rejected as in ``goal_check``;
+    * the stop ramp does not end beyond a joint's limits.
+
+    As in ROS, each joint that was within its goal tolerances once counts as arrived.
+    """
+
+    def __init__(
+        self, spec: JointTrajectorySpec, indices: Sequence[int], state: JointState
+    ) -> None:
+        self.spec = spec
+        self._select = joint_selector(indices)
+        self._wrapping = [
+            k
+            for k, joint in enumerate(spec.joint_models)
+            if joint.type is JointType.CONTINUOUS
+        ]
+        self._replacement = TrajectoryReplacement(
+            spec.joint_models, spec.tolerances, spec.stop_trajectory_duration
+        )
+        self.pid = Pid(spec.gains) if spec.gains else None
+        self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
+        self._monitor: GoalMonitor | None = None
+        self._state = state
+        position = self._select(state.position)
+        self._sampler = TrajectorySampler(
+            [hold(state.time, q) for q in position], state.time
+        )
+
+    # ---- the tick -----------------------------------------------------------------
+
+    def update(self, state: JointState, period: float) -> Sequence[float]:
+        """Return the commands: desired positions, or velocities or efforts to them."""
+        self._state = state
+        time, position, velocity, _ = state
+        sampler, monitor = self._sampler, self._monitor
+        if time >= sampler.next_change:
+            sampler.advance(time)
+            if monitor is not None:
+                monitor.watch(sampler)
+        pid = self.pid
+        if pid is None and monitor is None:
+            return sampler.desired(time)[0]
+        speeds = self._select(velocity)
+        errors, rates = sampler.errors(time, self._select(position), speeds)
+        for k in self._wrapping:
+            errors[k] = shortest_turn(0.0, errors[k])
+        if monitor is not None:
+            result = monitor.check(time, errors, rates)
+            if result is not None:
+                self._end_goal(result)
+        if pid is None:
+            return sampler.desired(time)[0]
+        commands = pid.update(errors, rates, period)
+        if self._feed_forward:
+            for k, scale in enumerate(self._feed_forward):
+                commands[k] += scale * (rates[k] + speeds[k])
+        return commands
+
+    def law(self) -> TrajectoryLaw:
+        return TrajectoryLaw(
+            self._sampler, self._monitor, self.pid, self._feed_forward, self._wrapping
+        )
+
+    def observe(self, state: JointState) -> None:
+        self._state = state
+
+    def adopt(self, splines: Mapping[int, JointSpline], now: float) -> None:
+        """Continue with the motions of joints, by number, that the kernel started."""
+        self._end_goal(PREEMPTED)
+        merged = [splines.get(k, old) for k, old in enumerate(self._sampler.splines)]
+        self._sampler = TrajectorySampler(merged, now)
+
+    def _end_goal(self, result: GoalResult) -> None:
+        """End the active goal, if there is one; if it is aborted, stop."""
+        monitor, self._monitor = self._monitor, None
+        if result.status is GoalStatus.ABORTED:
+            now = self._state.time
+            self._sampler = TrajectorySampler(self._stop_splines(now, None), now)
+        if monitor is not None:
+            monitor.goal.finish(result)
+
+    # ---- requests, between ticks --------------------------------------------------
+
+    def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
+        """Replace the motion by ``goal`` and return its handle, or reject it.
+
+        A plan starts with the desired motion ``now``.
+
+        Raises:
+            GoalRejectedError: With ROS's code; the previous motion then continues.
+        """
+        handle = Goal(self.spec.name)
+        self._accept(goal, now, handle)
+        return handle
+
+    def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
+        """Replace the motion by ``goal``, without tolerances, or reject it.
+
+        This is ROS's topic ``~/command``: it reports no result.
+        """
+        self._accept(goal, now, None)
+
+    def cancel(self, goal: Goal, now: float) -> None:
+        """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
+        if self._monitor is not None and goal is self._monitor.goal:
+            self._sampler = TrajectorySampler(self._stop_splines(now, None), now)
+            self._end_goal(PREEMPTED)
+
+    def stop(self) -> None:
+        self._end_goal(PREEMPTED)
+
+    def _accept(
+        self, goal: TrajectoryGoal | MotionPlan, now: float, handle: Goal | None
+    ) -> None:
+        spec, running, goal_time = self.spec, self._sampler.splines, None
+        if isinstance(goal, TrajectoryGoal):
+            names = check_names(
+                goal, spec.joints, allow_partial=spec.allow_partial_joints_goal
+            )
+            goal_time = goal.goal_time_tolerance
+            if goal.points:
+                splines = self._replacement.by_goal(running, goal, names, now, handle)
+            else:
+                splines = self._stop_splines(now, handle)
+        else:
+            splines = splines_by_plan(
+                spec.joint_models,
+                running,
+                goal,
+                now,
+                goal=handle,
+                tolerances=spec.tolerances,
+            )
+        self._end_goal(PREEMPTED)
+        self._sampler = TrajectorySampler(splines, now)
+        if handle is not None:
+            grace = spec.tolerances.goal_time_with(goal_time)
+            self._monitor = GoalMonitor(handle, spec.joints, grace)
+            self._monitor.watch(self._sampler)
+
+    def _stop_splines(self, now: float, handle: Goal | None) -> list[JointSpline]:
+        """Return the splines to rest; drives that push at their limit release."""
+        state, select = self._state, self._select
+        positions = list(select(state.position))
+        for k, effort in enumerate(select(state.effort)):
+            limit = self.spec.joint_models[k].limits.effort
+            if 0.0 < PUSHING * limit <= abs(effort):
+                positions[k] -= math.copysign(RELIEF, effort)
+                if self.pid is not None:
+                    self.pid.reset(k)
+        return self._replacement.by_stop(
+            self._sampler.splines, positions, select(state.velocity), now, handle
+        )
+
+    # ---- desired and measured motion ----------------------------------------------
+
+    def query_state(self, time: float) -> JointsMotion:
+        """Return the desired motion at ``time``.
+
+        Raises:
+            ControlError: If the trajectory at that time is no longer known.
+        """
+        return joints_motion(self._sampler.samples(time))
+
+    def setpoint(self) -> Setpoint:
+        return Setpoint(
+            self.spec.joint_models, self._sampler.splines, self._select, self._state
+        )
+
+
+def parse(
+    name: str, type_name: str, parameters: Namespace, robot: RobotJoints
+) -> JointTrajectorySpec:
+    """Return the checked parameters of a JointTrajectoryController."""
+    interface = INTERFACE_OF_PACKAGE[type_name.partition("/")[0]]
+    joints = controlled_joints(robot, parameters, interface)
+    gains: tuple[Gains, ...] = ()
+    velocity_ff: tuple[float, ...] = ()
+    if interface is not Interface.POSITION:
+        why = f"{type_name} needs"
+        gains = tuple(
+            read_gains(parameters, f"gains/{joint.name}", why) for joint in joints
+        )
+        velocity_ff = tuple(
+            parameters.number(f"velocity_ff/{joint.name}", 0.0) for joint in joints
+        )
+    return JointTrajectorySpec(
+        name=name,
+        type=type_name,
+        joint_models=joints,
+        interface=interface,
+        gains=gains,
+        velocity_ff=velocity_ff,
+        tolerances=_tolerances(parameters, joints),
+        stop_trajectory_duration=parameters.not_negative(
+            "stop_trajectory_duration", 0.0
+        ),
+        allow_partial_joints_goal=parameters.boolean(
+            "allow_partial_joints_goal", default=False
+        ),
+        state_publish_rate=parameters.not_negative("state_publish_rate", 50.0),
+        action_monitor_rate=parameters.not_negative("action_monitor_rate", 20.0),
+    )
+
+
+def _tolerances(
+    parameters: Namespace, joints: tuple[Joint, ...]
+) -> TrajectoryTolerances:
+    read = parameters.not_negative
+    stopped = read("constraints/stopped_velocity_tolerance", DEFAULT_STOPPED_VELOCITY)
+    return TrajectoryTolerances(
+        joints={
+            joint.name: JointTolerances(
+                path=Tolerance(read(f"constraints/{joint.name}/trajectory", 0.0)),
+                goal=Tolerance(read(f"constraints/{joint.name}/goal", 0.0), stopped),
+            )
+            for joint in joints
+        },
+        goal_time=read("constraints/goal_time", DEFAULT_GOAL_TIME),
+    )

@@ -1,0 +1,253 @@
+"""The built-in controllers of a robot whose drives come from ``<ros2_control>`` tags.
+
+As for ROS 1, there is a file that all arms share, and one that all grippers share, in
+``tool0_description/config``; a folder may have its own.  Each controller names its
+type; the section of the manager is put together from them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, NamedTuple, final
+
+from tool0.control.controller_parts import (
+    LIMITS,
+    Row,
+    joints_beyond,
+    limits_row,
+    lines_of,
+    part_file,
+    rating,
+    read_part,
+    renamed,
+)
+from tool0.control.parameters import joint_entries
+from tool0.control.ros2.layout import declared
+from tool0.description.model import Interface, JointType, RobotModel
+from tool0.description.packages import find_package
+from tool0.description.parts import joints_of
+from tool0.description.robot import CatalogueRobot, RobotDescription
+from tool0.description.yaml_tree import Tree, read_verbatim
+from tool0.description.yaml_values import Namespace
+from tool0.errors import ConfigError, SourceLocation
+
+_FILE: Final = "controllers_ros2.yaml"
+_STARTED_FILE: Final = "started_controllers_ros2.yaml"
+_JOINT_STATES: Final = "joint_state_broadcaster"
+_RATE: Final = 500
+"""Updates per second of an arm whose folder does not state them [Hz]."""
+_ROTARY: Final = {"$tolerance": "0.02"}
+"""Of a gripper whose driven joint turns [rad]."""
+_LINEAR: Final = {"$tolerance": "0.0005"}
+"""Of one whose driven joint slides [m]: 1 mm of opening."""
+
+
+class Started(NamedTuple):
+    """The controllers that a bring-up starts, if the YAML defines them."""
+
+    always: tuple[str, ...]
+    built_in: tuple[str, ...]
+    """Those besides, if the controllers are the built-in ones."""
+
+
+def started() -> Started:
+    """Return the controllers that a bring-up starts unless options name others."""
+    file = Namespace(read_verbatim(_config(_STARTED_FILE)).root)
+    return Started(file.texts("started"), file.texts("started_built_in"))
+
+
+def _config(name: str) -> Path:
+    return find_package("tool0_description") / "config" / name
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Piece:
+    """The text of a part, for one robot."""
+
+    text: str
+    location: SourceLocation
+    limits: Sequence[Row] = ()
+
+    def tree(self) -> Tree:
+        tree = Tree()
+        tree.load(self.text, self.location)
+        return tree
+
+
+def built_in_yaml(description: RobotDescription, period: float) -> str:
+    """Return the built-in controllers as YAML; empty if none fit your own robot file.
+
+    ``period`` is the time between steps of the physics [s]: updates take a multiple.
+    """
+    pieces = _pieces(description, period)
+    if not pieces:
+        return ""
+    about = f"# Controllers of {description.title}, for ros2_control and for tool0.\n"
+    manager = _manager(description, pieces)
+    return "\n".join([about + manager, *(piece.text for piece in pieces)])
+
+
+def built_in_tree(description: RobotDescription, period: float) -> Tree:
+    """Return the same, with locations in the files that they come from."""
+    tree = Tree()
+    pieces = _pieces(description, period)
+    if pieces:
+        tree.load(_manager(description, pieces), SourceLocation(description.source))
+    for piece in pieces:
+        tree.load(piece.text, piece.location)
+    return tree
+
+
+def _manager(description: RobotDescription, pieces: Sequence[_Piece]) -> str:
+    """Return the manager's parameters: the rate, the types, and limits of joints."""
+    rates = [rating(robot.arm, "update_rate") for robot in description.robots]
+    rate = max((round(rate) for rate in rates if rate), default=_RATE)
+    types = {
+        name: str(item.type.scalar)
+        for piece in pieces
+        for name, item in declared(piece.tree().root).items()
+    }
+    text = f"controller_manager:\n  ros__parameters:\n    update_rate: {rate}  # [Hz]\n"
+    text += "".join(f"    {name}: {{type: {kind}}}\n" for name, kind in types.items())
+    limits = [row for piece in pieces for row in piece.limits]
+    if limits:
+        text += (
+            "    # What the motions of tool0 keep to; ros2_control does not read it.\n"
+            f"    {LIMITS}:\n" + lines_of(limits, indent="      ")
+        )
+    return text
+
+
+def _pieces(description: RobotDescription, period: float) -> list[_Piece]:
+    """Return the parts of all robots; none if your own file fits none."""
+    parts = [
+        piece
+        for robot in description.robots or (None,)
+        for piece in _Composer(description, robot, period).pieces()
+    ]
+    if not parts:
+        return []
+    path = _config(_FILE)
+    texts = [read_part(path)]
+    if description.cell is not None and description.cell.namespaces:
+        texts = [
+            _joint_states(description, robot, texts[0]) for robot in description.robots
+        ]
+    location = SourceLocation(path, 1)
+    return [*(_Piece(text=text, location=location) for text in texts), *parts]
+
+
+def _joint_states(
+    description: RobotDescription, robot: CatalogueRobot, text: str
+) -> str:
+    """Return the YAML of a broadcaster for the joints of one robot."""
+    states = {
+        joint.name
+        for component in description.model.hardware
+        for joint in component.joints
+        if {"position", "velocity"} <= {state.name for state in joint.states}
+    }
+    joints = [j for j in joints_of(description.model, robot.name) if j in states]
+    return (
+        f"{renamed(description, robot, text)}    joints: [{', '.join(joints)}]\n"
+        "    interfaces: [position, velocity]\n"
+    )
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class _Composer:
+    """Makes the parts of one robot."""
+
+    description: RobotDescription
+    robot: CatalogueRobot | None
+    """None for your own file, whose names are those of a robot without prefix."""
+    period: float
+
+    def pieces(self) -> Iterator[_Piece]:
+        """Yield the parts of arm and gripper; none if your file lacks the joints."""
+        model, robot = self.description.model, self.robot
+        self._refuse_own_file()
+        path = part_file("arm", robot.arm if robot else None, _FILE)
+        text = self._written(read_part(path))
+        arm = _joints_in(text, path)
+        if robot is None and not all(_follows_positions(model, j) for j in arm):
+            return
+        yield _Piece(
+            text=text, location=SourceLocation(path, 1), limits=self._limits(arm)
+        )
+        hand = joints_beyond(model, arm[-1])
+        if (len(hand) == 1) if robot is None else (robot.gripper and hand):
+            yield self._gripper(hand[0])
+
+    def _refuse_own_file(self) -> None:
+        cell, robot = self.description.cell, self.robot
+        for item in cell.robots if cell and robot else ():
+            if robot and item.name == robot.name and item.controllers_file:
+                raise ConfigError(
+                    f"robot '{robot.name}' of the cell has controllers of its own, in "
+                    f"'{item.controllers_file}'; with ROS 2, give one YAML for the "
+                    "whole cell (--controllers-file)"
+                )
+
+    def _written(self, text: str) -> str:
+        """Return a part's text with the names of this robot."""
+        prefix = self.robot.prefix if self.robot else ""
+        text = renamed(self.description, self.robot, text)
+        return text.replace("$prefix", prefix)
+
+    def _limits(self, joints: Sequence[str]) -> list[Row]:
+        from tool0.control.gains import derive_arm_gains
+
+        payload = rating(self.robot.arm, "payload") if self.robot else None
+        model = self.description.model
+        derived = derive_arm_gains(model, joints, payload, period=self.period)
+        return [
+            limits_row(self.description, joint, found)
+            for joint, found in zip(joints, derived, strict=True)
+        ]
+
+    def _gripper(self, joint: str) -> _Piece:
+        """Return the part of a gripper with this driven joint."""
+        part = self.robot.gripper if self.robot else None
+        path = part_file("gripper", part, _FILE)
+        slides = self.description.model.joint(joint).type is JointType.PRISMATIC
+        text = self._written(read_part(path))
+        for name, value in {
+            **(_LINEAR if slides else _ROTARY),
+            "$joint": joint,
+        }.items():
+            text = text.replace(name, value)
+        text = _without_unknown(text, joint, self.description.model)
+        return _Piece(text=text, location=SourceLocation(path, 1))
+
+
+def _without_unknown(text: str, joint: str, model: RobotModel) -> str:
+    """Return YAML with blank lines for command interfaces that ``joint`` lacks."""
+    known = {name for item in model.hardware for name in item.command_interfaces}
+    lines = text.splitlines(keepends=True)
+    for number, line in enumerate(lines):
+        found = re.search(rf"\s({re.escape(joint)}/\w+)", line)
+        if found is not None and found[1] not in known:
+            lines[number] = "\n"
+    return "".join(lines)
+
+
+def _follows_positions(model: RobotModel, joint: str) -> bool:
+    drive = model.transmission_by_joint.get(joint)
+    return drive is not None and Interface.POSITION in drive.interfaces
+
+
+def _joints_in(text: str, path: Path) -> list[str]:
+    """Return the joints of the first controller with joints."""
+    tree = Tree()
+    tree.load(text, SourceLocation(path, 1))
+    for controller in declared(tree.root).values():
+        joints = [str(item.scalar) for item in joint_entries(controller.parameters)]
+        if joints:
+            return joints
+    raise ConfigError("no controller of the arm names joints", SourceLocation(path))

@@ -1,0 +1,443 @@
+"""JointTrajectoryController of ROS 2: all joints follow one trajectory."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple, final
+
+from tool0.control.goal import Goal, GoalResult, GoalStatus
+from tool0.control.goal_motion import check_limits, splines_by_plan
+from tool0.control.law import TrajectoryClock, TrajectoryLaw
+from tool0.control.parameters import Gains, Pid
+from tool0.control.ros2.trajectory_check import (
+    Acceptance,
+    ActiveTolerances,
+    check_goal,
+    judged,
+    with_those_of,
+)
+from tool0.control.ros2.trajectory_motion import (
+    Course,
+    decelerated,
+    splines_at_once,
+    splines_spliced,
+    upsampled,
+)
+from tool0.control.ros2.trajectory_settings import Replacement, SpeedSource
+from tool0.control.sampler import TrajectorySampler
+from tool0.control.spline import JointSpline, Motion, MotionPlan, hold, shortest_turn
+from tool0.control.trajectory import (
+    JointsMotion,
+    Setpoint,
+    TrajectoryGoal,
+    joints_motion,
+)
+from tool0.control.watch import TrajectoryWatch
+from tool0.description.model import Interface, Joint, JointType
+from tool0.errors import GoalRejectedError
+from tool0.hardware.engine import JointState, joint_selector
+
+logger = logging.getLogger(__name__)
+
+CANCELED = GoalResult(status=GoalStatus.PREEMPTED)
+REPLACED = GoalResult(
+    status=GoalStatus.ABORTED,
+    error_code=GoalResult.INVALID_GOAL,
+    error_string="Current goal preempted by new incoming action.",
+)
+DEACTIVATED = GoalResult(
+    status=GoalStatus.ABORTED,
+    error_code=GoalResult.INVALID_GOAL,
+    error_string="Current goal cancelled during deactivate transition.",
+)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointTrajectorySpec:
+    """The parameters of a JointTrajectoryController."""
+
+    name: str
+    type: str
+    joint_models: tuple[Joint, ...]
+    interface: Interface
+    further_interfaces: tuple[str, ...] = ()
+    state_interfaces: tuple[str, ...] = ()
+    gains: tuple[Gains, ...] = ()
+    """One per joint; none if positions are commanded."""
+    velocity_ff: tuple[float, ...] = ()
+    """Command per desired velocity, one per joint; none if positions are."""
+    judges_velocity: bool = False
+    """Whether tolerances of velocities count."""
+    reads_velocity: bool = True
+    """Whether trajectories start with the measured velocity; otherwise with 0."""
+    acceptance: Acceptance
+    tolerances: ActiveTolerances
+    deceleration: tuple[float, ...] = ()
+    """Of a stop, one per joint [rad/s² | m/s²]; none holds the measured position."""
+    command_timeout: float = math.inf
+    """After the end of a trajectory [s]; then the measured position is held."""
+    replacement: Replacement
+    speed: SpeedSource
+    state_publish_rate: float = 50.0
+    """[Hz]; only Humble has it."""
+    action_monitor_rate: float = 20.0
+    """[Hz], for interfaces that publish feedback."""
+
+    waits_for_command: ClassVar[bool] = False
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        return tuple(joint.name for joint in self.joint_models)
+
+    @property
+    def allow_partial_joints_goal(self) -> bool:
+        return self.acceptance.allows_partial
+
+    def start(
+        self, indices: Sequence[int], state: JointState
+    ) -> JointTrajectoryController:
+        return JointTrajectoryController(self, indices, state)
+
+
+class _Coming(NamedTuple):
+    """A trajectory that ends everything before it."""
+
+    course: Course
+    held: Mapping[str, float]
+    """Where the joints stay that it does not name [rad | m]."""
+
+
+@final
+class JointTrajectoryController:
+    """Track a joint trajectory; velocity and effort joints by PID and feed-forward.
+
+    The command is the desired motion one period ahead, and errors are against the
+    present one.  A trajectory that comes between ticks starts with the coming one, from
+    the motion that is measured then.
+
+    It behaves as ROS 2's controller of that name, but for these of its faults:
+
+    * a goal whose command timed out is aborted; ROS reports it as reached;
+    * after the end of a trajectory with a velocity there, the joints are to rest;
+    * continuous joints go to the nearest turn of a point, instead of jumping to the
+      point's own turn;
+    * goals are also refused as in ``trajectory_check``.
+
+    Plans of the simulator's own motions start with the desired motion.
+    """
+
+    def __init__(
+        self, spec: JointTrajectorySpec, indices: Sequence[int], state: JointState
+    ) -> None:
+        self.spec = spec
+        self._select = joint_selector(indices)
+        self._wrapping = [
+            k
+            for k, joint in enumerate(spec.joint_models)
+            if joint.type is JointType.CONTINUOUS
+        ]
+        self.pid = Pid(spec.gains) if spec.gains else None
+        self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
+        self._tolerances = spec.tolerances
+        self._watch: TrajectoryWatch | None = None
+        """None while the joints are to rest where they are."""
+        self._factor = spec.speed.initial
+        """What the topic set last."""
+        self._factor_used = 1.0
+        self._clock = TrajectoryClock()
+        self._period = 0.0
+        self._coming: _Coming | None = None
+        """A trajectory that starts with the coming tick, from what is measured then."""
+        self._is_first = True
+        """Whether the coming tick is the first one of a trajectory."""
+        self._has_points = False
+        """Whether the motion has several points, so that another one can follow it."""
+        self._state = state
+        self._execute([hold(state.time, q) for q in self._select(state.position)])
+
+    # ---- the tick -----------------------------------------------------------------
+
+    def update(self, state: JointState, period: float) -> Sequence[float]:
+        """Return the commands: desired positions, or velocities or efforts to them."""
+        self._state, self._period = state, period
+        factor = self.speed_scaling
+        if factor != self._factor_used:
+            self._factor_used = factor
+            self._clock = self._clock.scaled(factor, state.time)
+        time, is_first = self._clock.at(state.time), self._is_first
+        if is_first:
+            self._depart(time)
+        ahead = time + period
+        watch, pid = self._watch, self.pid
+        errors: list[float] = []
+        rates: list[float] = []
+        if watch is not None or pid is not None:
+            sampler = self._sampler
+            if time >= sampler.next_change:
+                sampler.advance(time)
+            speeds = self._select(state.velocity)
+            errors, rates = sampler.errors(time, self._select(state.position), speeds)
+            for k in self._wrapping:
+                errors[k] = shortest_turn(0.0, errors[k])
+            if watch is not None:
+                result = watch.check(time, ahead, errors, rates, is_first=is_first)
+                if result is not None:
+                    self._end(result, time, errors)
+        commanded = self._ahead
+        if ahead >= commanded.next_change:
+            commanded.advance(ahead)
+        desired, velocities = commanded.desired(ahead)
+        if pid is None:
+            return desired
+        commands = pid.update(errors, rates, period)
+        for k, scale in enumerate(self._feed_forward):
+            commands[k] += scale * velocities[k]
+        return commands
+
+    def _depart(self, time: float) -> None:
+        """Start the trajectory that came, from the measured motion."""
+        self._is_first = False
+        coming, self._coming = self._coming, None
+        if coming is not None:
+            # Rounding apart, it is as plausible as when it was accepted.
+            joints, origins = self.spec.joint_models, self._measured()
+            with contextlib.suppress(GoalRejectedError):
+                splines = splines_at_once(joints, coming[0], time, origins, coming[1])
+                self._execute(splines)
+
+    def law(self) -> TrajectoryLaw | None:
+        if self._is_first or self.speed_scaling != self._factor_used:
+            return None
+        return TrajectoryLaw(
+            self._sampler,
+            self._watch,
+            self.pid,
+            self._feed_forward,
+            self._wrapping,
+            lead=self._period,
+            clock=self._clock,
+        )
+
+    def observe(self, state: JointState) -> None:
+        self._state = state
+
+    def adjust(self, spec: JointTrajectorySpec) -> None:
+        """Continue with other parameters; tolerances hold from the next goal on."""
+        self.spec = spec
+        self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
+
+    def adopt(self, splines: Mapping[int, JointSpline], now: float) -> None:
+        """Continue with the motions of joints, by number, that the kernel started."""
+        self._finish(REPLACED)
+        self._watch = None
+        merged = [splines.get(k, old) for k, old in enumerate(self._sampler.splines)]
+        self._execute(merged)
+        self._is_first = self._has_points = False
+
+    def _execute(self, splines: Sequence[JointSpline]) -> None:
+        """Follow other splines; the samplers look at them with the coming tick."""
+        self._sampler = TrajectorySampler(splines, -math.inf)
+        self._ahead = TrajectorySampler(splines, -math.inf)
+
+    def _end(
+        self, result: GoalResult, time: float, errors: Sequence[float] = ()
+    ) -> None:
+        """End the trajectory, and its goal: stay at its end, or stop."""
+        goal = None if self._watch is None else self._watch.goal
+        if result.status is GoalStatus.ABORTED:
+            self._log(result, goal, errors)
+        if result.status is not GoalStatus.SUCCEEDED:
+            self._stop_motion(time)
+        self._finish(result)
+        self._watch = None
+
+    def _finish(self, result: GoalResult) -> None:
+        if self._watch is not None and self._watch.goal is not None:
+            self._watch.goal.finish(result)
+
+    def _log(
+        self, result: GoalResult, goal: Goal | None, errors: Sequence[float]
+    ) -> None:
+        where = ", ".join(
+            f"{joint} {error:.6f}"
+            for joint, error in zip(self.spec.joints, errors, strict=True)
+        )
+        what = result.error_string if goal is not None else "Holding position"
+        logger.warning("%s: %s; position errors: %s", self.spec.name, what, where)
+
+    def _stop_motion(self, time: float) -> None:
+        """Hold the measured position from now on, or slow down."""
+        position = self._select(self._state.position)
+        velocity = self._select(self._state.velocity)
+        if self.spec.deceleration:
+            motion = zip(position, velocity, self.spec.deceleration, strict=True)
+            splines = [decelerated(time, q, qd, rate) for q, qd, rate in motion]
+        else:
+            splines = [hold(time, q) for q in position]
+        self._coming, self._has_points = None, False
+        self._execute(splines)
+
+    # ---- requests, between ticks --------------------------------------------------
+
+    def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
+        """Replace the motion by ``goal`` and return its handle, or reject it.
+
+        A plan starts with the desired motion ``now``.
+
+        Raises:
+            GoalRejectedError: The previous motion then continues.
+        """
+        handle = Goal(self.spec.name)
+        splines = self._accept(goal, now)
+        self._finish(REPLACED)
+        self._tolerances = self.spec.tolerances
+        if isinstance(goal, TrajectoryGoal):
+            spec = self.spec
+            self._tolerances = with_those_of(goal, spec.tolerances, spec.name)
+        self._start(splines, handle)
+        return handle
+
+    def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
+        """Replace the motion as the topic ``~/joint_trajectory`` does, or reject it.
+
+        An active goal stays so: it is judged by the new motion.
+        """
+        replacement = self.spec.replacement
+        if replacement.upsamples and isinstance(goal, TrajectoryGoal):
+            goal = upsampled(goal, replacement.policy_frequency)
+        splines = self._accept(goal, now)
+        self._start(splines, None if self._watch is None else self._watch.goal)
+
+    def cancel(self, goal: Goal, now: float) -> None:
+        """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
+        if self._watch is not None and goal is self._watch.goal:
+            self._end(CANCELED, self._clock.at(now))
+
+    def stop(self) -> None:
+        self._finish(DEACTIVATED)
+        self._watch = None
+
+    @property
+    def speed_scaling(self) -> float:
+        """Trajectory time per simulated time."""
+        return self.spec.speed.factor(self._factor)
+
+    def scale_speed(self, factor: float) -> None:
+        """Scale the speed of trajectories, as the topic ``~/speed_scaling_input`` does.
+
+        Raises:
+            ControlError: If the factor is negative, or comes from elsewhere.
+        """
+        self.spec.speed.check(factor, self.spec.name)
+        self._factor = factor
+
+    def _accept(
+        self, goal: TrajectoryGoal | MotionPlan, now: float
+    ) -> Sequence[JointSpline]:
+        """Return the splines of a goal, or reject it."""
+        spec, running = self.spec, self._sampler.splines
+        lag = self._clock.lag_at(now)
+        time = now - lag
+        if not isinstance(goal, TrajectoryGoal):
+            splines = splines_by_plan(spec.joint_models, running, goal, time)
+            self._coming, self._has_points = None, True
+            return splines
+        names = check_goal(goal, spec.acceptance, now)
+        start = goal.stamp - lag if goal.stamp else time
+        course = Course(goal, names, start, spec.replacement.is_stepped)
+        coming = None
+        follows = self._can_follow(course)
+        if follows:
+            start = time + max(start - time, 0.0) * self.speed_scaling
+            course = course._replace(start=start).integrated(self._desired(start))
+            self._check_limits(course)
+            splines = splines_spliced(spec.joint_models, running, course, time)
+        else:
+            desired, measured = self._desired(time), self._measured()
+            held = desired if spec.interface is Interface.POSITION else measured
+            places = {name: motion.position for name, motion in held.items()}
+            origins = desired if spec.replacement.from_desired else measured
+            self._check_limits(course.integrated(origins))
+            joints = spec.joint_models
+            splines = splines_at_once(joints, course, time, origins, places)
+            if not spec.replacement.from_desired:
+                coming = _Coming(course, places)
+        self._coming = coming
+        self._has_points = follows or len(goal.points) > 1
+        return splines
+
+    def _can_follow(self, course: Course) -> bool:
+        """Return whether a trajectory follows the one that is executed."""
+        is_whole = len(course.names) == len(self.spec.joints)
+        return (
+            self.spec.replacement.is_spliced
+            and self._watch is not None
+            and self._has_points
+            and (is_whole or bool(course.goal.points[-1].positions))
+        )
+
+    def _check_limits(self, course: Course) -> None:
+        models = dict(zip(self.spec.joints, self.spec.joint_models, strict=True))
+        check_limits(course.goal, [models[name] for name in course.names], 0)
+
+    def _desired(self, time: float) -> dict[str, Motion]:
+        """Return the desired motion of each joint at a time of the trajectory [s]."""
+        splines = self._sampler.splines
+        return {
+            joint: Motion(*spline.sample(time))
+            for joint, spline in zip(self.spec.joints, splines, strict=True)
+        }
+
+    def _measured(self) -> dict[str, Motion]:
+        """Return the measured motion of each joint."""
+        spec, state, select = self.spec, self._state, self._select
+        speeds = select(state.velocity)
+        if not spec.reads_velocity:
+            speeds = [0.0] * len(speeds)
+        motion = zip(spec.joints, select(state.position), speeds, strict=True)
+        return {joint: Motion(q, qd, 0.0) for joint, q, qd in motion}
+
+    def _start(self, splines: Sequence[JointSpline], handle: Goal | None) -> None:
+        """Execute accepted splines with the coming tick."""
+        spec, tolerances = self.spec, self._tolerances
+        path, at_goal = judged(
+            tolerances, spec.joints, by_velocity=spec.judges_velocity
+        )
+        self._execute(splines)
+        self._is_first = True
+        self._watch = TrajectoryWatch(
+            handle,
+            end=max(spline.end for spline in splines),
+            path=path,
+            at_goal=at_goal,
+            goal_time=tolerances.goal_time or math.inf,
+            timeout=spec.command_timeout,
+        )
+
+    # ---- desired and measured motion ----------------------------------------------
+
+    def query_state(self, time: float) -> JointsMotion:
+        """Return the desired motion at ``time``.
+
+        Raises:
+            ControlError: If the trajectory at that time is no longer known.
+        """
+        at = self._clock.at(time)
+        if time < self._state.time:
+            return joints_motion(self._sampler.samples(at))
+        return joints_motion([spline.sample(at) for spline in self._sampler.splines])
+
+    def setpoint(self) -> Setpoint:
+        return Setpoint(
+            self.spec.joint_models,
+            self._sampler.splines,
+            self._select,
+            self._state,
+            self._clock.lag_at(self._state.time),
+            self.speed_scaling,
+        )

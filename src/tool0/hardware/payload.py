@@ -1,0 +1,71 @@
+"""The payload of an arm: what its drives take to be at the flange.
+
+A payload replaces the model of everything beyond the flange, as ``set_payload`` does on
+a UR: the drives then compensate for its weight and inertia instead of those of the
+tool in the description.  The physics does not change.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Final
+
+import numpy as np
+from msgspec import Meta, Struct
+
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.model import RobotModel
+from tool0.description.transform import Vector3
+from tool0.hardware.bodies import BodyInertia, total_inertia
+
+DENSITY: Final = 1000.0
+"""Of the sphere whose inertia a payload has [kg/m³]: 1 g/cm³, as for URScript's
+``set_target_payload`` without an inertia."""
+
+
+class Payload(Struct, frozen=True):
+    """Mass and centre of gravity of all that is fixed to an arm's flange."""
+
+    mass: Annotated[float, Meta(ge=0.0, le=1000.0)]
+    """[kg]"""
+    center_of_gravity: Vector3 = (0.0, 0.0, 0.0)
+    """In the flange's frame [m]."""
+
+
+def modelled_payload(model: RobotModel, flange: str) -> Payload:
+    """Return what the description has beyond the link ``flange``, grippers open."""
+    tool = _tool(model, flange)
+    x, y, z = tool.center.tolist()
+    return Payload(tool.mass, (x, y, z))
+
+
+def replaced_tools(
+    model: RobotModel, payloads: Mapping[str, Payload]
+) -> dict[str, tuple[BodyInertia, ...]]:
+    """Return what to add to each flange so that its tool becomes the payload."""
+    return {
+        flange: (payload_inertia(payload), _negative(_tool(model, flange)))
+        for flange, payload in payloads.items()
+    }
+
+
+def payload_inertia(payload: Payload) -> BodyInertia:
+    """Return a payload as a body in the flange's frame."""
+    mass = payload.mass
+    radius = (3.0 * mass / (4.0 * math.pi * DENSITY)) ** (1.0 / 3.0)
+    tensor = 0.4 * mass * radius**2 * np.eye(3)
+    return BodyInertia(mass, np.array(payload.center_of_gravity), tensor)
+
+
+def _tool(model: RobotModel, flange: str) -> BodyInertia:
+    poses = link_poses(model, {})
+    from_root = poses[flange].inverse()
+    links = [
+        (link, (from_root @ poses[link]).matrix) for link in model.links_from(flange)
+    ]
+    return total_inertia(model, links)
+
+
+def _negative(inertia: BodyInertia) -> BodyInertia:
+    return BodyInertia(-inertia.mass, inertia.center, -inertia.tensor)

@@ -1,0 +1,125 @@
+"""The files of a MoveIt 2 configuration package.
+
+The layout is that of MoveIt's setup assistant, so that MoveItConfigsBuilder reads it.
+Launch files and manifest are the same for every robot (``template_ros2``); those in
+``config`` are written from its description.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+from tool0.description.robot import RobotDescription
+from tool0.installation.moveit.configuration import (
+    MOVEIT_SUFFIX,
+    Controllers,
+    commented_yaml,
+    controllers_with_action,
+    joint_limits,
+    kinematics,
+    package_stem,
+    planners,
+)
+from tool0.installation.moveit.semantics import (
+    ALL_ARMS,
+    arm_groups,
+    planning_groups,
+    to_srdf,
+)
+from tool0.installation.templates import filled
+
+_TEMPLATE: Final = Path(__file__).parent / "template_ros2"
+_SIMULATED: Final = "gz_ros2_control/GazeboSimSystem"
+_MOCK: Final = "mock_components/GenericSystem"
+"""The driver of the demonstration without a simulator."""
+_ACTIONS: Final = {
+    "JointTrajectoryController": ("follow_joint_trajectory", "FollowJointTrajectory"),
+    "GripperActionController": ("gripper_cmd", "ParallelGripperCommand"),
+}
+_PIPELINE: Final = {
+    "planning_plugins": ["ompl_interface/OMPLPlanner"],
+    "request_adapters": [
+        "default_planning_request_adapters/ResolveConstraintFrames",
+        "default_planning_request_adapters/ValidateWorkspaceBounds",
+        "default_planning_request_adapters/CheckStartStateBounds",
+        "default_planning_request_adapters/CheckStartStateCollision",
+    ],
+    "response_adapters": [
+        "default_planning_response_adapters/AddTimeOptimalParameterization",
+        "default_planning_response_adapters/ValidateSolution",
+        "default_planning_response_adapters/DisplayMotionPath",
+    ],
+}
+"""From Jazzy on."""
+_CARTESIAN_LIMITS: Final = {
+    "max_trans_vel": 1.0,
+    "max_trans_acc": 2.25,
+    "max_trans_dec": -5.0,
+    "max_rot_vel": 1.57,
+}
+"""Those that MoveIt's setup assistant writes [m/s, m/s², rad/s]."""
+
+
+def moveit2_package(
+    description: RobotDescription,
+    *,
+    disabled: Mapping[tuple[str, str], str],
+    controllers: Controllers,
+    limits: Mapping[str, Mapping[str, float]],
+) -> dict[PurePosixPath, bytes]:
+    """Return the files of the package ``NAME_moveit_config`` by path, below ``src``.
+
+    Args:
+        description: One robot of the catalogue, or several, with ``<ros2_control>``.
+        disabled: Pairs of links not to check for collisions → reason.
+        controllers: The parameters of its controllers for ROS 2, with their types.
+        limits: The limits of joints in their YAML.
+
+    Raises:
+        DescriptionError: If the robot is not of the catalogue.
+        ConfigError: If no controller has an action for MoveIt.
+    """
+    groups = planning_groups(description)
+    arms = arm_groups(groups)
+    name = package_stem(description)
+    actions = controllers_with_action(controllers, _ACTIONS)
+    config = {
+        f"{name}.urdf": description.urdf.replace(_SIMULATED, _MOCK),
+        f"{name}.srdf": to_srdf(description, disabled),
+        "joint_limits.yaml": joint_limits(description.model, limits),
+        "kinematics.yaml": kinematics(arms),
+        "ompl_planning.yaml": planners(groups, _PIPELINE),
+        "pilz_cartesian_limits.yaml": commented_yaml(
+            "Limits of the tool for the pipeline of Pilz [m/s, m/s², rad/s].",
+            {"cartesian_limits": _CARTESIAN_LIMITS},
+        ),
+        "moveit_controllers.yaml": commented_yaml(
+            "Controllers whose actions execute plans; they are loaded elsewhere.",
+            {
+                "moveit_controller_manager": (
+                    "moveit_simple_controller_manager/MoveItSimpleControllerManager"
+                ),
+                "trajectory_execution": {
+                    "allowed_execution_duration_scaling": 1.2,
+                    "allowed_goal_duration_margin": 1.0,
+                    "allowed_start_tolerance": 0.01,
+                },
+                "moveit_simple_controller_manager": {
+                    "controller_names": list(actions),
+                    **actions,
+                },
+            },
+        ),
+    }
+    package = PurePosixPath(name + MOVEIT_SUFFIX)
+    words = {
+        "@robot@": name,
+        "@group@": ALL_ARMS if len(arms) > 1 else arms[0].name,
+        "@controllers@": f"{name}_controllers",
+        "@started@": ", ".join(f'"{n}"' for n in ["joint_state_broadcaster", *actions]),
+    }
+    files = {package / "config" / file: text for file, text in config.items()}
+    files |= filled(_TEMPLATE, package, words)
+    return {path: text.encode() for path, text in files.items()}

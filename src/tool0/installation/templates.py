@@ -1,0 +1,31 @@
+"""Files of packages that are written for one robot: templates with ``@words@``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+_TEMPLATE: Final = ".in"
+"""End of the names of templates that are no valid file of their kind."""
+
+
+def filled(
+    folder: Path, package: PurePosixPath, words: Mapping[str, str]
+) -> dict[PurePosixPath, str]:
+    """Return the files below ``folder`` by path, with their words replaced.
+
+    Args:
+        folder: The templates.
+        package: The path of the package that they become.
+        words: Word, such as ``@robot@`` → text.
+    """
+    files = {}
+    for path in sorted(folder.rglob("*")):
+        if path.is_file():
+            text = path.read_text(encoding="utf-8")
+            for word, meaning in words.items():
+                text = text.replace(word, meaning)
+            name = path.relative_to(folder).as_posix().removesuffix(_TEMPLATE)
+            files[package / name] = text
+    return files

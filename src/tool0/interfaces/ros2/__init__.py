@@ -1,0 +1,1 @@
+"""The ROS 2 interface: a process of its own, which these modules start."""

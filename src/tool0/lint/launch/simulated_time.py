@@ -1,0 +1,53 @@
+"""Nodes of ROS 2 beside a simulation that use the wall clock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from tool0.description.finding import Finding, warning_at
+from tool0.lint.launch.model import Include, LaunchFile, Node
+
+_SIMULATIONS: Final = ("ros_gz_sim", "ros_ign_gazebo", "gazebo_ros", "webots_ros2")
+_STAMPING: Final = ("robot_state_publisher", "move_group", "servo_node")
+"""Programs that compare or publish stamps, and are wrong with another clock."""
+_NAME: Final = "use_sim_time"
+
+
+def missing_sim_time(launch: LaunchFile) -> Iterator[Finding]:
+    """Yield the nodes of a launch file of ROS 2 that lack ``use_sim_time``."""
+    if not launch.is_python or not _simulates(launch):
+        return
+    for node in launch.nodes():
+        program = node.type.resolved
+        if program not in _STAMPING or _is_set(node) or node.place.holds is None:
+            continue
+        yield warning_at(
+            node.place.location,
+            "no-sim-time",
+            program,
+            "runs beside a simulation without use_sim_time: its stamps are of the wall "
+            "clock, and do not fit those of the simulation",
+            f'add {{"{_NAME}": True}} to its parameters',
+        )
+
+
+def _simulates(launch: LaunchFile) -> bool:
+    for entry in launch.walk():
+        if isinstance(entry, Include) and any(
+            f"$(find {name})" in entry.file.raw for name in _SIMULATIONS
+        ):
+            return True
+        if isinstance(entry, Node) and entry.package.resolved in _SIMULATIONS:
+            return True
+    return False
+
+
+def _is_set(node: Node) -> bool:
+    """Whether the parameter is set, or may be: in a file, or under a condition."""
+    named = any(parameter.name.resolved == _NAME for parameter in node.parameters)
+    in_file = any(
+        rosparam.yaml is None or _NAME in rosparam.yaml.raw
+        for rosparam in node.rosparams
+    )
+    return named or in_file

@@ -1,0 +1,134 @@
+"""Control updates: the lean stream for programs that publish every one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Annotated, Any, Literal, final
+
+from msgspec import UNSET, Meta, Struct, UnsetType
+
+from tool0.control.status import ControllerStatus
+from tool0.errors import ControlError
+from tool0.hardware.control_box import ControlBoxState
+from tool0.requests.table import Name, Request, handles
+from tool0.runtime.simulation import MAX_SNAPSHOT_RATE, MIN_SNAPSHOT_RATE, Simulation
+from tool0.sensing.snapshot import Snapshot
+
+
+class SubscribeUpdates(Request[None], frozen=True):
+    """Receive control updates as ``update`` messages, and faults and resets.
+
+    A second request replaces the first.  Up to four times real time, there are no more
+    updates per second of wall time than ``rate``.  While time runs faster, or as fast
+    as possible, there are 50 a second, the newest only: the simulation is not slowed
+    down.
+    """
+
+    rate: Annotated[float, Meta(ge=MIN_SNAPSHOT_RATE, le=MAX_SNAPSHOT_RATE)] = (
+        MAX_SNAPSHOT_RATE
+    )
+    """Updates per simulated second [Hz]."""
+    motions: Annotated[tuple[Name, ...], Meta(max_length=100)] = ()
+    """The trajectory controllers whose motion is sent."""
+
+
+Rows = tuple[tuple[float, ...], ...]
+
+
+class Motion(Struct, frozen=True, kw_only=True):
+    """How a trajectory controller moves its joints, in its order."""
+
+    reference: Rows
+    """Desired positions, velocities and accelerations [rad | m] and per second."""
+    feedback: Rows
+    """Measured positions and velocities."""
+    error: Rows
+    """reference - feedback, of positions and velocities."""
+    time_from_start: float
+    """[s]"""
+    speed_scaling: float
+    """Trajectory time per simulated time."""
+
+
+@final
+class UpdateMessage(Struct, frozen=True, kw_only=True, tag="update"):
+    """The robot after one control update, in the order of ``joint_names``."""
+
+    time: float
+    """Simulated [s]."""
+    tick: int
+    position: tuple[float, ...]
+    """[rad | m]"""
+    velocity: tuple[float, ...]
+    """[rad/s | m/s]"""
+    effort: tuple[float, ...]
+    """[N·m | N]"""
+    is_paused: bool
+    is_stopped: bool
+    """Whether the emergency stop is engaged."""
+    joint_names: tuple[str, ...] | UnsetType = UNSET
+    """Only in the first message."""
+    controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
+    """Only when they changed."""
+    control_boxes: tuple[ControlBoxState, ...] | UnsetType = UNSET
+    """Only when one changed."""
+    command: tuple[float, ...] | UnsetType = UNSET
+    """The last command of each joint, in the unit of its interface; only with
+    ``motions``."""
+    motions: Mapping[str, Motion] | UnsetType = UNSET
+    """Of the requested controllers that are running."""
+
+
+@final
+class LogMessage(Struct, frozen=True, kw_only=True, tag="log"):
+    """A warning or an error of the simulation, for its users."""
+
+    level: Literal["warning", "error"]
+    message: str
+
+
+def update_message(
+    snapshot: Snapshot, before: Snapshot | None, motions: Collection[str]
+) -> UpdateMessage:
+    """Return a snapshot as it is sent, after ``before`` in a stream."""
+    more: dict[str, Any] = {}
+    if before is None:
+        more["joint_names"] = snapshot.joint_names
+    if before is None or before.controllers is not snapshot.controllers:
+        more["controllers"] = snapshot.controllers
+    if before is None or before.control_boxes is not snapshot.control_boxes:
+        more["control_boxes"] = snapshot.control_boxes
+    if motions:
+        more["command"] = snapshot.command
+        more["motions"] = {
+            name: _motion(snapshot, name)
+            for name in motions
+            if name in snapshot.controller_setpoints
+        }
+    return UpdateMessage(
+        time=snapshot.time,
+        tick=snapshot.tick,
+        position=snapshot.position,
+        velocity=snapshot.velocity,
+        effort=snapshot.effort,
+        is_paused=snapshot.is_paused,
+        is_stopped=snapshot.is_stopped,
+        **more,
+    )
+
+
+def _motion(snapshot: Snapshot, controller: str) -> Motion:
+    state = snapshot.controller_setpoints[controller].state()
+    desired, actual, error = state.desired, state.actual, state.error
+    return Motion(
+        reference=(desired.positions, desired.velocities, desired.accelerations),
+        feedback=(actual.positions, actual.velocities),
+        error=(error.positions, error.velocities),
+        time_from_start=actual.time_from_start,
+        speed_scaling=state.speed_scaling,
+    )
+
+
+@handles(SubscribeUpdates)
+def _only_on_connections(simulation: Simulation, request: SubscribeUpdates) -> None:
+    raise ControlError("streams are for connections; here, use robot.subscribe()")

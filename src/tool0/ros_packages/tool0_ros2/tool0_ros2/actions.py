@@ -1,0 +1,150 @@
+"""Actions whose goals run in the simulation."""
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+
+from tool0_ros2.bridge import ControllerContext, Rate
+from tool0_ros2.connection import RequestFailedError
+
+_SUCCEEDED, _PREEMPTED = "SUCCEEDED", "PREEMPTED"
+
+
+@dataclass
+class ActiveGoal:
+    """A goal that the simulation executes."""
+
+    number: int
+    """In requests."""
+    handle: Any
+    """The rclpy.action.server.ServerGoalHandle."""
+    accepted_at: float = float("nan")
+    """Simulated time of the first update after its acceptance [s]."""
+
+    @property
+    def request(self) -> Any:
+        """The message of the goal."""
+        return self.handle.request
+
+
+class _DeferringServer(ActionServer):  # type: ignore[misc]  # rclpy has no types
+    """An action server that waits for a goal's end without a thread or a coroutine.
+
+    The executors of older rclpy turn without pause while a coroutine waits.
+    """
+
+    def notify_execute(self, goal_handle: Any, execute_callback: Any) -> None:
+        """Do nothing yet: ``end`` executes what ends the goal."""
+
+    def end(self, goal_handle: Any, finish: Callable[[Any], Any]) -> None:
+        """Call ``finish`` in the executor's thread; it returns the result."""
+        super().notify_execute(goal_handle, finish)
+
+
+class SimulatedAction:
+    """An action of one controller: the simulation accepts, executes and ends goals."""
+
+    def __init__(
+        self,
+        context: ControllerContext,
+        kind: Any,
+        name: str,
+        *,
+        start: Callable[[Any], int],
+        result: Callable[[dict[str, Any]], Any],
+        monitor_rate: float,
+    ) -> None:
+        """Offer an action of class ``kind``, with feedback at ``monitor_rate`` [Hz].
+
+        ``start`` sends the message of a goal and returns the goal's number, or raises
+        RequestFailedError.  ``result`` returns the result of an outcome.
+        """
+        self._context = context
+        self._start, self._result = start, result
+        self._rate = Rate(monitor_rate)
+        self._lock = threading.Lock()
+        self._started: int | None = None
+        """The number of the goal that is accepted right now."""
+        self._active: dict[int, ActiveGoal] = {}
+        self._server = _DeferringServer(
+            context.node,
+            kind,
+            name,
+            execute_callback=lambda handle: None,
+            goal_callback=self._accept,
+            handle_accepted_callback=self._follow,
+            cancel_callback=self._cancel,
+        )
+
+    @property
+    def active(self) -> list[ActiveGoal]:
+        """The goals that have not ended, the newest last."""
+        with self._lock:
+            return list(self._active.values())
+
+    def publish(self, now: float, feedback: Callable[[ActiveGoal], Any]) -> None:
+        """Publish feedback if it is due; ``now`` is simulated time [s].
+
+        Its rate is of wall time, as in ROS.
+        """
+        if not self._active or not self._rate.is_due(time.monotonic()):
+            return
+        for goal in self.active:
+            if goal.accepted_at != goal.accepted_at or goal.accepted_at > now:
+                goal.accepted_at = now
+            message = feedback(goal)
+            if message is not None:
+                goal.handle.publish_feedback(message)
+
+    def close(self) -> None:
+        """End the action; goals that still run are not answered any more."""
+        self._server.destroy()
+
+    # ---- in the executor's thread ---------------------------------------------------
+
+    def _accept(self, request: Any) -> GoalResponse:
+        try:
+            self._started = self._start(request)
+        except RequestFailedError as error:
+            text = self._context.names.text(error)
+            self._context.node.get_logger().error(f"goal rejected: {text}")
+            return GoalResponse.REJECT
+        return GoalResponse.ACCEPT
+
+    def _follow(self, handle: Any) -> None:
+        assert self._started is not None  # _accept was the last call
+        number, self._started = self._started, None
+        goal = ActiveGoal(number, handle)
+        with self._lock:
+            self._active[number] = goal
+        handle.execute()
+        self._context.refresh()
+        self._context.connection.when_finished(number, partial(self._end, goal))
+
+    def _cancel(self, handle: Any) -> CancelResponse:
+        for goal in self.active:
+            if goal.handle is handle:
+                self._context.connection.submit("cancel_goal", goal=goal.number)
+        return CancelResponse.ACCEPT
+
+    def _end(self, goal: ActiveGoal, outcome: dict[str, Any]) -> None:
+        """End a goal, from any thread."""
+        with self._lock:
+            self._active.pop(goal.number, None)
+        self._server.end(goal.handle, lambda handle: self._finished(handle, outcome))
+
+    def _finished(self, handle: Any, outcome: dict[str, Any]) -> Any:
+        """Give a goal its final status; return its result."""
+        status = outcome["status"]
+        if status == _SUCCEEDED:
+            handle.succeed()
+        elif status == _PREEMPTED and handle.is_cancel_requested:
+            handle.canceled()
+        else:
+            handle.abort()
+        return self._result(outcome)

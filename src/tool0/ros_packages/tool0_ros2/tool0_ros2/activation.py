@@ -1,0 +1,38 @@
+"""The service of Robotiq's activation controller."""
+
+from typing import Any
+
+from std_srvs.srv import Trigger
+
+from tool0_ros2.bridge import ControllerContext, Update
+from tool0_ros2.connection import RequestFailedError
+
+
+class ActivationPart:
+    """``~/reactivate_gripper``: the gripper opens, whatever it holds."""
+
+    def __init__(self, context: ControllerContext) -> None:
+        self._context = context
+        self._service = context.node.create_service(
+            Trigger, "~/reactivate_gripper", self._answer
+        )
+
+    def wants(self) -> dict[str, list[str]]:
+        return {}
+
+    def publish(self, update: Update) -> None:
+        """Publish nothing: it has a service only."""
+
+    def close(self) -> None:
+        self._context.node.destroy_service(self._service)
+
+    def _answer(self, request: Any, response: Any) -> Any:
+        try:
+            self._context.connection.call(
+                "reactivate_gripper", controller=self._context.name
+            )
+        except RequestFailedError as error:
+            response.success, response.message = False, str(error)
+        else:
+            response.success, response.message = True, "the gripper is active again"
+        return response

@@ -1,0 +1,298 @@
+"""The connection to a bring-up: requests, replies and messages as lines of JSON.
+
+``docs/requests.md`` describes the protocol.
+"""
+
+import itertools
+import json
+import math
+import os
+import re
+import socket
+import stat
+import struct
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as FutureTimeoutError
+from pathlib import Path
+from typing import Any
+
+PROTOCOL = 2
+ANSWER_TIMEOUT = 30.0
+"""Longest wait for an answer [wall s]."""
+MAX_REQUEST = 1 << 23
+"""Longest request [bytes]."""
+RETRY_PERIOD = 0.02
+"""Between two attempts to connect [wall s]."""
+OUTCOMES_KEPT = 1000
+"""Ends of goals that are kept for a goal whose number is not known yet."""
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+
+
+class ConnectionFailedError(Exception):
+    """There is no bring-up of this name, or its socket cannot be trusted."""
+
+
+class RequestFailedError(Exception):
+    """The simulation refused a request."""
+
+    def __init__(self, kind: str, message: str, code: int | None = None) -> None:
+        super().__init__(message)
+        self.kind = kind
+        """A class of tool0's error tree, such as ``GoalRejectedError``."""
+        self.code = code
+
+
+class Connection:
+    """A connection to a simulation in another process; any thread may use it.
+
+    One thread of its own reads what arrives: it resolves the futures of requests, and
+    passes other messages on.
+    """
+
+    def __init__(self, name: str, *, wait: bool = False) -> None:
+        """Connect to the bring-up ``name``.
+
+        With ``wait``, wait until there is one.
+
+        Raises:
+            ConnectionFailedError: If that is impossible.
+        """
+        self.name = name
+        self._peer = _connected(name, wait=wait)
+        self._lines = self._peer.makefile("rb")
+        hello = json.loads(self._lines.readline() or b"{}")
+        if hello.get("protocol") != PROTOCOL:
+            raise ConnectionFailedError(
+                f"the bring-up '{name}' speaks protocol {hello.get('protocol')}, this "
+                f"node {PROTOCOL}; run both from the same version of tool0"
+            )
+        if hello.get("mode") != "simulation":
+            raise ConnectionFailedError(
+                f"'{name}' is a robot without physics; start one with `tool0 bringup`"
+            )
+        self._numbers = itertools.count(1)
+        self._lock = threading.Lock()
+        self._sending = threading.Lock()
+        self._pending: dict[int, Future[Any]] = {}
+        self._goals: dict[int, Callable[[dict[str, Any]], None]] = {}
+        self._outcomes: dict[int, dict[str, Any]] = {}
+        self._has_ended = False
+        self._reader = threading.Thread(target=self._read, name="tool0", daemon=True)
+        self.on_message: Callable[[dict[str, Any]], None] = lambda message: None
+        """Receives every message that answers nothing, in the reader's thread."""
+        self.on_end: Callable[[str], None] = lambda reason: None
+        """Called once, in the reader's thread, when the connection has ended."""
+
+    def start(self) -> None:
+        """Start to read; set ``on_message`` and ``on_end`` before."""
+        self._reader.start()
+
+    # ---- requests -----------------------------------------------------------------
+
+    def call(
+        self, method: str, timeout: float | None = ANSWER_TIMEOUT, **params: Any
+    ) -> Any:
+        """Return the response to a request.
+
+        Never call it in the reader's thread, which would wait for itself.
+
+        Raises:
+            RequestFailedError: If it is refused, or not answered in time.
+        """
+        try:
+            return self.submit(method, **params).result(timeout)
+        except FutureTimeoutError:
+            raise RequestFailedError(
+                "TransportError", f"no answer to '{method}' within {timeout:g} s"
+            ) from None
+
+    def submit(self, method: str, **params: Any) -> "Future[Any]":
+        """Send a request and return its future, in any thread."""
+        number = next(self._numbers)
+        future: Future[Any] = Future()
+        with self._lock:
+            if self._has_ended:
+                future.set_exception(_ENDED)
+                return future
+            self._pending[number] = future
+        try:
+            self._send({"id": number, "method": method, "params": params})
+        except RequestFailedError as error:
+            with self._lock:
+                self._pending.pop(number, None)
+            future.set_exception(error)
+        return future
+
+    def post(self, method: str, **params: Any) -> None:
+        """Send a request without waiting: an answer comes only if it is refused.
+
+        Raises:
+            RequestFailedError: If it cannot be sent.
+        """
+        self._send({"method": method, "params": params})
+
+    def when_finished(
+        self, goal: int, callback: Callable[[dict[str, Any]], None]
+    ) -> None:
+        """Call ``callback`` with the outcome of a goal, in any thread, once."""
+        with self._lock:
+            outcome = self._outcomes.pop(goal, None)
+            if outcome is None:
+                self._goals[goal] = callback
+        if outcome is not None:
+            callback(outcome)
+
+    def close(self) -> None:
+        """End the connection; the simulation keeps running."""
+        self._has_ended = True
+        try:
+            self._peer.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            pass  # the peer closed first
+        if self._reader.is_alive() and threading.current_thread() is not self._reader:
+            self._reader.join()
+        self._lines.close()
+        self._peer.close()
+
+    def _send(self, message: dict[str, Any]) -> None:
+        try:
+            line = json.dumps(message, separators=(",", ":"), allow_nan=False)
+        except ValueError:
+            raise RequestFailedError(
+                "RequestError", "a number is NaN or infinite"
+            ) from None
+        data = line.encode() + b"\n"
+        if len(data) > MAX_REQUEST:
+            raise RequestFailedError(
+                "TransportError",
+                f"a request of {len(data)} bytes is longer than {MAX_REQUEST}",
+            )
+        try:
+            with self._sending:
+                self._peer.sendall(data)
+        except OSError:
+            raise _ENDED from None
+
+    # ---- the reader's thread --------------------------------------------------------
+
+    def _read(self) -> None:
+        reason = "the bring-up has ended"
+        try:
+            for line in self._lines:
+                self._take(json.loads(line))
+        except ValueError as error:
+            if not self._has_ended:
+                reason = f"unreadable message from the bring-up: {error}"
+        except OSError:
+            pass  # it has ended
+        with self._lock:
+            was_closed, self._has_ended = self._has_ended, True
+            pending, self._pending = self._pending, {}
+        for future in pending.values():
+            future.set_exception(_ENDED)
+        if not was_closed:
+            self.on_end(reason)
+
+    def _take(self, message: dict[str, Any]) -> None:
+        kind = message["type"]
+        if kind == "reply" and message["id"] is not None:
+            self._resolve(message)
+            return
+        if kind == "goal_finished":
+            self._finish(message)
+        self.on_message(message)
+
+    def _resolve(self, message: dict[str, Any]) -> None:
+        with self._lock:
+            future = self._pending.pop(message["id"], None)
+        if future is None:
+            return
+        error = message.get("error")
+        if error is None:
+            future.set_result(message.get("result"))
+        else:
+            future.set_exception(failure(error))
+
+    def _finish(self, message: dict[str, Any]) -> None:
+        number = message["goal"]
+        if number is None:
+            return
+        with self._lock:
+            callback = self._goals.pop(number, None)
+            if callback is None:
+                self._outcomes[number] = message["outcome"]
+                if len(self._outcomes) > OUTCOMES_KEPT:
+                    del self._outcomes[next(iter(self._outcomes))]
+        if callback is not None:
+            callback(message["outcome"])
+
+
+def failure(error: dict[str, Any]) -> RequestFailedError:
+    """Return the error of a reply."""
+    return RequestFailedError(error["type"], error["message"], error.get("code"))
+
+
+_ENDED = RequestFailedError("TransportError", "the bring-up has ended")
+
+
+def _connected(name: str, *, wait: bool) -> socket.socket:
+    if not _NAME.fullmatch(name):
+        raise ConnectionFailedError(f"a bring-up cannot be named '{name}'")
+    end = math.inf if wait else time.monotonic()
+    while True:
+        problem = f"no bring-up named '{name}' is running; start `tool0 bringup`"
+        for folder in _folders():
+            path = folder / f"{name}.sock"
+            if not path.exists():
+                continue
+            _check_folder(folder)
+            peer = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+            try:
+                peer.connect(str(path))
+                _check_user(peer, path)
+            except (FileNotFoundError, ConnectionRefusedError):
+                peer.close()  # of a bring-up that was killed
+                continue
+            except OSError as error:
+                peer.close()
+                problem = f"cannot connect to {path}: {error.strerror}"
+                continue
+            return peer
+        if time.monotonic() >= end:
+            raise ConnectionFailedError(problem)
+        time.sleep(RETRY_PERIOD)
+
+
+def _folders() -> list[Path]:
+    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
+    fallback = Path(tempfile.gettempdir()) / f"tool0-{os.getuid()}"
+    if runtime and Path(runtime).is_absolute():
+        return [Path(runtime) / "tool0", fallback]
+    return [fallback]
+
+
+def _check_folder(folder: Path) -> None:
+    """Raise unless only this user can place a socket in ``folder``."""
+    status = folder.lstat()
+    if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.getuid():
+        raise ConnectionFailedError(f"{folder} is not a folder of this user; remove it")
+    if status.st_mode & 0o077:
+        raise ConnectionFailedError(
+            f"{folder} is open to other users; run: chmod 700 {folder}"
+        )
+
+
+def _check_user(peer: socket.socket, path: Path) -> None:
+    """Raise unless the process at the other end is this user's."""
+    if not hasattr(socket, "SO_PEERCRED"):
+        return
+    credentials = struct.Struct("3i")
+    data = peer.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, credentials.size)
+    if credentials.unpack(data)[1] != os.getuid():
+        peer.close()
+        raise ConnectionFailedError(f"another user's program listens on {path}")

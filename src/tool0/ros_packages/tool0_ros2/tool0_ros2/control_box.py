@@ -1,0 +1,75 @@
+"""The control box of an arm in the updates, and requests to it."""
+
+from typing import Any
+
+from tool0_ros2.bridge import Context, ControllerContext, Update
+from tool0_ros2.connection import RequestFailedError
+
+
+class ControlBox:
+    """The control box of the arm whose names have a prefix."""
+
+    def __init__(self, context: Context, prefix: str) -> None:
+        """Find it; ``prefix`` is that of full names.
+
+        Raises:
+            RequestFailedError: If no arm has this prefix.
+        """
+        self._context = context
+        boxes = read_boxes(context)
+        found = [box for box in boxes if box["prefix"] == prefix]
+        if not found:
+            known = ", ".join(f"'{context.names.own(box['prefix'])}'" for box in boxes)
+            raise RequestFailedError(
+                "ControlError",
+                f"no arm has the prefix '{context.names.own(prefix)}'; valid: {known}",
+            )
+        self.arm: str = found[0]["arm"]
+        self.flange: str = f"{prefix}tool0"
+        """The full name of the link at the arm's end."""
+
+    def state(self, update: Update) -> dict[str, Any]:
+        """Return its state: the same object until something changes."""
+        return next(box for box in update.control_boxes if box["arm"] == self.arm)
+
+    def read(self) -> dict[str, Any]:
+        """Ask for its state now."""
+        state: dict[str, Any] = self.call("read_io")
+        return state
+
+    def call(self, method: str, **params: Any) -> Any:
+        """Send a request about this arm."""
+        return self._context.connection.call(method, arm=self.arm, **params)
+
+
+def read_boxes(context: Context) -> list[dict[str, Any]]:
+    """Return the control box of each arm of the namespace."""
+    call = context.connection.call
+    arms = [arm for arm in call("list_arms") if context.names.owns(arm["tip"])]
+    return [call("read_io", arm=arm["name"]) for arm in arms]
+
+
+def flange_of(context: Context, name: str) -> str:
+    """Return the link ``tool0`` of the arm whose prefix ``name`` has; both full names.
+
+    Raises:
+        RequestFailedError: If there is none.
+    """
+    boxes = sorted(read_boxes(context), key=lambda box: -len(box["prefix"]))
+    for box in boxes:
+        if name.startswith(box["prefix"]) or len(boxes) == 1:
+            return f"{box['prefix']}tool0"
+    raise RequestFailedError(
+        "ConfigError",
+        f"'{context.names.own(name)}' begins with no arm's prefix; valid: "
+        + ", ".join(context.names.own(box["prefix"]) for box in boxes),
+    )
+
+
+def is_running(context: ControllerContext) -> bool:
+    """Return whether the controller of a part is active now."""
+    return any(
+        status["is_running"]
+        for status in context.connection.call("list_controllers")
+        if status["name"] == context.name
+    )

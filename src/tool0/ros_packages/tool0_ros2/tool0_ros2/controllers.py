@@ -1,0 +1,168 @@
+"""The loaded controllers: a node with parameters for each, and its part."""
+
+import threading
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from typing import Any
+
+from rclpy.node import Node
+
+from tool0_ros2.bridge import Context, ControllerContext, Part, Reporter, Update
+from tool0_ros2.connection import RequestFailedError
+from tool0_ros2.parameters import ControllerParameters
+from tool0_ros2.quiet import only_log_lines
+from tool0_ros2.registry import CONTROLLERS, part_class
+
+UNCONFIGURED = "unconfigured"
+_BROADCASTER = "JointStateBroadcaster"
+
+
+@dataclass
+class _Loaded:
+    """A controller in ROS."""
+
+    type: str
+    node: Any
+    parameters: dict[str, Any]
+    part: Part | None = None
+    """None until the controller is configured."""
+
+
+class Controllers:
+    """Follows the loaded controllers of a namespace, whoever loads them.
+
+    As in ROS, a controller has its node from its loading, and its topics from its
+    configuration on.
+    """
+
+    def __init__(self, context: Context, executor: Any) -> None:
+        self._context = context
+        self.names = context.names
+        self._executor = executor
+        self._loaded: dict[str, _Loaded] = {}
+        self._active: tuple[Part, ...] = ()
+        self._lock = threading.Lock()
+
+    @property
+    def loaded(self) -> Collection[str]:
+        """The full names of the loaded controllers."""
+        return self._loaded
+
+    @property
+    def parts(self) -> list[Part]:
+        """The parts of all configured controllers."""
+        with self._lock:
+            return [item.part for item in self._loaded.values() if item.part]
+
+    def publish(self, update: Update) -> None:
+        """Let the active controllers publish; in the reader's thread."""
+        for part in self._active:
+            try:
+                part.publish(update)
+            except Exception as error:  # must not stop the others
+                self._context.report.error(f"{type(part).__name__}: {error!r}")
+
+    def update(self) -> list[dict[str, Any]]:
+        """Follow the simulation; in the executor's thread.
+
+        Return the status of each controller of the namespace.
+        """
+        context = self._context
+        statuses = [
+            status
+            for status in context.connection.call("list_controllers")
+            if context.names.owns(status["name"])
+        ]
+        by_name = {status["name"]: status for status in statuses}
+        for name, item in list(self._loaded.items()):
+            status = by_name.get(name)
+            if status is None or status["type"] != item.type:
+                self._close(name)
+            elif status["state"] == UNCONFIGURED and item.part is not None:
+                self._close_part(item)
+        with only_log_lines():
+            for status in statuses:
+                try:
+                    self._follow(status)
+                except (RequestFailedError, ImportError) as error:
+                    context.report.error(f"{status['name']}: {error}")
+        active = (
+            item.part
+            for name, item in self._loaded.items()
+            if item.part is not None and by_name[name]["is_running"]
+        )
+        self._active = tuple(active)
+        context.refresh()
+        return statuses
+
+    def has_active_broadcaster(self, statuses: list[dict[str, Any]]) -> bool:
+        """Return whether joint states are published."""
+        return any(
+            status["is_running"] and status["type"].endswith(_BROADCASTER)
+            for status in statuses
+        )
+
+    def close(self) -> None:
+        """Close every part and node."""
+        for name in list(self._loaded):
+            self._close(name)
+
+    def _follow(self, status: dict[str, Any]) -> None:
+        """Create the node and the part of a controller if they are due."""
+        name, context = status["name"], self._context
+        item = self._loaded.get(name)
+        if item is None:
+            item = _Loaded(status["type"], *self._new_node(name))
+            with self._lock:
+                self._loaded[name] = item
+        if status["state"] == UNCONFIGURED or item.part is not None:
+            return
+        entry = CONTROLLERS.get(status["type"])
+        if entry is None:
+            return  # it has no interface of its own
+        item.parameters.update(self._read(name))
+        shared = vars(replace(context, node=item.node))
+        part = part_class(entry)(
+            ControllerContext(
+                **{**shared, "report": Reporter(item.node.get_logger())},
+                name=name,
+                type=status["type"],
+                parameters=item.parameters,
+                status=status,
+            )
+        )
+        with self._lock:
+            item.part = part
+
+    def _new_node(self, name: str) -> tuple[Any, dict[str, Any]]:
+        context = self._context
+        node = Node(
+            context.names.own(name),
+            namespace=context.names.root or "/",
+            context=context.node.context,
+            use_global_arguments=False,
+        )
+        values = self._read(name)
+        ControllerParameters(context, name, node, values)
+        self._executor.add_node(node)
+        return node, values
+
+    def _read(self, name: str) -> dict[str, Any]:
+        values: dict[str, Any] = self._context.connection.call(
+            "read_controller_parameters", controller=name
+        )
+        return values
+
+    def _close(self, name: str) -> None:
+        with self._lock:
+            item = self._loaded.pop(name)
+        self._close_part(item)
+        self._executor.remove_node(item.node)
+        item.node.destroy_node()
+
+    def _close_part(self, item: _Loaded) -> None:
+        with self._lock:
+            part, item.part = item.part, None
+        if part is not None:
+            self._active = tuple(p for p in self._active if p is not part)
+            part.close()

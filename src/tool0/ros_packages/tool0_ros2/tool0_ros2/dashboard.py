@@ -1,0 +1,180 @@
+"""The services of UR's dashboard_client, a node of each arm.
+
+What the simulation does not have is refused with the reason.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from types import ModuleType
+from typing import Any
+
+from std_srvs.srv import Trigger
+
+from tool0_ros2.bridge import Context, Reporter, Update
+from tool0_ros2.connection import RequestFailedError
+from tool0_ros2.control_box import ControlBox, read_boxes
+from tool0_ros2.messages import fill, optional_module
+
+NODE_NAME = "dashboard_client"
+_NORMAL, _PLAYING = 1, "PLAYING"
+
+_REFUSED = {
+    "clear_operational_mode": "the simulation has no operational modes",
+    "power_off": "the simulated arm is always powered; brake it with "
+    "`tool0 estop` or robot.emergency_stop()",
+    "quit": "there is no dashboard server to disconnect from",
+    "shutdown": "end the bring-up instead",
+    "unlock_protective_stop": "the arm is not in a protective stop",
+}
+_QUERIES_REFUSED = {
+    "download_program": "DownloadProgram",
+    "generate_flight_report": "GenerateFlightReport",
+    "generate_support_file": "GenerateSupportFile",
+    "get_operational_mode": "GetOperationalMode",
+    "get_polyscope_version": "GetPolyScopeVersion",
+    "get_programs": "GetPrograms",
+    "get_serial_number": "GetSerialNumber",
+    "get_user_role": "GetUserRole",
+    "load_installation": "Load",
+    "load_program": "Load",
+    "popup": "Popup",
+    "raw_request": "RawRequest",
+    "set_operational_mode": "SetOperationalMode",
+    "set_user_role": "SetUserRole",
+    "update_program": "UploadProgram",
+    "upload_program": "UploadProgram",
+}
+"""Services of ur_dashboard_msgs that a simulated arm has no answer to."""
+
+
+class DashboardPart:
+    """``dashboard_client/…``: the program, the modes and the safety of each arm."""
+
+    def __init__(self, context: Context) -> None:
+        messages = optional_module(context, "ur_dashboard_msgs.srv", NODE_NAME)
+        for box in read_boxes(context):
+            name = f"{context.names.own(box['prefix'])}{NODE_NAME}"
+            node = context.new_node(name)
+            _Dashboard(context, node, ControlBox(context, box["prefix"]), messages)
+
+    def wants(self) -> dict[str, list[str]]:
+        return {}
+
+    def publish(self, update: Update) -> None:
+        """Publish nothing: it has services only."""
+
+    def close(self) -> None:
+        """Leave the services to their nodes, which end with the main one."""
+
+
+class _Dashboard:
+    """The dashboard of one arm."""
+
+    def __init__(
+        self, context: Context, node: Any, box: ControlBox, messages: ModuleType | None
+    ) -> None:
+        self._context, self._node, self._box = context, node, box
+        self._report = Reporter(node.get_logger())
+        triggers: dict[str, Callable[[], str]] = {
+            "brake_release": self._release_brakes,
+            "close_popup": lambda: "there is no popup",
+            "close_safety_popup": lambda: "there is no popup",
+            "connect": lambda: "connected to the simulation",
+            "pause": partial(self._change_program, "pause_program", "paused"),
+            "play": partial(self._change_program, "play_program", "playing"),
+            "power_on": self._release_brakes,
+            "restart_safety": self._restart_safety,
+            "stop": partial(self._change_program, "stop_program", "stopped"),
+        }
+        for name, reason in _REFUSED.items():
+            triggers[name] = partial(_refuse, reason)
+        for name, action in triggers.items():
+            self._offer(Trigger, name, partial(_triggered, action))
+        if messages is None:
+            return
+        queries: dict[str, tuple[str, Callable[[Any, Any], str]]] = {
+            "add_to_log": ("AddToLog", self._add_to_log),
+            "get_loaded_program": ("GetLoadedProgram", self._no_program),
+            "get_robot_mode": ("GetRobotMode", self._robot_mode),
+            "get_safety_mode": ("GetSafetyMode", self._safety_mode),
+            "is_in_remote_control": ("IsInRemoteControl", self._remote_control),
+            "program_running": ("IsProgramRunning", self._program_running),
+            "program_saved": ("IsProgramSaved", self._no_program),
+            "program_state": ("GetProgramState", self._program_state),
+        }
+        for name, kind in _QUERIES_REFUSED.items():
+            queries[name] = (kind, _no_answer)
+        for name, (kind, query) in queries.items():
+            service = getattr(messages, kind, None)
+            if service is not None:  # not in this distribution otherwise
+                self._offer(service, name, query)
+
+    def _offer(self, kind: Any, name: str, handler: Callable[[Any, Any], str]) -> None:
+        def answer(request: Any, response: Any) -> Any:
+            try:
+                text = handler(request, response)
+            except RequestFailedError as error:
+                text = self._context.names.text(error)
+                self._report.error(f"{name}: {text}")
+                return fill(response, success=False, message=text, answer=text)
+            return fill(response, success=True, message=text, answer=text)
+
+        self._node.create_service(kind, f"~/{name}", answer)
+
+    # ---- what has an effect ---------------------------------------------------------
+
+    def _change_program(self, method: str, state: str) -> str:
+        self._box.call(method)
+        return f"the program is {state}"
+
+    def _release_brakes(self) -> str:
+        if self._box.read()["safety_mode"] != _NORMAL:
+            _refuse("the emergency stop is engaged; release it or restart the safety")
+        return "the arm is powered, and its brakes are released"
+
+    def _restart_safety(self) -> str:
+        self._context.connection.call("emergency_stop", engaged=False)
+        return "the emergency stop is released"
+
+    def _add_to_log(self, request: Any, response: Any) -> str:
+        self._node.get_logger().info(request.message)
+        return "the message is logged"
+
+    # ---- what is asked --------------------------------------------------------------
+
+    def _robot_mode(self, request: Any, response: Any) -> str:
+        response.robot_mode.mode = mode = self._box.read()["robot_mode"]
+        return f"robot mode {mode}"
+
+    def _safety_mode(self, request: Any, response: Any) -> str:
+        response.safety_mode.mode = mode = self._box.read()["safety_mode"]
+        return f"safety mode {mode}"
+
+    def _program_running(self, request: Any, response: Any) -> str:
+        state = self._box.read()
+        is_running = state["program"] == _PLAYING and state["safety_mode"] == _NORMAL
+        response.program_running = is_running
+        return f"program running: {str(is_running).lower()}"
+
+    def _program_state(self, request: Any, response: Any) -> str:
+        response.state.state = state = self._box.read()["program"]
+        return str(state)
+
+    def _no_program(self, request: Any, response: Any) -> str:
+        return _refuse("no program file is loaded: ROS controls the arm")
+
+    def _remote_control(self, request: Any, response: Any) -> str:
+        response.remote_control = True
+        return "true"
+
+
+def _triggered(action: Callable[[], str], request: Any, response: Any) -> str:
+    return action()
+
+
+def _no_answer(request: Any, response: Any) -> str:
+    return _refuse("the simulated arm has no teach pendant and no program files")
+
+
+def _refuse(reason: str) -> str:
+    raise RequestFailedError("ControlError", reason)

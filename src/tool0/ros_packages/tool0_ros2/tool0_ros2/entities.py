@@ -1,0 +1,269 @@
+"""The objects around the robot as entities of simulation_interfaces."""
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote, urlparse
+from xml.etree import ElementTree
+
+from tool0_ros2.bridge import Context
+from tool0_ros2.connection import RequestFailedError
+from tool0_ros2.kinematics import (
+    IDENTITY,
+    LinkTree,
+    Pose,
+    Quaternion,
+    compose,
+    inverse,
+    rotate,
+)
+
+_UNSUPPORTED, _NOT_FOUND, _FAILED = 0, 2, 4
+"""Of simulation_interfaces/Result."""
+_NAME_NOT_UNIQUE, _NAME_INVALID, _UNSUPPORTED_FORMAT, _NO_RESOURCE = 101, 102, 103, 104
+_NAMESPACE_INVALID, _PARSE_ERROR, _INVALID_POSE = 105, 106, 109
+"""Of SpawnEntity."""
+_INVALID_STATE_POSE = 101
+"""Of SetEntityState."""
+_MAX_FILE = 1_000_000
+"""[bytes]"""
+
+
+class RefusedError(Exception):
+    """A service answers with a code of its result other than success."""
+
+    def __init__(self, code: int, reason: str) -> None:
+        super().__init__(reason)
+        self.code = code
+
+
+class Entities:
+    """Spawns, deletes, lists and moves entities; the robot is one of them.
+
+    An entity's pose is that of its model's frame, in the robot's root by default.
+    """
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        urdf = context.description["urdf"]
+        self._tree = LinkTree(urdf)
+        self._robot = ElementTree.fromstring(urdf).get("name") or "robot"
+        self._spawned: dict[str, Pose] = {}
+        """Pose of the object in its model's frame, of entities spawned here."""
+
+    def list_names(self, request: Any, response: Any) -> None:
+        response.entities = self._matching(request.filters, self._snapshot())
+
+    def get_states(self, request: Any, response: Any) -> None:
+        snapshot = self._snapshot()
+        response.entities = names = self._matching(request.filters, snapshot)
+        states = []
+        for name in names:
+            state = _entity_state()
+            self._fill_state(state, name, snapshot)
+            states.append(state)
+        response.states = states
+
+    def get_state(self, request: Any, response: Any) -> None:
+        self._fill_state(response.state, request.entity, self._snapshot())
+
+    def spawn(self, request: Any, response: Any) -> None:
+        if request.entity_namespace:
+            raise RefusedError(_NAMESPACE_INVALID, "objects have no namespace")
+        resource = getattr(request, "entity_resource", request)
+        text = resource.resource_string or _file_text(resource.uri)
+        snapshot = self._snapshot()
+        name = self._free_name(request, text, snapshot)
+        T_root_model = self._asked_pose(request.initial_pose, snapshot, _INVALID_POSE)
+        position, quat_xyzw = T_root_model
+        try:
+            placed = self._context.connection.call(
+                "add_model",
+                name=name,
+                model=text,
+                xyz=position,
+                quat_wxyz=_to_wxyz(quat_xyzw),
+            )
+        except RequestFailedError as error:
+            wrong = error.kind in ("DescriptionError", "ModelError")
+            code = _PARSE_ERROR if wrong else _FAILED
+            raise RefusedError(code, str(error)) from None
+        self._spawned[name] = tuple(placed["xyz"]), _to_xyzw(placed["quat_wxyz"])
+        response.entity_name = name
+
+    def delete(self, request: Any, response: Any) -> None:
+        self._object(request.entity, self._snapshot())
+        self._context.connection.call("remove_object", name=request.entity)
+        self._spawned.pop(request.entity, None)
+
+    def delete_spawned(self) -> None:
+        """Remove what was spawned here and is still there."""
+        present = {item[0] for item in _objects(self._snapshot())}
+        for name in self._spawned:
+            if name in present:
+                self._context.connection.call("remove_object", name=name)
+        self._spawned.clear()
+
+    def set_state(self, request: Any, response: Any) -> None:
+        """Set pose and velocity; the acceleration follows from the physics."""
+        name, snapshot = request.entity, self._snapshot()
+        now = self._object(name, snapshot)
+        state = request.state
+        has_pose = getattr(request, "set_pose", True)
+        has_twist = getattr(request, "set_twist", True)
+        frame = self._frame(state.header.frame_id, snapshot, _INVALID_STATE_POSE)
+        shape: Pose = tuple(now[1]), _to_xyzw(now[2])
+        if has_pose:
+            asked = _pose(state.pose, _INVALID_STATE_POSE)
+            T_root_model = compose(frame, asked)
+            shape = compose(T_root_model, self._spawned.get(name, IDENTITY))
+        linear, angular = now[3], now[4]
+        if has_twist:
+            linear = rotate(frame[1], _vector(state.twist.linear))
+            angular = rotate(frame[1], _vector(state.twist.angular))
+        self._context.connection.call(
+            "place_object",
+            name=name,
+            xyz=shape[0],
+            quat_wxyz=_to_wxyz(shape[1]),
+            linear=linear,
+            angular=angular,
+        )
+
+    # ---- parts ----------------------------------------------------------------------
+
+    def _snapshot(self) -> dict[str, Any]:
+        snapshot: dict[str, Any] = self._context.connection.call("read_snapshot")
+        return snapshot
+
+    def _matching(self, filters: Any, snapshot: dict[str, Any]) -> list[str]:
+        tags, bounds = filters.tags.tags, filters.bounds.type
+        if tags or bounds or filters.categories:
+            raise RefusedError(_UNSUPPORTED, "entities are filtered by name only")
+        try:
+            pattern = re.compile(filters.filter)
+        except re.error as error:
+            raise RefusedError(_FAILED, f"filter '{filters.filter}': {error}") from None
+        names = [self._robot, *(item[0] for item in _objects(snapshot))]
+        return [name for name in names if pattern.search(name)]
+
+    def _object(self, name: str, snapshot: dict[str, Any]) -> Any:
+        """Return the state of an object, in the order of ``ObjectState``."""
+        if name == self._robot:
+            raise RefusedError(
+                _FAILED, f"'{name}' is the robot, which is fixed to the world"
+            )
+        for item in _objects(snapshot):
+            if item[0] == name:
+                return item
+        raise RefusedError(_NOT_FOUND, f"there is no entity '{name}'")
+
+    def _fill_state(self, state: Any, name: str, snapshot: dict[str, Any]) -> None:
+        state.header.stamp = self._context.clock.to_ros(snapshot["time"])
+        state.header.frame_id = self._context.names.frame(self._tree.root)
+        pose = IDENTITY
+        if name != self._robot:
+            _, position, quat_wxyz, linear, angular = self._object(name, snapshot)
+            T_root_shape: Pose = tuple(position), _to_xyzw(quat_wxyz)
+            T_model_shape = self._spawned.get(name, IDENTITY)
+            pose = compose(T_root_shape, inverse(T_model_shape))
+            twist = state.twist
+            twist.linear.x, twist.linear.y, twist.linear.z = map(float, linear)
+            twist.angular.x, twist.angular.y, twist.angular.z = map(float, angular)
+        place, turn = state.pose.position, state.pose.orientation
+        place.x, place.y, place.z = map(float, pose[0])
+        turn.x, turn.y, turn.z, turn.w = map(float, pose[1])
+
+    def _asked_pose(self, stamped: Any, snapshot: dict[str, Any], code: int) -> Pose:
+        frame = self._frame(stamped.header.frame_id, snapshot, code)
+        return compose(frame, _pose(stamped.pose, code))
+
+    def _frame(self, frame: str, snapshot: dict[str, Any], code: int) -> Pose:
+        """Return the pose of a frame in the root: a link, an entity or the world."""
+        if frame in ("", "world", self._robot):
+            return IDENTITY
+        for link in self._tree.links:
+            if frame in (link, self._context.names.frame(link)):
+                values = dict(zip(snapshot["joint_names"], snapshot["position"]))
+                return self._tree.pose(link, values)
+        for item in _objects(snapshot):
+            if item[0] == frame:
+                shape: Pose = tuple(item[1]), _to_xyzw(item[2])
+                return compose(shape, inverse(self._spawned.get(frame, IDENTITY)))
+        raise RefusedError(
+            code, f"there is no frame '{frame}'; use a link or an entity"
+        )
+
+    def _free_name(self, request: Any, text: str, snapshot: dict[str, Any]) -> str:
+        name = request.name or _name_in(text)
+        if not name and not request.allow_renaming:
+            raise RefusedError(_NAME_INVALID, "the name is empty")
+        taken = {self._robot, *(item[0] for item in _objects(snapshot))}
+        if name and name not in taken:
+            return name
+        if not request.allow_renaming:
+            raise RefusedError(_NAME_NOT_UNIQUE, f"there is an entity '{name}' already")
+        name = name or "object"
+        numbers = (f"{name}_{k}" for k in range(1, len(taken) + 2))
+        return next(other for other in numbers if other not in taken)
+
+
+def _objects(snapshot: dict[str, Any]) -> Any:
+    """Return name, position, quaternion (wxyz) and velocities of each object."""
+    fields = ("name", "position", "quat_wxyz", "linear", "angular")
+    return [[item[field] for field in fields] for item in snapshot["objects"]]
+
+
+def _entity_state() -> Any:
+    from simulation_interfaces.msg import EntityState
+
+    return EntityState()
+
+
+def _file_text(uri: str) -> str:
+    """Return the text of a ``file://`` URI, or of an absolute path."""
+    if not uri:
+        raise RefusedError(_NO_RESOURCE, "give a uri or a resource_string")
+    parts = urlparse(uri)
+    if parts.scheme not in ("", "file"):
+        raise RefusedError(
+            _UNSUPPORTED_FORMAT,
+            f"'{uri}': only file:// URIs are read; or pass the text",
+        )
+    try:
+        with Path(unquote(parts.path)).open(encoding="utf-8") as file:
+            return file.read(_MAX_FILE + 1)
+    except (OSError, ValueError) as error:
+        raise RefusedError(_NO_RESOURCE, f"'{uri}': {error}") from None
+
+
+def _name_in(text: str) -> str:
+    """Return the name of the model in a document, if it can be found."""
+    found = re.search(r"<(?:model|robot)\b[^>]*?\bname\s*=\s*['\"]([^'\"]+)", text)
+    return found.group(1) if found else ""
+
+
+def _pose(message: Any, code: int) -> Pose:
+    turn = message.orientation
+    quat = (turn.x, turn.y, turn.z, turn.w)
+    length = math.sqrt(sum(value * value for value in quat))
+    place = _vector(message.position)
+    if not 0.0 < length < math.inf or not all(map(math.isfinite, place)):
+        raise RefusedError(code, "the pose needs finite numbers and a quaternion")
+    x, y, z, w = (value / length for value in quat)
+    return place, (x, y, z, w)
+
+
+def _vector(message: Any) -> tuple[float, float, float]:
+    return message.x, message.y, message.z
+
+
+def _to_wxyz(quat_xyzw: Quaternion) -> list[float]:
+    x, y, z, w = quat_xyzw
+    return [w, x, y, z]
+
+
+def _to_xyzw(quat_wxyz: Any) -> Quaternion:
+    w, x, y, z = quat_wxyz
+    return x, y, z, w

@@ -1,0 +1,232 @@
+"""The topics and services of UR's io_and_status_controller."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import Bool
+from std_srvs.srv import Trigger
+
+from tool0_ros2.bridge import ControllerContext, Update
+from tool0_ros2.connection import RequestFailedError
+from tool0_ros2.control_box import ControlBox, is_running
+from tool0_ros2.messages import fill, optional_module
+
+_NORMAL, _PLAYING = 1, "PLAYING"
+_DEFAULT = QoSProfile(depth=10)
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+@dataclass
+class _Topic:
+    """A topic of the control box's state."""
+
+    publisher: Any
+    message_of: Callable[[dict[str, Any]], Any]
+    message: Any = None
+    """The last one."""
+
+
+class GpioPart:
+    """Pins at every update, modes when they change, and services."""
+
+    def __init__(self, context: ControllerContext) -> None:
+        self._context = context
+        prefix = context.parameters.get("tf_prefix") or context.names.prefix
+        self._box = ControlBox(context, prefix)
+        self._seen: dict[str, Any] | None = None
+        self._pins = self._pin_topics()
+        self._latched = self._mode_topics()
+        self._services = [
+            self._offer(Trigger, "resend_robot_program", self._resend_program),
+            self._offer(Trigger, "hand_back_control", self._hand_back_control),
+            self._offer(Trigger, "zero_ftsensor", self._zero_sensor),
+        ]
+        services = optional_module(context, "ur_msgs.srv", context.name)
+        if services is not None:
+            self._services += [
+                self._offer(services.SetIO, "set_io", self._set_io),
+                self._offer(
+                    services.SetAnalogOutput, "set_analog_output", self._set_analog
+                ),
+                self._offer(
+                    services.SetSpeedSliderFraction, "set_speed_slider", self._set_speed
+                ),
+                self._offer(services.SetPayload, "set_payload", self._set_payload),
+            ]
+
+    def _pin_topics(self) -> list[_Topic]:
+        """Return the topics of every update."""
+        messages = optional_module(self._context, "ur_msgs.msg", self._context.name)
+        if messages is None:
+            return []
+        create = self._context.node.create_publisher
+        return [
+            _Topic(create(messages.IOStates, "~/io_states", _DEFAULT), _io_states),
+            _Topic(create(messages.ToolDataMsg, "~/tool_data", _DEFAULT), _tool_data),
+        ]
+
+    def _mode_topics(self) -> list[_Topic]:
+        """Return the topics that are published when they change."""
+        create = self._context.node.create_publisher
+        topics = [_Topic(create(Bool, "~/robot_program_running", _LATCHED), _program)]
+        module = "ur_dashboard_msgs.msg"
+        messages = optional_module(self._context, module, self._context.name)
+        if messages is not None:
+            topics += [
+                _Topic(create(messages.RobotMode, "~/robot_mode", _LATCHED), _robot),
+                _Topic(create(messages.SafetyMode, "~/safety_mode", _LATCHED), _safety),
+            ]
+        return topics
+
+    def wants(self) -> dict[str, list[str]]:
+        return {}
+
+    def publish(self, update: Update) -> None:
+        state = self._box.state(update)
+        if state is not self._seen:
+            self._seen = state
+            for topic in self._pins:
+                topic.message = topic.message_of(state)
+            for topic in self._latched:
+                message = topic.message_of(state)
+                if message != topic.message:
+                    topic.message = message
+                    topic.publisher.publish(message)
+        for topic in self._pins:
+            if topic.publisher.get_subscription_count():
+                topic.publisher.publish(topic.message)
+
+    def close(self) -> None:
+        node = self._context.node
+        for topic in (*self._pins, *self._latched):
+            node.destroy_publisher(topic.publisher)
+        for service in self._services:
+            node.destroy_service(service)
+
+    # ---- services -------------------------------------------------------------------
+
+    def _offer(self, kind: Any, name: str, handler: Callable[[Any], str]) -> Any:
+        def answer(request: Any, response: Any) -> Any:
+            try:
+                if not is_running(self._context):
+                    raise _refused(
+                        "Can't accept new requests. Controller is not running."
+                    )
+                message = handler(request)
+            except RequestFailedError as error:
+                text = self._context.names.text(error).removeprefix(f"{name}: ")
+                self._context.report.error(f"{name}: {text}")
+                return fill(response, success=False, message=text)
+            return fill(response, success=True, message=message)
+
+        return self._context.node.create_service(kind, f"~/{name}", answer)
+
+    def _set_io(self, request: Any) -> str:
+        pin, state, fun = request.pin, request.state, request.fun
+        if fun == request.FUN_SET_DIGITAL_OUT:
+            self._box.call("set_io", digital_outputs={pin: bool(state)})
+        elif fun == request.FUN_SET_ANALOG_OUT:
+            outputs = self._box.read()["analog_outputs"]
+            domain = outputs[pin]["domain"] if 0 <= pin < len(outputs) else 1
+            self._box.call("set_analog_output", pin=pin, level=state, domain=domain)
+        elif fun == request.FUN_SET_TOOL_VOLTAGE:
+            self._box.call("set_io", tool_voltage=int(state))
+        else:
+            raise _refused(
+                f"fun {fun} is not supported; valid: digital output "
+                f"{request.FUN_SET_DIGITAL_OUT}, analog output "
+                f"{request.FUN_SET_ANALOG_OUT}, tool voltage "
+                f"{request.FUN_SET_TOOL_VOLTAGE}"
+            )
+        return ""
+
+    def _set_analog(self, request: Any) -> str:
+        data = request.data
+        self._box.call(
+            "set_analog_output", pin=data.pin, level=data.state, domain=data.domain
+        )
+        return ""
+
+    def _set_speed(self, request: Any) -> str:
+        self._box.call("set_speed_slider", fraction=request.speed_slider_fraction)
+        return ""
+
+    def _set_payload(self, request: Any) -> str:
+        center = request.center_of_gravity
+        self._box.call(
+            "set_payload",
+            mass=request.mass,
+            center_of_gravity=[center.x, center.y, center.z],
+        )
+        return ""
+
+    def _resend_program(self, request: Any) -> str:
+        self._box.call("play_program")
+        return "the program is running"
+
+    def _hand_back_control(self, request: Any) -> str:
+        self._box.call("stop_program")
+        return "the program has ended"
+
+    def _zero_sensor(self, request: Any) -> str:
+        self._context.connection.call("tare_force_torque", link=self._box.flange)
+        return "the sensor is tared"
+
+
+def _refused(reason: str) -> RequestFailedError:
+    return RequestFailedError("ControlError", reason)
+
+
+def _program(state: dict[str, Any]) -> Any:
+    is_playing = state["program"] == _PLAYING
+    return Bool(data=is_playing and state["safety_mode"] == _NORMAL)
+
+
+def _robot(state: dict[str, Any]) -> Any:
+    from ur_dashboard_msgs.msg import RobotMode
+
+    return RobotMode(mode=state["robot_mode"])
+
+
+def _safety(state: dict[str, Any]) -> Any:
+    from ur_dashboard_msgs.msg import SafetyMode
+
+    return SafetyMode(mode=state["safety_mode"])
+
+
+def _io_states(state: dict[str, Any]) -> Any:
+    from ur_msgs.msg import Analog, Digital, IOStates
+
+    def digital(pins: list[bool]) -> list[Any]:
+        return [Digital(pin=k, state=value) for k, value in enumerate(pins)]
+
+    def analog(pins: list[dict[str, Any]]) -> list[Any]:
+        return [
+            Analog(pin=k, domain=pin["domain"], state=pin["value"])
+            for k, pin in enumerate(pins)
+        ]
+
+    return IOStates(
+        digital_in_states=digital(state["digital_inputs"]),
+        digital_out_states=digital(state["digital_outputs"]),
+        analog_in_states=analog(state["analog_inputs"]),
+        analog_out_states=analog(state["analog_outputs"]),
+    )
+
+
+def _tool_data(state: dict[str, Any]) -> Any:
+    from ur_msgs.msg import ToolDataMsg
+
+    first, second = state["tool_analog_inputs"]
+    return ToolDataMsg(
+        analog_input_range2=first["domain"],
+        analog_input_range3=second["domain"],
+        analog_input2=first["value"],
+        analog_input3=second["value"],
+        tool_output_voltage=state["tool_voltage"],
+        tool_current=state["tool_current"],
+        tool_temperature=state["tool_temperature"],
+        tool_mode=ToolDataMsg.TOOL_RUNNING_MODE,
+    )

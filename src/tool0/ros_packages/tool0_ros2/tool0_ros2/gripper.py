@@ -1,0 +1,130 @@
+"""The actions of gripper controllers."""
+
+from typing import Any
+
+from control_msgs import action
+
+from tool0_ros2.actions import ActiveGoal, SimulatedAction
+from tool0_ros2.bridge import ControllerContext, Update
+from tool0_ros2.messages import rejected
+
+
+class _Gripper:
+    """What both actions have in common: the joint, and a request."""
+
+    def __init__(self, context: ControllerContext) -> None:
+        self.context = context
+        self.joint: str = context.parameters.get("joint", "")
+
+    def command(
+        self, position: float, max_effort: float | None, max_velocity: float | None
+    ) -> int:
+        """Start a goal and return its number."""
+        given = {"max_effort": max_effort, "max_velocity": max_velocity}
+        started = self.context.connection.call(
+            "command_gripper",
+            controller=self.context.name,
+            position=position,
+            **{name: value for name, value in given.items() if value is not None},
+        )
+        number: int = started["goal"]
+        return number
+
+    def state(self, update: Update) -> tuple[float, float, float]:
+        """Return position, velocity and effort of the joint."""
+        k = update.index[self.joint]
+        return update.position[k], update.velocity[k], update.effort[k]
+
+
+class GripperCommandPart:
+    """``gripper_cmd``, a control_msgs/GripperCommand."""
+
+    def __init__(self, context: ControllerContext) -> None:
+        self._gripper = _Gripper(context)
+        self._action = SimulatedAction(
+            context,
+            action.GripperCommand,
+            "~/gripper_cmd",
+            start=lambda goal: self._gripper.command(
+                goal.command.position, goal.command.max_effort, None
+            ),
+            result=_command_result,
+            monitor_rate=context.parameters.get("action_monitor_rate", 20.0),
+        )
+
+    def wants(self) -> dict[str, list[str]]:
+        return {}
+
+    def publish(self, update: Update) -> None:
+        self._action.publish(update.time, lambda goal: self._feedback(update))
+
+    def close(self) -> None:
+        self._action.close()
+
+    def _feedback(self, update: Update) -> Any:
+        position, _, effort = self._gripper.state(update)
+        return action.GripperCommand.Feedback(position=position, effort=effort)
+
+
+class ParallelGripperPart:
+    """``gripper_cmd``, a control_msgs/ParallelGripperCommand."""
+
+    def __init__(self, context: ControllerContext) -> None:
+        self._gripper = _Gripper(context)
+        self._own_joint = context.names.own(self._gripper.joint)
+        self._last = (0.0, 0.0, 0.0)
+        self._action = SimulatedAction(
+            context,
+            action.ParallelGripperCommand,
+            "~/gripper_cmd",
+            start=self._start,
+            result=self._result,
+            monitor_rate=context.parameters.get("action_monitor_rate", 20.0),
+        )
+
+    def wants(self) -> dict[str, list[str]]:
+        return {}
+
+    def publish(self, update: Update) -> None:
+        self._last = self._gripper.state(update)
+        self._action.publish(update.time, self._feedback)
+
+    def close(self) -> None:
+        self._action.close()
+
+    def _start(self, goal: Any) -> int:
+        command = goal.command
+        if len(command.position) != 1:
+            raise rejected(f"need exactly one position, got {len(command.position)}")
+        return self._gripper.command(
+            command.position[0],
+            command.effort[0] if command.effort else None,
+            command.velocity[0] if command.velocity else None,
+        )
+
+    def _feedback(self, goal: ActiveGoal) -> Any:
+        message = action.ParallelGripperCommand.Feedback()
+        self._fill(message.state)
+        return message
+
+    def _result(self, outcome: dict[str, Any]) -> Any:
+        message = action.ParallelGripperCommand.Result()
+        self._fill(message.state)
+        message.stalled = bool(outcome.get("stalled"))
+        message.reached_goal = bool(outcome.get("reached_goal"))
+        return message
+
+    def _fill(self, state: Any) -> None:
+        position, velocity, effort = self._last
+        state.name = [self._own_joint]
+        state.position, state.velocity = [position], [velocity]
+        state.effort = [effort]
+
+
+def _command_result(outcome: dict[str, Any]) -> Any:
+    return action.GripperCommand.Result(
+        position=outcome.get("position") or 0.0,
+        effort=outcome.get("effort") or 0.0,
+        stalled=bool(outcome.get("stalled")),
+        reached_goal=bool(outcome.get("reached_goal")),
+    )

@@ -1,0 +1,88 @@
+"""Values of requests ↔ ROS messages, whose fields differ by distribution."""
+
+import math
+from collections.abc import Iterable, Sequence
+from importlib import import_module
+from types import ModuleType
+from typing import Any
+
+from builtin_interfaces.msg import Duration
+
+from tool0_ros2.clock import NANOSECONDS, to_seconds
+from tool0_ros2.connection import RequestFailedError
+
+INVALID_GOAL = -1
+"""Of control_msgs/FollowJointTrajectory."""
+
+
+def fill(item: Any, /, **values: Any) -> Any:
+    """Set the fields that this distribution's message has, and return it."""
+    fields = item.get_fields_and_field_types()
+    for name, value in values.items():
+        if name in fields:
+            setattr(item, name, value)
+    return item
+
+
+def rejected(reason: str) -> RequestFailedError:
+    """Return the error of a goal that is rejected here."""
+    return RequestFailedError("GoalRejectedError", reason, INVALID_GOAL)
+
+
+def to_duration(seconds: float) -> Duration:
+    """Return a builtin_interfaces/Duration."""
+    whole, part = divmod(round(seconds * NANOSECONDS), NANOSECONDS)
+    return Duration(sec=whole, nanosec=part)
+
+
+def to_points(points: Sequence[Any]) -> list[dict[str, Any]]:
+    """Return trajectory_msgs/JointTrajectoryPoints as values of a request.
+
+    Raises:
+        RequestFailedError: If a number is not finite: JSON has none such; or if a point
+            has efforts.
+    """
+    found = []
+    for k, point in enumerate(points):
+        if point.effort:
+            raise rejected(
+                f"point {k + 1} has an effort field, which no controller here follows: "
+                "leave it empty"
+            )
+        value: dict[str, Any] = {"time_from_start": to_seconds(point.time_from_start)}
+        for name in ("positions", "velocities", "accelerations"):
+            numbers = getattr(point, name)
+            if not all(map(math.isfinite, numbers)):
+                raise rejected(
+                    f"{name} of point {k + 1} must be finite, got {list(numbers)}"
+                )
+            if numbers or name == "positions":
+                value[name] = numbers.tolist()
+        found.append(value)
+    return found
+
+
+def to_tolerances(tolerances: Iterable[Any]) -> dict[str, list[float]]:
+    """Return control_msgs/JointTolerances by joint."""
+    found = {
+        item.name: [item.position, item.velocity, item.acceleration]
+        for item in tolerances
+    }
+    for name, values in found.items():
+        if not all(map(math.isfinite, values)):
+            raise rejected(f"the tolerances of {name} must be finite, got {values}")
+    return found
+
+
+def optional_module(context: Any, module: str, use: str) -> ModuleType | None:
+    """Import messages that not every ROS has; without them, say what is missing."""
+    try:
+        return import_module(module)
+    except ImportError:
+        package = module.partition(".")[0]
+        debian = f"ros-$ROS_DISTRO-{package.replace('_', '-')}"
+        context.node.get_logger().warning(
+            f"{use}: what needs {package} is left out, since that package is not "
+            f"installed; run: sudo apt install {debian}"
+        )
+        return None

@@ -1,0 +1,74 @@
+"""The names of the robot, or of one robot of a cell, in ROS."""
+
+import re
+from collections.abc import Callable, Sequence
+from typing import Any
+
+
+class Names:
+    """A namespace in ROS, with the whole robot in it, or one robot of a cell.
+
+    In a namespace of its own, a robot of a cell has the names that it has alone:
+    ``left_elbow_joint`` of the model is ``elbow_joint`` in ``/left``, and
+    ``left_tool0`` is the frame ``left/tool0``.  *Full* names are those of the model,
+    *own* names those in ROS; without such a namespace they are the same.
+    """
+
+    def __init__(
+        self,
+        root: str,
+        prefix: str = "",
+        *,
+        tf_prefix: str = "",
+        longer: Sequence[str] = (),
+    ) -> None:
+        """Take the namespace (``""`` or ``/robot1``) and the prefix of full names.
+
+        Args:
+            root: The namespace, without a slash at its end.
+            prefix: That of the robot's full names, such as ``left_``.
+            tf_prefix: Prefix of every frame, without slashes around it.
+            longer: Prefixes of other robots that begin with this one.
+        """
+        self.root = root
+        self.prefix = prefix
+        self.tf_prefix = tf_prefix
+        self._longer = tuple(longer)
+        self._in_text = re.compile(rf"(?<!\w){re.escape(prefix)}(?=\w)")
+
+    def owns(self, full: str) -> bool:
+        """Return whether what has this full name is in the namespace."""
+        return full.startswith(self.prefix) and not full.startswith(self._longer)
+
+    def own(self, full: str) -> str:
+        """Return the own name of what has a full name; others' names do not change."""
+        return full[len(self.prefix) :] if self.owns(full) else full
+
+    def full(self, own: str) -> str:
+        """Return the full name of what has an own name."""
+        return self.prefix + own
+
+    def text(self, text: object) -> str:
+        """Return a message for people with own names."""
+        return self._in_text.sub("", str(text)) if self.prefix else str(text)
+
+    def own_values(self, value: Any) -> Any:
+        """Return plain values with own names in keys and texts."""
+        return _renamed(value, self.text) if self.prefix else value
+
+    def topic(self, relative: str) -> str:
+        """Return the full name of a topic or service in the namespace."""
+        return relative if relative[:1] == "/" else f"{self.root}/{relative}"
+
+    def frame(self, link: str) -> str:
+        """Return the frame of the link with a full name."""
+        own = self.own(link)
+        return f"{self.tf_prefix}/{own}" if self.tf_prefix else own
+
+
+def _renamed(value: Any, rename: Callable[[str], str]) -> Any:
+    if isinstance(value, dict):
+        return {rename(k): _renamed(item, rename) for k, item in value.items()}
+    if isinstance(value, list):
+        return [_renamed(item, rename) for item in value]
+    return rename(value) if isinstance(value, str) else value

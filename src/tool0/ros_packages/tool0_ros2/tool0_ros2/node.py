@@ -1,0 +1,353 @@
+"""The node of a bring-up: everything that it presents, put together."""
+
+import threading
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from rcl_interfaces.msg import Log
+from rclpy.executors import (
+    ExternalShutdownException,
+    ShutdownException,
+    SingleThreadedExecutor,
+)
+from rclpy.node import Node
+from rclpy.qos import qos_profile_rosout_default
+
+from tool0_ros2.bridge import Context, Part, Reporter, Update
+from tool0_ros2.clock import Clock
+from tool0_ros2.connection import Connection, RequestFailedError, failure
+from tool0_ros2.controllers import Controllers
+from tool0_ros2.manager import ControllerManager, manager_node
+from tool0_ros2.names import Names
+from tool0_ros2.quiet import only_log_lines
+from tool0_ros2.registry import ROBOT, SIMULATION, part_class
+from tool0_ros2.robot import RobotPart
+
+NODE_NAME = "tool0"
+MAX_RATE = 500.0
+"""Largest rate of updates [Hz]."""
+_REFRESH_PERIOD = 0.5
+"""Between two looks at what subscribers want [wall s]."""
+_WATCH_PERIOD = 1.0
+"""Between two looks at the other nodes [wall s]."""
+_FOLLOW_TIMEOUT = 10.0
+"""Longest wait for the node of a controller [wall s]."""
+
+
+class _Worker:
+    """An executor in a thread of its own; an error in a callback does not end it."""
+
+    def __init__(self, ros: Any, name: str) -> None:
+        self.executor = SingleThreadedExecutor(context=ros)
+        self._is_closing = False
+        self._thread = threading.Thread(target=self._spin, name=name, daemon=True)
+        self._log: Any = None
+
+    def start(self, logger: Any) -> None:
+        self._log = logger
+        self._thread.start()
+
+    def submit(self, task: Callable[[], object]) -> None:
+        """Call ``task`` in the thread."""
+        self.executor.create_task(task)
+
+    def close(self) -> None:
+        """End the thread; nothing may be submitted any more."""
+        self._is_closing = True
+        self.executor.shutdown(timeout_sec=0.0)
+        if self._thread.is_alive():
+            self._thread.join(_FOLLOW_TIMEOUT)
+
+    def _spin(self) -> None:
+        while not self._is_closing:
+            try:
+                self.executor.spin_once()
+            except (ExternalShutdownException, ShutdownException):
+                return
+            except Exception as error:
+                if not self._is_closing:
+                    self._log.error(f"a callback failed: {error!r}")
+
+
+class _Namespace:
+    """What is in one namespace: the whole robot, or one robot of a cell."""
+
+    def __init__(
+        self,
+        context: Context,
+        urdf: str,
+        executor: Any,
+        *,
+        update_rate: float,
+        tf_rate: float,
+        follow: Callable[[], None],
+    ) -> None:
+        self.robot = RobotPart(context, urdf, tf_rate)
+        self.controllers = Controllers(context, executor)
+        self.manager_node = manager_node(context, update_rate, urdf)
+        context = Context(
+            **{
+                **vars(context),
+                "node": self.manager_node,
+                "report": Reporter(self.manager_node.get_logger()),
+            }
+        )
+        self.manager = ControllerManager(context, follow)
+        self.others: list[Part] = []
+
+    @property
+    def parts(self) -> list[Part]:
+        return [self.robot, *self.others, *self.controllers.parts]
+
+    def update(self) -> None:
+        """Follow the controllers of the simulation."""
+        statuses = self.controllers.update()
+        is_on = self.controllers.has_active_broadcaster(statuses)
+        self.robot.has_joint_states = is_on
+        self.manager.publish_activity(statuses)
+
+
+class RobotNode:
+    """Presents the robot of a bring-up in ROS 2, from ``start`` to ``close``."""
+
+    def __init__(self, ros: Any, namespace: str) -> None:
+        """Create the main node in ``namespace``; ``ros`` is an rclpy.Context."""
+        self._root = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+        self.node = Node(
+            NODE_NAME,
+            namespace=self._root or "/",
+            context=ros,
+            use_global_arguments=False,
+        )
+        self.has_ended = threading.Event()
+        """Set when the bring-up has ended."""
+        self._control = _Worker(ros, "controllers")
+        self._services = _Worker(ros, "services")
+        self._clock = Clock(self.node)
+        self._report = Reporter(self.node.get_logger())
+        self._rosout = self.node.create_publisher(
+            Log, "/rosout", qos_profile_rosout_default
+        )
+        self._connection: Any = None
+        self._namespaces: list[_Namespace] = []
+        self._nodes = [self.node]
+        self._parts: list[Part] = []
+        self._index: dict[str, int] = {}
+        self._control_boxes: list[dict[str, Any]] = []
+        self._wanted: dict[str, list[str]] | None = None
+        self._has_updates = threading.Event()
+
+    def start(self, connection: Connection, options: Any) -> None:
+        """Present the robot; return when everything is up.
+
+        Args:
+            connection: Not started yet.
+            options: Of the command line; ``tf_rate`` and others.
+        """
+        self._connection = connection
+        connection.on_message = self._take
+        connection.on_end = self._end
+        connection.start()
+        description = connection.call("read_description")
+        info = connection.call("read_info")
+        self._rate = rate = min(MAX_RATE, 1.0 / info["control_period"])
+        for names, urdf in _namespaces(self._root, description):
+            context = self._context(names, description, info, options)
+            with only_log_lines():
+                space = _Namespace(
+                    context,
+                    urdf,
+                    self._control.executor,
+                    update_rate=rate,
+                    tf_rate=options.tf_rate,
+                    follow=self._follow,
+                )
+                self._namespaces.append(space)
+                space.others += self._made(ROBOT, context)
+            space.update()
+            self._nodes.append(space.manager_node)
+            self._services.executor.add_node(space.manager_node)
+        context = self._context(Names(self._root), description, info, options)
+        self._parts = self._made(SIMULATION, context)
+        self._control.executor.add_node(self.node)
+        self.node.create_timer(_REFRESH_PERIOD, self._refresh)
+        self.node.create_timer(_WATCH_PERIOD, self._watch)
+        for worker in (self._control, self._services):
+            worker.start(self.node.get_logger())
+        self._refresh()
+        self._has_updates.wait(_FOLLOW_TIMEOUT)
+
+    def close(self) -> None:
+        """End the connection, the threads and the nodes."""
+        self.has_ended.set()
+        if self._connection is not None:
+            self._connection.close()
+        self._services.close()
+        self._control.close()
+        for part in self._parts:
+            part.close()
+        for space in self._namespaces:
+            space.controllers.close()
+            for part in (*space.others, space.robot):
+                part.close()
+        for node in self._nodes:
+            node.destroy_node()
+
+    def _made(self, entries: list[str], context: Context) -> list[Part]:
+        """Return the parts of entries whose message packages are installed."""
+        found = []
+        for entry in entries:
+            try:
+                found.append(part_class(entry)(context))
+            except ImportError as error:
+                self._report.error(f"{entry}: {error}")
+        return found
+
+    def _context(
+        self, names: Names, description: Any, info: Any, options: Any
+    ) -> Context:
+        return Context(
+            connection=self._connection,
+            names=names,
+            clock=self._clock,
+            node=self.node,
+            report=self._report,
+            refresh=partial(self._control.submit, self._refresh),
+            new_node=partial(self._new_node, names),
+            description=description,
+            info=info,
+            options=options,
+        )
+
+    def _new_node(self, names: Names, name: str) -> Any:
+        node = Node(
+            name,
+            namespace=names.root or "/",
+            context=self.node.context,
+            use_global_arguments=False,
+        )
+        self._nodes.append(node)
+        self._services.executor.add_node(node)
+        return node
+
+    # ---- in the reader's thread -----------------------------------------------------
+
+    def _take(self, message: dict[str, Any]) -> None:
+        kind = message["type"]
+        if kind == "update":
+            self._publish(message)
+        elif kind == "fault":
+            self._report.error(f"the simulation has stopped: {message['message']}")
+        elif kind == "log":
+            self._log(message)
+        elif kind == "reply" and "error" in message:
+            self._report.error(str(failure(message["error"])))
+
+    def _log(self, message: dict[str, Any]) -> None:
+        """Publish a line of the simulation's log; it is printed there already."""
+        level = Log.ERROR if message["level"] == "error" else Log.WARN
+        stamp = self.node.get_clock().now().to_msg()
+        name, text = NODE_NAME, message["message"]
+        for space in self._namespaces:
+            begin, found, rest = text.partition(": ")
+            if found and begin in space.controllers.loaded:
+                name, text = space.controllers.names.own(begin), rest
+        self._rosout.publish(Log(stamp=stamp, level=level, name=name, msg=text))
+
+    def _publish(self, message: dict[str, Any]) -> None:
+        names = message.get("joint_names")
+        if names is not None:
+            self._index = {name: k for k, name in enumerate(names)}
+        if "controllers" in message:
+            self._control.submit(self._update)
+        self._has_updates.set()
+        self._control_boxes = message.get("control_boxes", self._control_boxes)
+        stamp = self._clock.advance(message["time"])
+        update = Update(message, self._index, stamp, self._control_boxes)
+        for space in self._namespaces:
+            space.controllers.publish(update)
+            for part in (space.robot, *space.others):
+                try:
+                    part.publish(update)
+                except Exception as error:  # must not stop the others
+                    self._report.error(f"{type(part).__name__}: {error!r}")
+
+    def _end(self, reason: str) -> None:
+        self.node.get_logger().info(f"{reason}: the node ends")
+        self.has_ended.set()
+
+    # ---- in the executor's thread ---------------------------------------------------
+
+    def _update(self) -> None:
+        """Follow the controllers of the simulation."""
+        try:
+            for space in self._namespaces:
+                space.update()
+        except RequestFailedError as error:
+            if not self.has_ended.is_set():
+                self._report.error(f"cannot follow the controllers: {error}")
+
+    def _follow(self) -> None:
+        """Follow the controllers now; in another thread than the executor's."""
+        done = threading.Event()
+
+        def update() -> None:
+            self._update()
+            done.set()
+
+        self._control.submit(update)
+        done.wait(_FOLLOW_TIMEOUT)
+
+    def _refresh(self) -> None:
+        """Ask for what the parts want in the updates."""
+        wanted: dict[str, list[str]] = {}
+        for space in self._namespaces:
+            for part in space.parts:
+                for field, names in part.wants().items():
+                    wanted.setdefault(field, []).extend(names)
+        if wanted == self._wanted:
+            return
+        self._wanted = wanted
+        future = self._connection.submit("subscribe_updates", rate=self._rate, **wanted)
+        future.add_done_callback(self._report_refusal)
+
+    def _report_refusal(self, future: Any) -> None:
+        error = future.exception()
+        if error is not None and not self.has_ended.is_set():
+            self._report.error(str(error))
+
+    def _watch(self) -> None:
+        self._clock.arbitrate()
+        for space in self._namespaces:
+            space.robot.look_for_publisher()
+
+
+def _namespaces(root: str, description: dict[str, Any]) -> list[tuple[Names, str]]:
+    """Return the names of each namespace, and the URDF that is in it."""
+    cell = description.get("namespaces", [])
+    if not cell:
+        return [(Names(root), _with_mesh_files(description["urdf"], description))]
+    prefixes = [f"{item['name']}_" for item in cell]
+    return [
+        (
+            Names(
+                f"{root}/{item['name']}",
+                prefix,
+                tf_prefix=item["name"],
+                longer=[p for p in prefixes if p != prefix and p.startswith(prefix)],
+            ),
+            _with_mesh_files(item["urdf"], description),
+        )
+        for item, prefix in zip(cell, prefixes)
+    ]
+
+
+def _with_mesh_files(urdf: str, description: dict[str, Any]) -> str:
+    """Return the URDF with ``file://`` URIs for meshes of tool0's own packages.
+
+    ROS does not know the packages inside tool0: RViz would show no robot.
+    """
+    for package, uri in description.get("packages", {}).items():
+        urdf = urdf.replace(f"package://{package}/", f"{uri}/")
+    return urdf

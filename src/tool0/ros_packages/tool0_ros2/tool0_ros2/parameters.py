@@ -1,0 +1,85 @@
+"""Parameters of the nodes of controllers."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.parameter import Parameter
+
+from tool0_ros2.connection import RequestFailedError
+
+
+def to_parameters(values: Mapping[str, Any]) -> list[Parameter]:
+    """Return ROS parameters, by dotted names; those without a value are left out."""
+    found = []
+    for name, value in values.items():
+        if isinstance(value, (list, tuple)):
+            items = _list(value)
+            kind = Parameter.Type.from_parameter_value(items or [""])
+            found.append(Parameter(name, kind, items))
+        elif isinstance(value, (bool, int, float, str)):
+            found.append(Parameter(name, value=value))
+    return found
+
+
+def _list(values: Any) -> list[Any]:
+    """Return a list of one type: integers among numbers become numbers."""
+    if any(isinstance(value, float) for value in values):
+        return [float(value) for value in values]
+    return list(values)
+
+
+class ControllerParameters:
+    """Passes changes of a controller's parameters on to the simulation."""
+
+    def __init__(
+        self, context: Any, controller: str, node: Any, values: dict[str, Any]
+    ) -> None:
+        """Declare ``values`` as parameters of ``node``, and take changes.
+
+        Their names and values are full ones; those of the parameters are own ones.
+        """
+        self._context, self._controller = context, controller
+        self._values = values
+        own = context.names.own_values
+        self._full_names = {own(name): name for name in values}
+        self._full_texts = {
+            own(text): text
+            for value in values.values()
+            for text in (value if isinstance(value, list) else [value])
+            if isinstance(text, str)
+        }
+        for parameter in to_parameters(own(values)):
+            if not node.has_parameter(parameter.name):
+                node.declare_parameter(parameter.name, parameter.value)
+        node.add_on_set_parameters_callback(self._set)
+
+    def _set(self, parameters: list[Any]) -> SetParametersResult:
+        """Change them in the simulation, or say why that is impossible."""
+        changes = {
+            self._full_names[item.name]: self._full(item.value)
+            for item in parameters
+            if item.name in self._full_names
+        }
+        changes = {k: v for k, v in changes.items() if v != self._values[k]}
+        if not changes:
+            return SetParametersResult(successful=True)
+        try:
+            self._context.connection.call(
+                "set_controller_parameters",
+                controller=self._controller,
+                parameters=changes,
+            )
+        except RequestFailedError as error:
+            reason = self._context.names.text(error)
+            return SetParametersResult(successful=False, reason=reason)
+        self._values.update(changes)
+        return SetParametersResult(successful=True)
+
+    def _full(self, value: Any) -> Any:
+        """Return a parameter's value as plain values with full names."""
+        if isinstance(value, str):
+            return self._full_texts.get(value, value)
+        if isinstance(value, (bool, int, float)):
+            return value
+        return [self._full(item) for item in value]

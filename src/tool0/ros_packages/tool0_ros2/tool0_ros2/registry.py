@@ -1,0 +1,46 @@
+"""Which class presents which controller, and what else the node presents.
+
+Each entry is ``module:Class`` within this package, imported when it is needed.
+"""
+
+from importlib import import_module
+from typing import Any
+
+_TRAJECTORY = "trajectory:JointTrajectoryPart"
+_FORWARD = "forward:ForwardCommandPart"
+
+CONTROLLERS = {
+    "joint_state_broadcaster/JointStateBroadcaster": "joint_states:JointStatePart",
+    "joint_trajectory_controller/JointTrajectoryController": _TRAJECTORY,
+    "ur_controllers/ScaledJointTrajectoryController": _TRAJECTORY,
+    "forward_command_controller/ForwardCommandController": _FORWARD,
+    "forward_command_controller/MultiInterfaceForwardCommandController": _FORWARD,
+    "position_controllers/JointGroupPositionController": _FORWARD,
+    "velocity_controllers/JointGroupVelocityController": _FORWARD,
+    "effort_controllers/JointGroupEffortController": _FORWARD,
+    "position_controllers/GripperActionController": "gripper:GripperCommandPart",
+    "effort_controllers/GripperActionController": "gripper:GripperCommandPart",
+    "parallel_gripper_action_controller/GripperActionController": (
+        "gripper:ParallelGripperPart"
+    ),
+    "robotiq_controllers/RobotiqActivationController": "activation:ActivationPart",
+    "ur_controllers/GPIOController": "gpio:GpioPart",
+    "ur_controllers/SpeedScalingStateBroadcaster": "speed_scaling:SpeedScalingPart",
+    "ur_controllers/ForceTorqueStateBroadcaster": "wrench:WrenchPart",
+    "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster": (
+        "wrench:WrenchPart"
+    ),
+    "pose_broadcaster/PoseBroadcaster": "pose:PosePart",
+}
+"""By the controller's type; its class is made with a ControllerContext."""
+
+ROBOT = ["dashboard:DashboardPart", "cameras:CamerasPart"]
+"""Parts of each namespace that belong to no controller, made with a Context."""
+SIMULATION = ["simulation:SimulationPart"]
+"""Parts of the whole simulation, made with a Context."""
+
+
+def part_class(entry: str) -> Any:
+    """Return the class of an entry."""
+    module, _, name = entry.partition(":")
+    return getattr(import_module(f"tool0_ros2.{module}"), name)

@@ -1,0 +1,112 @@
+"""The whole robot of a namespace: its description and its frames."""
+
+from typing import Any
+
+from geometry_msgs.msg import TransformStamped
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
+from tf2_msgs.msg import TFMessage
+
+from tool0_ros2.bridge import Context, Rate, Update
+from tool0_ros2.kinematics import Joint, read_joints
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+"""The last message also reaches those who subscribe later."""
+PUBLISHER = "robot_state_publisher"
+
+
+class RobotPart:
+    """``/robot_description``, ``/tf`` and ``/tf_static``.
+
+    The frames are published while a joint_state_broadcaster is active, as a
+    robot_state_publisher would; not while one runs itself.
+    """
+
+    def __init__(self, context: Context, urdf: str, tf_rate: float) -> None:
+        """Publish the description [URDF], and frames at ``tf_rate`` [Hz]."""
+        self._context = context
+        names, node = context.names, context.node
+        joints = [joint for joint in read_joints(urdf) if joint.parent and joint.child]
+        self._movable = [joint for joint in joints if joint.is_movable]
+        self._fixed = [joint for joint in joints if not joint.is_movable]
+        children = {joint.child for joint in joints}
+        self._root = next((j.parent for j in joints if j.parent not in children), "")
+        self._message = TFMessage(transforms=list(map(self._transform, self._movable)))
+        self._rate = Rate(tf_rate)
+        self.has_joint_states = False
+        """Whether a joint_state_broadcaster is active."""
+        self._frames: Any = None
+        self._static: Any = None
+        self._description = node.create_publisher(
+            String, names.topic("robot_description"), LATCHED
+        )
+        self._description.publish(String(data=urdf))
+        self._start()
+
+    def wants(self) -> dict[str, list[str]]:
+        return {}
+
+    def publish(self, update: Update) -> None:
+        frames = self._frames
+        is_on = frames is not None and self.has_joint_states
+        if not (is_on and self._rate.is_due(update.time)):
+            return
+        names, index, position = self._context.names, update.index, update.position
+        values = {names.own(name): position[k] for name, k in index.items()}
+        for item, joint in zip(self._message.transforms, self._movable):
+            item.header.stamp = update.stamp
+            place, turn = joint.transform(values)
+            _fill(item.transform, place, turn)
+        frames.publish(self._message)
+
+    def close(self) -> None:
+        self._stop()
+        self._context.node.destroy_publisher(self._description)
+
+    def look_for_publisher(self) -> None:
+        """Stop publishing frames while a robot_state_publisher runs, or go on."""
+        node, root = self._context.node, self._context.names.root or "/"
+        is_there = (PUBLISHER, root) in node.get_node_names_and_namespaces()
+        if is_there and self._frames is not None:
+            node.get_logger().info(f"a {PUBLISHER} runs: it publishes the frames")
+            self._stop()
+        elif not is_there and self._frames is None:
+            self._start()
+
+    def _start(self) -> None:
+        node = self._context.node
+        self._static = node.create_publisher(TFMessage, "/tf_static", LATCHED)
+        fixed = list(map(self._transform, self._fixed))
+        if self._root and self._context.names.tf_prefix:
+            fixed.append(self._place_in_cell())
+        self._static.publish(TFMessage(transforms=fixed))
+        self._frames = node.create_publisher(TFMessage, "/tf", QoSProfile(depth=100))
+
+    def _stop(self) -> None:
+        frames, self._frames = self._frames, None
+        static, self._static = self._static, None
+        for publisher in (frames, static):
+            if publisher is not None:
+                self._context.node.destroy_publisher(publisher)
+
+    def _place_in_cell(self) -> TransformStamped:
+        """Return the frame of the robot's root, which is the cell's with a prefix."""
+        names, message = self._context.names, TransformStamped()
+        message.header.frame_id = self._root
+        message.child_frame_id = names.frame(names.full(self._root))
+        return message
+
+    def _transform(self, joint: Joint) -> TransformStamped:
+        frame = self._context.names.frame
+        names = self._context.names
+        message = TransformStamped()
+        message.header.frame_id = frame(names.full(joint.parent))
+        message.child_frame_id = frame(names.full(joint.child))
+        _fill(message.transform, *joint.transform({}))
+        return message
+
+
+def _fill(message: Any, place: Any, turn: Any) -> None:
+    translation, rotation = message.translation, message.rotation
+    translation.x, translation.y, translation.z = place
+    rotation.x, rotation.y, rotation.z, rotation.w = turn

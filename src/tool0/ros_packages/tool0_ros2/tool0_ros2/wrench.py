@@ -1,0 +1,135 @@
+"""The topic of a force-torque sensor broadcaster: UR's own, or the stock one."""
+
+import threading
+import time
+from typing import Any
+
+from geometry_msgs.msg import WrenchStamped
+from rclpy.qos import QoSProfile
+
+from tool0_ros2.bridge import ControllerContext, Update
+from tool0_ros2.connection import (
+    ANSWER_TIMEOUT,
+    Connection,
+    ConnectionFailedError,
+    RequestFailedError,
+)
+from tool0_ros2.control_box import flange_of
+
+RATE = 500.0
+"""Samples per simulated second [Hz], where the control rate allows it."""
+_WAIT = 0.2
+"""Longest wait of a request for a sample, and of the thread for its end [wall s]."""
+_IDLE = 0.5
+"""Time without updates after which the controller counts as inactive [wall s]."""
+
+
+class WrenchPart:
+    """Samples of a sensor while somebody subscribes.
+
+    A thread with its own connection reads them.  The first subscriber starts the
+    sensor.  It continues without subscribers: stopping would lose the tare.
+    """
+
+    def __init__(self, context: ControllerContext) -> None:
+        """Offer ``~/ft_data`` as UR's driver does, or ``~/wrench`` as ROS does."""
+        self._context = context
+        parameters = context.parameters
+        self._frame = context.names.frame(
+            parameters.get("frame_id") or context.names.full("tool0")
+        )
+        sensor = (
+            parameters.get("sensor_name")
+            or parameters.get("interface_names.force.x")
+            or parameters.get("interface_names.torque.x")
+            or context.names.prefix
+        )
+        self._link = flange_of(context, sensor)
+        topic = parameters.get("topic_name") or "wrench"
+        self._publisher = context.node.create_publisher(
+            WrenchStamped, f"~/{topic}", QoSProfile(depth=10)
+        )
+        self._is_wanted = threading.Event()
+        self._is_closing = threading.Event()
+        self._last_update = 0.0
+        self._thread = threading.Thread(target=self._run, name="wrench", daemon=True)
+        self._thread.start()
+
+    def wants(self) -> dict[str, list[str]]:
+        return {}
+
+    def publish(self, update: Update) -> None:
+        """Let the thread publish while there are updates and subscribers."""
+        if self._publisher.get_subscription_count():
+            self._last_update = time.monotonic()
+            self._is_wanted.set()
+        else:
+            self._is_wanted.clear()
+
+    def close(self) -> None:
+        self._is_closing.set()
+        self._is_wanted.set()
+        self._thread.join()
+        self._context.node.destroy_publisher(self._publisher)
+
+    # ---- the thread -----------------------------------------------------------------
+
+    def _run(self) -> None:
+        connection: Connection | None = None
+        while not self._is_closing.is_set():
+            if not self._is_wanted.wait(_WAIT) or self._is_closing.is_set():
+                continue
+            try:
+                if connection is None:
+                    connection = Connection(self._context.connection.name)
+                    connection.start()
+                self._publish_samples(connection)
+            except (ConnectionFailedError, RequestFailedError) as error:
+                self._context.report.error(f"wrench: {error}")
+                self._is_closing.wait(_IDLE)
+        if connection is not None:
+            connection.close()
+
+    def _publish_samples(self, connection: Connection) -> None:
+        """Publish samples until they are not wanted any more."""
+        link = self._link
+        if not connection.call("read_force_torque_rate", link=link):
+            _start(connection, link)
+        last = connection.call("read_force_torque", link=link)["number"]
+        while self._is_wanted.is_set() and not self._is_closing.is_set():
+            if time.monotonic() - self._last_update > _IDLE:
+                self._is_wanted.clear()
+                return
+            samples = connection.submit(
+                "read_force_torque_samples", link=link, since=last, timeout=_WAIT
+            ).result(ANSWER_TIMEOUT)
+            for sample in samples:
+                last = sample["number"]
+                self._publisher.publish(self._message(sample))
+
+    def _message(self, sample: dict[str, Any]) -> Any:
+        message = WrenchStamped()
+        message.header.stamp = self._context.clock.to_ros(sample["time"])
+        message.header.frame_id = self._frame
+        for name in ("force", "torque"):
+            vector = getattr(message.wrench, name)
+            for axis, value in zip("xyz", sample[name]):
+                setattr(vector, axis, self._corrected(f"{name}.{axis}", value))
+        return message
+
+    def _corrected(self, kind: str, value: float) -> float:
+        """Apply the parameters of the stock broadcaster."""
+        parameters = self._context.parameters
+        offset = parameters.get(f"offset.{kind}") or 0.0
+        factor = parameters.get(f"multiplier.{kind}", 1.0)
+        return float((value + offset) * factor)
+
+
+def _start(connection: Connection, link: str) -> None:
+    """Start the sensor at 500 Hz, or at the default rate if that is impossible."""
+    try:
+        connection.call("start_force_torque", link=link, rate=RATE)
+    except RequestFailedError as error:
+        if error.kind != "ControlError":
+            raise
+        connection.call("start_force_torque", link=link)

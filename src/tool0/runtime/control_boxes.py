@@ -1,0 +1,227 @@
+"""The control boxes of a robot's arms: requests change them, and they act.
+
+The speed slider and a paused program change the factor of scaled trajectories, a
+payload changes the model of the drives, and a stopped program stops the controllers of
+its arm.  Pins are only stored.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final, NamedTuple, final
+
+from msgspec.structs import replace
+
+from tool0.control.manager import ControllerManager, Strictness
+from tool0.description.model import FLANGE, RobotModel
+from tool0.description.parts import find_arms
+from tool0.errors import ControlError, did_you_mean
+from tool0.hardware.control_box import (
+    AnalogDomain,
+    AnalogPin,
+    ControlBoxState,
+    ProgramState,
+    RobotMode,
+    SafetyMode,
+)
+from tool0.hardware.engine import JointState
+from tool0.hardware.payload import Payload, modelled_payload
+from tool0.hardware.robot_hardware import RobotHardware
+
+RAMP: Final = 5.0
+"""Largest change of the speed scaling factor [1/s]: UR's driver adds 0.01 in each cycle
+of 2 ms after a pause (ur_robot_driver, hardware_interface.cpp)."""
+MOST_VOLTAGE: Final = 10.0
+"""Of an analogue pin [V]."""
+CURRENTS: Final = (0.004, 0.020)
+"""Of an analogue pin [A]."""
+
+
+class _Arm(NamedTuple):
+    flange: str
+    joints: frozenset[str]
+
+
+@final
+class ControlBoxes:
+    """Every arm's control box.  Only the thread of the tick may use it."""
+
+    def __init__(
+        self, model: RobotModel, hardware: RobotHardware, manager: ControllerManager
+    ) -> None:
+        self._model, self._hardware, self._manager = model, hardware, manager
+        self._arms = {
+            name: _Arm(arm.flange, frozenset(joint.name for joint in arm.joints))
+            for name, arm in find_arms(model).items()
+        }
+        self.states = tuple(
+            ControlBoxState(
+                arm=name,
+                prefix=arm.flange.removesuffix(FLANGE),
+                payload=modelled_payload(model, arm.flange),
+            )
+            for name, arm in self._arms.items()
+        )
+        """One for each arm: the same tuple until something changes."""
+        self.is_steady = True
+        """Whether no speed scaling factor is on its way to another value."""
+        self._stopped: dict[str, tuple[str, ...]] = {}
+        """The controllers that a stopped program has stopped, by arm."""
+
+    def find(self, arm: str | None) -> ControlBoxState:
+        """Return an arm's control box; the only one without a name.
+
+        Raises:
+            ControlError: If there is no such arm, or several and no name.
+        """
+        if arm is None and len(self.states) == 1:
+            return self.states[0]
+        names = [state.arm for state in self.states]
+        if arm is None:
+            raise ControlError(
+                "'arm' is needed unless the robot has exactly one, this one has: "
+                f"{', '.join(names) or 'none'}"
+            )
+        found = next((state for state in self.states if state.arm == arm), None)
+        if found is None:
+            raise ControlError(f"no arm '{arm}'{did_you_mean(arm, names)}")
+        return found
+
+    # ---- the tick -------------------------------------------------------------------
+
+    def tick(self, period: float) -> None:
+        """Move the speed scaling factors towards their values for one tick [s]."""
+        for state in self.states:
+            now, target = state.speed_scaling, _target(state)
+            if now != target:
+                most = RAMP * period
+                factor = min(max(target, now - most), now + most)
+                self._hardware.speed_scaling[state.prefix] = factor
+                self._change(state, speed_scaling=factor)
+        self.is_steady = all(s.speed_scaling == _target(s) for s in self.states)
+
+    # ---- operations -----------------------------------------------------------------
+
+    def set_digital(
+        self, arm: str | None, pins: Mapping[int, bool], *, is_input: bool
+    ) -> None:
+        """Set digital outputs, or what the inputs measure, by pin 0 … 17."""
+        state = self.find(arm)
+        name = "digital_inputs" if is_input else "digital_outputs"
+        values = list(getattr(state, name))
+        for pin, value in pins.items():
+            _check_pin(pin, len(values), name)
+            values[pin] = value
+        self._change(state, **{name: tuple(values)})
+
+    def set_analog_output(
+        self, arm: str | None, pin: int, level: float, domain: AnalogDomain
+    ) -> None:
+        """Set an analogue output to a ``level`` of its range, 0 … 1."""
+        state = self.find(arm)
+        _check_pin(pin, len(state.analog_outputs), "analog_outputs")
+        lowest, highest = CURRENTS
+        value = MOST_VOLTAGE * level
+        if domain is AnalogDomain.CURRENT:
+            value = lowest + (highest - lowest) * level
+        pins = list(state.analog_outputs)
+        pins[pin] = AnalogPin(value, domain)
+        self._change(state, analog_outputs=tuple(pins))
+
+    def set_analog_input(
+        self, arm: str | None, pin: int, value: AnalogPin, *, is_of_tool: bool
+    ) -> None:
+        """Set what an analogue input of the box or of the tool measures."""
+        state = self.find(arm)
+        name = "tool_analog_inputs" if is_of_tool else "analog_inputs"
+        pins = list(getattr(state, name))
+        _check_pin(pin, len(pins), name)
+        pins[pin] = value
+        self._change(state, **{name: tuple(pins)})
+
+    def set_tool_voltage(self, arm: str | None, voltage: int) -> None:
+        """Supply 0, 12 or 24 V at the tool's connector."""
+        self._change(self.find(arm), tool_voltage=voltage)
+
+    def set_speed_slider(self, arm: str | None, fraction: float) -> None:
+        """Slow down scaled trajectories from now on."""
+        self._change(self.find(arm), speed_slider=fraction)
+        self.is_steady = False
+
+    def set_payload(self, arm: str | None, payload: Payload | None) -> None:
+        """Take this to be at the flange; None is what the description has."""
+        state = self.find(arm)
+        flange = self._arms[state.arm].flange
+        self._hardware.set_payload(flange, payload)
+        known = payload or modelled_payload(self._model, flange)
+        self._change(state, payload=known)
+
+    def play(self, arm: str | None, now: JointState) -> None:
+        """Let the program run: start the controllers that were stopped with it.
+
+        Raises:
+            ControlError: If the emergency stop is engaged.
+        """
+        state = self.find(arm)
+        if self._hardware.is_stopped:
+            raise ControlError(
+                "the emergency stop is engaged; release it before playing the program"
+            )
+        loaded = {status.name for status in self._manager.list()}
+        names = [n for n in self._stopped.get(state.arm, ()) if n in loaded]
+        self._manager.switch(names, (), Strictness.BEST_EFFORT, now)
+        self._stopped.pop(state.arm, None)
+        self._change(state, program=ProgramState.PLAYING)
+        self.is_steady = False
+
+    def pause(self, arm: str | None) -> None:
+        """Pause the program: scaled trajectories slow down to a standstill.
+
+        Raises:
+            ControlError: If it is stopped.
+        """
+        state = self.find(arm)
+        if state.program is ProgramState.STOPPED:
+            raise ControlError("the program is stopped; play it before pausing it")
+        self._change(state, program=ProgramState.PAUSED)
+        self.is_steady = False
+
+    def stop(self, arm: str | None, now: JointState) -> None:
+        """Stop the program, and with it the controllers of the arm's joints."""
+        state = self.find(arm)
+        if state.program is not ProgramState.STOPPED:
+            joints = self._arms[state.arm].joints
+            names = tuple(
+                status.name
+                for status in self._manager.list()
+                if status.is_running and status.joints & joints
+            )
+            self._manager.switch((), names, Strictness.BEST_EFFORT, now)
+            self._stopped[state.arm] = names
+            self._change(state, program=ProgramState.STOPPED)
+            self.is_steady = False
+
+    def note_emergency_stop(self) -> None:
+        """Follow the emergency stop of the drives, which all arms share."""
+        is_stopped = self._hardware.is_stopped
+        robot = RobotMode.POWER_OFF if is_stopped else RobotMode.RUNNING
+        safety = SafetyMode.ROBOT_EMERGENCY_STOP if is_stopped else SafetyMode.NORMAL
+        for state in self.states:
+            self._change(state, robot_mode=robot, safety_mode=safety)
+
+    def _change(self, state: ControlBoxState, **changes: Any) -> None:
+        changed = replace(state, **changes)
+        if changed != state:
+            self.states = tuple(
+                changed if item is state else item for item in self.states
+            )
+
+
+def _target(state: ControlBoxState) -> float:
+    """Return the value that the speed scaling factor approaches."""
+    return 0.0 if state.program is ProgramState.PAUSED else state.speed_slider
+
+
+def _check_pin(pin: int, count: int, name: str) -> None:
+    if not 0 <= pin < count:
+        raise ControlError(f"{name} has pins 0 … {count - 1}, got {pin}")
