@@ -11,4 +11,5 @@ def free_host() -> str:
     Chance chooses it: there are millions of addresses, and a few tests.
     """
     chance = random.SystemRandom()
-    return f"127.{chance.randint(1, 254)}.{chance.randint(0, 255)}.{chance.randint(1, 200)}"
+    second, third = chance.randint(1, 254), chance.randint(0, 255)
+    return f"127.{second}.{third}.{chance.randint(1, 200)}"
