@@ -188,7 +188,11 @@ class ArmMotionController:
         self._use(SplineMotion.holding(self.motion(now).positions, now), now)
 
     def stream(
-        self, mode: Mode, kind: type[Stream], make: Callable[[ArmSetpoint], Stream], now: float
+        self,
+        mode: Mode,
+        kind: type[Stream],
+        make: Callable[[ArmSetpoint], Stream],
+        now: float,
     ) -> Stream:
         """Return the stream of this ``kind`` that moves the arm from ``now`` [s] on.
 
@@ -213,6 +217,8 @@ class ArmMotionController:
 def _tangents(setpoint: ArmSetpoint, time: float) -> tuple[JointSpline, ...]:
     """Return splines with this motion at ``time`` [s]."""
     return tuple(
-        along(Segment.of(time, math.nextafter(time, math.inf), (q, v, 0.5 * a, 0, 0, 0)))
+        along(
+            Segment.of(time, math.nextafter(time, math.inf), (q, v, 0.5 * a, 0, 0, 0))
+        )
         for q, v, a in zip(*setpoint, strict=True)
     )

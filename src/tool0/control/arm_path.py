@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, final
+from typing import TYPE_CHECKING, Literal, NamedTuple, final
 
 from tool0.control.arm_setpoint import ArmSetpoint
 from tool0.control.law import REAL_CLOCK, TrajectoryClock, TrajectoryLaw
@@ -23,6 +23,12 @@ from tool0.control.spline import (
 )
 from tool0.description.model import Joint
 from tool0.errors import ControlError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    FloatArray = NDArray[np.float64]
 
 CONTINUITY = 1e-6
 """Largest jump of a path from the setpoint [rad, rad/s]."""
@@ -52,7 +58,7 @@ class ArmPath:
 
     @property
     def duration(self) -> float:
-        """[s]"""
+        """When the last knot is [s]."""
         return self.times[-1]
 
     def motion(self, joint: int, number: int) -> Motion:
@@ -63,54 +69,85 @@ class ArmPath:
             self.positions[number][joint], self.velocities[number][joint], acceleration
         )
 
-    def check(self, joints: Sequence[Joint]) -> None:
-        """Raise ControlError if the joints cannot follow it; in any thread.
+    @staticmethod
+    def of(
+        joints: Sequence[Joint],
+        times: ArrayLike,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        accelerations: ArrayLike = (),
+    ) -> ArmPath:
+        """Return a path that these joints can follow, or raise ControlError.
 
         Positions and velocities are compared with the joints' limits, and so is the
         mean velocity between two knots.
         """
         import numpy as np
 
-        n_knots, n_joints = len(self.times), len(joints)
-        rows = (self.positions, self.velocities, self.accelerations or self.velocities)
-        if not n_knots or any(len(item) != n_knots for item in rows):
-            counts = ", ".join(str(len(item)) for item in (self.times, *rows[:2]))
+        given = times, positions, velocities, accelerations
+        try:
+            T, q, qd, qdd = (np.asarray(item, dtype=np.float64) for item in given)
+        except (TypeError, ValueError) as error:
+            raise ControlError(f"the numbers of a path: {error}") from None
+        shape = (T.size, len(joints))
+        if not T.size or T.ndim != 1 or not q.shape == qd.shape == shape:
             raise ControlError(
-                "a path needs at least one knot, and a time, positions and velocities "
-                f"for each of them, got {counts}"
+                "a path needs at least one knot, and for each of them a time, and "
+                f"{len(joints)} positions and velocities; got arrays of shape "
+                f"{T.shape}, {q.shape} and {qd.shape}"
             )
-        times = np.asarray(self.times)
-        q, qd, qdd = (np.asarray(item).reshape(n_knots, n_joints) for item in rows)
-        finite = all(np.isfinite(item).all() for item in (times, q, qd, qdd))
-        increasing = (np.diff(times) > 0.0).all()
-        if not (finite and increasing and times[0] >= 0.0 and times[-1] > 0.0):
+        if qdd.size and qdd.shape != shape:
             raise ControlError(
-                "the times of a path must increase from 0 s or later, and all numbers "
-                "be finite"
+                f"the accelerations of a path must have shape {shape}, got {qdd.shape}"
             )
-        if np.any(qd[-1]):
-            raise ControlError(
-                f"a path must end at rest, its last velocities are {self.velocities[-1]}"
-            )
-        limits = [joint.limits for joint in joints]
-        lower, upper = (
-            np.array([getattr(limit, name) for limit in limits])
-            for name in ("lower", "upper")
+        _check(joints, T, q, qd, qdd)
+        return ArmPath(
+            times=T.tolist(),
+            positions=q.tolist(),
+            velocities=qd.tolist(),
+            accelerations=qdd.tolist(),
         )
-        fastest = np.array([joint.max_velocity for joint in joints]) * (1.0 + 1e-6)
-        mean = np.diff(q, axis=0) / np.diff(times)[:, None]
-        for what, unit, values, is_wrong in (
-            ("position", "rad", q, (q < lower - CONTINUITY) | (q > upper + CONTINUITY)),
-            ("velocity", "rad/s", qd, np.abs(qd) > fastest),
-            ("mean velocity to the next knot", "rad/s", mean, np.abs(mean) > fastest),
-        ):
-            if is_wrong.any():
-                knot, k = np.argwhere(is_wrong)[0].tolist()
-                raise ControlError(
-                    f"knot {knot} of the path, at {times[knot]:g} s: the {what} of "
-                    f"'{joints[k].name}' is {values[knot, k]:.6g} {unit}, beyond its "
-                    f"limits {_limits_text(joints[k], what)}"
-                )
+
+
+def _check(
+    joints: Sequence[Joint],
+    times: FloatArray,
+    q: FloatArray,
+    qd: FloatArray,
+    qdd: FloatArray,
+) -> None:
+    import numpy as np
+
+    finite = all(np.isfinite(item).all() for item in (times, q, qd, qdd))
+    increasing = (np.diff(times) > 0.0).all()
+    if not (finite and increasing and times[0] >= 0.0 and times[-1] > 0.0):
+        raise ControlError(
+            "the times of a path must increase from 0 s or later, and all numbers "
+            "be finite"
+        )
+    if np.any(qd[-1]):
+        raise ControlError(
+            f"a path must end at rest, its last velocities are {qd[-1].tolist()}"
+        )
+    limits = [joint.limits for joint in joints]
+    lower, upper = (
+        np.array([getattr(limit, name) for limit in limits])
+        for name in ("lower", "upper")
+    )
+    fastest = np.array([joint.max_velocity for joint in joints]) * (1.0 + 1e-6)
+    mean = np.diff(q, axis=0) / np.diff(times)[:, None]
+    for what, unit, values, is_wrong in (
+        ("position", "rad", q, (q < lower - CONTINUITY) | (q > upper + CONTINUITY)),
+        ("velocity", "rad/s", qd, np.abs(qd) > fastest),
+        ("mean velocity to the next knot", "rad/s", mean, np.abs(mean) > fastest),
+    ):
+        if is_wrong.any():
+            knot, k = np.argwhere(is_wrong)[0].tolist()
+            raise ControlError(
+                f"knot {knot} of the path, at {times[knot]:g} s: the {what} of "
+                f"'{joints[k].name}' is {values[knot, k]:.6g} {unit}, beyond its "
+                f"limits {_limits_text(joints[k], what)}"
+            )
 
 
 def _limits_text(joint: Joint, what: str) -> str:
@@ -255,7 +292,7 @@ class SplineMotion:
         self._follow(self._splines)
 
     def brake(self, rate: float) -> None:
-        """Slow its clock down to a standstill, by ``rate`` [1/s]: it stays on the path."""
+        """Slow its clock down to a standstill by ``rate`` [1/s], on the path."""
         self._braking = rate
 
     @property

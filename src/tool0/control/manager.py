@@ -233,7 +233,7 @@ class ControllerManager:
         self._refresh()
 
     def stop_own(self, name: str, state: JointState) -> None:
-        """Stop and forget one of tool0's own controllers: the brakes hold its joints."""
+        """Stop and forget one of tool0's own controllers; the brakes then hold."""
         self._stop([name], state)
         del self._loaded[name]
         self._refresh()
