@@ -12,7 +12,7 @@ from tool0.description.model import Joint
 from tool0.errors import UnreachableError
 from tool0.kinematics.line import LinePath
 from tool0.kinematics.moves import Move, Tail
-from tool0.kinematics.profile import SpeedProfile, trapezoid
+from tool0.kinematics.profile import SpeedProfile, braking, trapezoid
 from tool0.kinematics.segments import (
     REMEDY,
     JointSegment,
@@ -140,6 +140,13 @@ def timed_leg(
         profile = trapezoid(inner, speed, acceleration, into, out)
         motion = knots(segment, profile, zone_in)
         too_fast, too_strong, joint = limits.excess(motion)
+        if zone_out > 0.0:  # it may have to stop there
+            stop = braking(zone_out, out, acceleration)
+            stopping = knots(segment, stop, segment.length - zone_out)
+            worse = limits.excess(stopping)
+            joint = worse[2] if worse[0] > too_fast else joint
+            too_fast = max(too_fast, worse[0])
+            too_strong = max(too_strong, worse[1])
         if too_fast <= 1.0 + _ROUNDING and too_strong <= 1.0 + _ROUNDING:
             break
         slower = max(too_fast, math.sqrt(too_strong), 1.0)

@@ -15,7 +15,7 @@ from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.legs import JointLimits, Leg, is_straight, timed_leg
 from tool0.kinematics.line import LinePath
 from tool0.kinematics.moves import Move, MovePlan, Tail
-from tool0.kinematics.profile import Phase, SpeedProfile, ramp
+from tool0.kinematics.profile import SpeedProfile, ramp
 from tool0.kinematics.rotation import pose_matrix
 from tool0.kinematics.segments import (
     JointSegment,
@@ -181,7 +181,9 @@ class MovePlanner:
             )
         else:
             path = LinePath(start, end, self._T_tip_tool, self._T_frame_base)
-        length = max(path.length, path.angle / TURN_RATIO)
+        length = path.length
+        if move.kind != "circular":
+            length = max(length, path.angle / TURN_RATIO)
         if length < _SMALLEST_MOVE:
             return None
         return ToolSegment(self._kinematics, path, q, length)
@@ -279,7 +281,6 @@ class MovePlanner:
         first = tail.segment
         x = first.length - tail.remaining
         rest = tail.remaining - leg.zone_in
-        cruise = SpeedProfile([Phase(rest / tail.speed, 0.0)], tail.speed, rest)
         path = BlendPath(
             first.tool_state(first.length - leg.zone_in, tail.speed),
             leg.segment.tool_state(leg.zone_in, leg.speed_in),
@@ -290,7 +291,9 @@ class MovePlanner:
         )
         profile = ramp(path.length, tail.speed, leg.speed_in)
         pieces = [self._along(path, tail._replace(remaining=leg.zone_in), leg, profile)]
-        return [knots(first, cruise, x), *pieces] if rest > 0.0 else pieces
+        if rest > _ROUNDING:
+            pieces.insert(0, knots(first, ramp(rest, tail.speed, tail.speed), x))
+        return pieces
 
     def _along(
         self, path: BlendPath, tail: Tail, leg: Leg, profile: SpeedProfile

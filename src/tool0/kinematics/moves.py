@@ -4,8 +4,8 @@ The rules are those of the URScript manual (e-Series 5.x; CB3 3.x has the same o
 
 * movej turns all joints in proportion; ``a`` and ``v`` are those of the joint that
   turns most.  The others move the tool on a line or an arc, with ``a`` and ``v`` of the
-  TCP.  The tool turns at most at 4 rad/s for each m/s of ``v``, the same for ``a``; the
-  slower of displacement and turn sets the pace
+  TCP.  On a line the tool turns at most at 4 rad/s for each m/s of ``v``, the same for
+  ``a``; the slower of displacement and turn sets the pace
   (https://forum.universal-robots.com/t/movel-tool-angular-speed/15912).
 * Speed is a trapezoid over time, or a triangle.  A time ``t`` replaces ``a`` and
   ``v``; the manual does not say how: each ramp from or to rest takes a quarter of it.

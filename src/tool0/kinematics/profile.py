@@ -30,16 +30,18 @@ class SpeedProfile:
     Distances are in metres or radians, as the path's.
     """
 
-    def __init__(self, phases: Sequence[Phase], speed: float, length: float) -> None:
-        """Start at x = 0 with ``speed``; the phases together lead to ``length``."""
+    def __init__(
+        self, phases: Sequence[Phase], before: float, after: float, length: float
+    ) -> None:
+        """Take phases that lead from 0 to ``length`` and from one speed to another."""
         lasting = [phase for phase in phases if phase.duration > _NOTHING]
-        times, distances, speeds = [0.0], [0.0], [speed]
+        times, distances, speeds = [0.0], [0.0], [before]
         for duration, acceleration in lasting:
-            before = speeds[-1]
             times.append(times[-1] + duration)
-            speeds.append(max(before + acceleration * duration, 0.0))
-            distances.append(distances[-1] + duration * (before + speeds[-1]) / 2.0)
-        distances[-1] = length if lasting else 0.0
+            speeds.append(max(speeds[-1] + acceleration * duration, 0.0))
+            distances.append(distances[-1] + duration * sum(speeds[-2:]) / 2.0)
+        if lasting:  # without the rounding of the sums
+            distances[-1], speeds[-1] = length, after
         self.times = np.array(times)
         """Where the phases meet, from 0 to the end [s]."""
         self.distances = np.array(distances)
@@ -53,7 +55,7 @@ class SpeedProfile:
     @classmethod
     def steady(cls, duration: float) -> SpeedProfile:
         """Return the profile whose x is the time itself."""
-        return cls([Phase(duration, 0.0)], 1.0, duration)
+        return cls([Phase(duration, 0.0)], 1.0, 1.0, duration)
 
     @property
     def peak(self) -> float:
@@ -116,6 +118,7 @@ def trapezoid(
             Phase((top - after) / acceleration, -acceleration),
         ],
         before,
+        after,
         length,
     )
 
@@ -133,4 +136,5 @@ def braking(length: float, speed: float, acceleration: float) -> SpeedProfile:
 def ramp(length: float, before: float, after: float) -> SpeedProfile:
     """Return the profile of constant acceleration between two speeds."""
     duration = 2.0 * length / (before + after)
-    return SpeedProfile([Phase(duration, (after - before) / duration)], before, length)
+    phase = Phase(duration, (after - before) / duration)
+    return SpeedProfile([phase], before, after, length)
