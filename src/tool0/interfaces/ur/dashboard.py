@@ -46,6 +46,9 @@ OPERATIONAL_MODES: Final = ("manual", "automatic")
 CB3, E_SERIES = "CB3", "e-Series"
 BOTH: Final = frozenset({CB3, E_SERIES})
 
+MAX_WORDS: Final = 4
+"""Of a command."""
+
 Answer = Callable[[str], Awaitable[str]]
 
 
@@ -69,8 +72,8 @@ class Dashboard:
         self._box, self._files = box, files
         self._port = Port("dashboard server", self._serve)
         self._loaded: ProgramFile | None = None
-        self._operational_mode = "NONE"
-        self._user_role = "PROGRAMMER"
+        self._mode = "NONE"
+        self._role = "PROGRAMMER"
         series = E_SERIES if box.is_e_series else CB3
         known = (c for c in self._commands() if series in c.boxes)
         self._table = {command.words.lower(): command for command in known}
@@ -82,11 +85,9 @@ class Dashboard:
             TransportError: If the port is in use.
         """
         await self._port.listen(host, port_base + PORT)
-        self._box.when_updated.add(self._watch)
 
     async def close(self) -> None:
         """Close the port and its connections."""
-        self._box.when_updated.discard(self._watch)
         await self._port.close()
 
     @property
@@ -98,7 +99,7 @@ class Dashboard:
         """Execute one command; return the answer."""
         text = line.strip()
         words = text.split()
-        for count in range(len(words), 0, -1):
+        for count in range(min(len(words), MAX_WORDS), 0, -1):
             command = self._table.get(" ".join(words[:count]).lower())
             if command is not None:
                 rest = text.split(maxsplit=count)[count:]
@@ -115,61 +116,49 @@ class Dashboard:
                 return
 
     def _commands(self) -> tuple[Command, ...]:
-        box, only = self._box, frozenset
-        arm = box.arm
+        box, arm = self._box, self._box.arm
+        request, e_series = self._requesting, frozenset({E_SERIES})
         return (
+            # ---- programs ----
             Command("load", self._load),
             Command("play", self._play),
             Command("stop", self._stop),
             Command("pause", self._pause),
-            Command("quit", _saying(lambda _: "Disconnected")),
-            Command("shutdown", self._requesting(PowerOff(arm=arm), "Shutting down")),
             Command("running", _saying(lambda _: f"Program running: {self._running}")),
-            Command("robotmode", _saying(lambda _: f"Robotmode: {self._robot_mode}")),
             Command("get loaded program", _saying(self._loaded_program)),
+            Command("isProgramSaved", _saying(self._is_saved)),
+            Command("programState", _saying(self._program_state)),
+            Command("load installation", _saying(self._load_installation)),
+            # ---- power and safety ----
+            request("power on", PowerOn(arm=arm), "Powering on"),
+            request("power off", PowerOff(arm=arm), "Powering off"),
+            request("brake release", ReleaseBrakes(arm=arm), "Brake releasing"),
+            request("restart safety", RestartSafety(arm=arm), "Restarting safety"),
+            request("shutdown", PowerOff(arm=arm), "Shutting down"),
+            Command("unlock protective stop", self._unlock),
+            Command("close safety popup", _saying(lambda _: "closing safety popup")),
+            Command("robotmode", _saying(lambda _: f"Robotmode: {self._robot_mode}")),
+            Command("safetymode", _saying(lambda _: f"Safetymode: {self._safety}")),
+            Command("safetystatus", _saying(lambda _: f"Safetystatus: {self._safety}")),
+            # ---- the pendant ----
             Command("popup", _saying(self._popup)),
             Command("close popup", _saying(self._close_popup)),
             Command("addToLog", _saying(self._add_to_log)),
-            Command("isProgramSaved", _saying(self._is_saved)),
-            Command("programState", _saying(self._program_state)),
+            Command("quit", _saying(lambda _: "Disconnected")),
+            Command("set operational mode", _saying(self._set_mode), e_series),
+            Command("get operational mode", _saying(lambda _: self._mode), e_series),
+            Command("clear operational mode", _saying(self._clear_mode), e_series),
+            Command("is in remote control", _saying(lambda _: "true"), e_series),
+            Command("setUserRole", _saying(self._set_user_role), frozenset({CB3})),
+            Command("getUserRole", _saying(lambda _: self._role), frozenset({CB3})),
+            # ---- the robot ----
             Command(
                 "PolyscopeVersion",
                 _saying(lambda _: f"URSoftware {self._version} (tool0)"),
             ),
-            Command("version", _saying(lambda _: self._version), only({E_SERIES})),
-            Command("setUserRole", _saying(self._set_user_role), only({CB3})),
-            Command("getUserRole", _saying(lambda _: self._user_role), only({CB3})),
-            Command(
-                "set operational mode", _saying(self._set_mode), only({E_SERIES})
-            ),
-            Command(
-                "get operational mode",
-                _saying(lambda _: self._operational_mode),
-                only({E_SERIES}),
-            ),
-            Command(
-                "clear operational mode", _saying(self._clear_mode), only({E_SERIES})
-            ),
-            Command("power on", self._requesting(PowerOn(arm=arm), "Powering on")),
-            Command("power off", self._requesting(PowerOff(arm=arm), "Powering off")),
-            Command(
-                "brake release",
-                self._requesting(ReleaseBrakes(arm=arm), "Brake releasing"),
-            ),
-            Command("safetymode", _saying(lambda _: f"Safetymode: {self._safety}")),
-            Command("safetystatus", _saying(lambda _: f"Safetystatus: {self._safety}")),
-            Command("unlock protective stop", self._unlock),
-            Command("close safety popup", _saying(lambda _: "closing safety popup")),
-            Command("load installation", _saying(self._load_installation)),
-            Command(
-                "restart safety",
-                self._requesting(RestartSafety(arm=arm), "Restarting safety"),
-            ),
+            Command("version", _saying(lambda _: self._version), e_series),
             Command("get serial number", _saying(lambda _: serial_number(arm))),
             Command("get robot model", _saying(lambda _: robot_model(box))),
-            Command(
-                "is in remote control", _saying(lambda _: "true"), only({E_SERIES})
-            ),
             Command("generate flight report", _saying(lambda _: NO_REPORT)),
             Command("generate support file", _saying(lambda _: NO_REPORT)),
             Command("saveLog", _saying(lambda _: NO_REPORT)),
@@ -248,22 +237,20 @@ class Dashboard:
 
     # ---- modes ----------------------------------------------------------------------
 
-    def _watch(self) -> None:
-        """Stop the program when the arm may no longer move."""
-        box = self._box
-        if not box.state.may_move and box.programs.is_running and not self._is_stopping:
-            self._is_stopping = True
-        
-    def _requesting(self, request: Request[None], done: str) -> Answer:
+    def _requesting(
+        self, words: str, request: Request[None], done: str
+    ) -> Command:
+        """Return a command that makes a request to the bring-up."""
+
         async def answer(_: str) -> str:
             try:
                 await self._box.call(request)
             except ControlError as error:
                 self._box.report(error)
-                return f"Failed to execute: {request}"
+                return f"Failed to execute: {words}"
             return done
 
-        return answer
+        return Command(words, answer)
 
     async def _unlock(self, _: str) -> str:
         if self._box.state.safety_mode is SafetyMode.PROTECTIVE_STOP:
@@ -284,11 +271,11 @@ class Dashboard:
     def _set_mode(self, mode: str) -> str:
         if mode.lower() not in OPERATIONAL_MODES:
             return f"Failed setting operational mode: {mode}"
-        self._operational_mode = mode.upper()
-        return f"Setting operational mode: {self._operational_mode}"
+        self._mode = mode.upper()
+        return f"Setting operational mode: {self._mode}"
 
     def _clear_mode(self, _: str) -> str:
-        mode, self._operational_mode = self._operational_mode, "NONE"
+        mode, self._mode = self._mode, "NONE"
         return (
             "No longer controlling the operational mode. Current operational mode: "
             f"'{mode}'."
@@ -297,8 +284,8 @@ class Dashboard:
     def _set_user_role(self, role: str) -> str:
         if role.lower() not in USER_ROLES:
             return f"Failed setting user role: {role}"
-        self._user_role = role.upper()
-        return f"Setting user role: {self._user_role}"
+        self._role = role.upper()
+        return f"Setting user role: {self._role}"
 
     # ---- the pendant ----------------------------------------------------------------
 
