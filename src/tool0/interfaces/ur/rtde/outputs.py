@@ -177,16 +177,23 @@ def output_types(names: Sequence[str]) -> tuple[str, ...]:
 
 @final
 class OutputRecipe:
-    """Packs the same fields of every update, once for all its clients."""
+    """Packs the same fields of every update; equal recipes pack equal bytes."""
 
     def __init__(self, names: Sequence[str], *, recipe_id: int | None) -> None:
         """Pack known fields; ``recipe_id`` comes first, if there is one."""
+        self._key = (recipe_id, tuple(names))
         fields = [OUTPUTS[name] for name in names]
         self._reads = [(field.read, LENGTHS[field.type] > 1) for field in fields]
         self._layout: Struct = layout(
             [field.type for field in fields], recipe_id=recipe_id is not None
         )
         self._start = [] if recipe_id is None else [recipe_id]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, OutputRecipe) and other._key == self._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
 
     def pack(self, box: Box) -> bytes:
         """Return the values as the payload of a data packet."""
