@@ -124,7 +124,8 @@ class InputRecipe:
 
     def __init__(self, names: Sequence[str]) -> None:
         self._names = tuple(names)
-        types = [INPUTS[name] for name in names]
+        self._written = frozenset(names)
+        types = [INPUTS[name] for name in self._names]
         self._lengths = [LENGTHS[kind] for kind in types]
         self._layout = layout(types, recipe_id=False)
 
@@ -151,7 +152,7 @@ class InputRecipe:
                 commands[name] = value
         if commands:
             _command(box, commands)
-        box.registers.written()
+        box.registers.written(self._written)
 
 
 def _command(box: Box, values: dict[str, Any]) -> None:

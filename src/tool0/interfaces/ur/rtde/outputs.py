@@ -24,41 +24,56 @@ FIRST_SINGLE_BIT: Final = 64
 """Lower boolean registers are sent 32 at a time."""
 
 
+Read = Callable[["Box"], Any]
+Bank = Callable[["Box"], "RegisterBank"]
+
+
 class OutputField(NamedTuple):
     """A field: its type, and its value: a number, or several for a vector."""
 
     type: str
-    read: Callable[[Box], Any]
+    read: Read
 
 
-def _bank(direction: str) -> Callable[[Box], RegisterBank]:
-    if direction == "input":
-        return lambda box: box.registers.inputs
-    return lambda box: box.registers.outputs
+_BANKS: Final[dict[str, Bank]] = {
+    "input": lambda box: box.registers.inputs,
+    "output": lambda box: box.registers.outputs,
+}
 
 
-def _registers() -> dict[str, OutputField]:
-    fields: dict[str, OutputField] = {}
-    for direction in ("input", "output"):
-        bank = _bank(direction)
-        for start in (0, 32):
-            fields[f"{direction}_bit_registers{start}_to_{start + 31}"] = OutputField(
-                "UINT32",
-                lambda box, bank=bank, start=start: q.digital_bits(
-                    tuple(bank(box).bits[start : start + 32])
-                ),
-            )
-        for k in range(FIRST_SINGLE_BIT, N_BITS):
-            fields[f"{direction}_bit_register_{k}"] = OutputField(
-                "BOOL", lambda box, bank=bank, k=k: bank(box).bits[k]
-            )
-        for k in range(N_NUMBERS):
-            fields[f"{direction}_int_register_{k}"] = OutputField(
-                "INT32", lambda box, bank=bank, k=k: bank(box).integers[k]
-            )
-            fields[f"{direction}_double_register_{k}"] = OutputField(
-                "DOUBLE", lambda box, bank=bank, k=k: bank(box).doubles[k]
-            )
+def _read_bits(bank: Bank, start: int) -> Read:
+    return lambda box: q.digital_bits(tuple(bank(box).bits[start : start + 32]))
+
+
+def _read_bit(bank: Bank, k: int) -> Read:
+    return lambda box: bank(box).bits[k]
+
+
+def _read_integer(bank: Bank, k: int) -> Read:
+    return lambda box: bank(box).integers[k]
+
+
+def _read_double(bank: Bank, k: int) -> Read:
+    return lambda box: bank(box).doubles[k]
+
+
+def _registers(direction: str) -> dict[str, OutputField]:
+    """Return the registers of a direction: clients can read both."""
+    bank = _BANKS[direction]
+    fields = {
+        f"{direction}_bit_registers{start}_to_{start + 31}": OutputField(
+            "UINT32", _read_bits(bank, start)
+        )
+        for start in (0, 32)
+    }
+    for k in range(FIRST_SINGLE_BIT, N_BITS):
+        name = f"{direction}_bit_register_{k}"
+        fields[name] = OutputField("BOOL", _read_bit(bank, k))
+    for k in range(N_NUMBERS):
+        name = f"{direction}_int_register_{k}"
+        fields[name] = OutputField("INT32", _read_integer(bank, k))
+        name = f"{direction}_double_register_{k}"
+        fields[name] = OutputField("DOUBLE", _read_double(bank, k))
     return fields
 
 
@@ -165,7 +180,8 @@ OUTPUTS: Final[dict[str, OutputField]] = {
     "euromap67_output_bits": _constant("UINT32", 0),
     "euromap67_24V_voltage": _constant("DOUBLE", 0.0),
     "euromap67_24V_current": _constant("DOUBLE", 0.0),
-    **_registers(),
+    **_registers("input"),
+    **_registers("output"),
 }
 """By name."""
 

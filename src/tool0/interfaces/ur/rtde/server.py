@@ -5,8 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
-from struct import Struct
-from struct import error as StructError
+import struct
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.errors import TransportError
@@ -42,9 +41,9 @@ VERSION_1_RATE: Final = 125.0
 """Clients of the first version of the protocol cannot choose [Hz]."""
 
 _CHUNK: Final = 1 << 16
-_VERSION: Final = Struct(">H")
-_CONTROL_VERSION: Final = Struct(">4I")
-_FREQUENCY: Final = Struct(">d")
+_VERSION: Final = struct.Struct(">H")
+_CONTROL_VERSION: Final = struct.Struct(">4I")
+_FREQUENCY: Final = struct.Struct(">d")
 
 
 @final
@@ -94,7 +93,7 @@ class RtdeServer:
             if recipe not in packed:
                 try:
                     values = recipe.pack(self._box)
-                except StructError as error:  # a register beyond its range
+                except struct.error as error:  # a register beyond its range
                     logger.warning("RTDE: %s", error)
                     continue
                 packed[recipe] = packet(PacketType.DATA, values)
