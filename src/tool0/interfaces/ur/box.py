@@ -187,11 +187,11 @@ class Box:
 
     def tcp_pose(self, *, target: bool = False) -> Six:
         """Return the measured pose of the TCP in the base frame, or the setpoint's."""
-        return self._tcp_pose(self._posture(target=target), matrix_of(self.tcp))
+        return self._tcp_pose(self.posture(target=target), matrix_of(self.tcp))
 
     def tcp_speed(self, *, target: bool = False) -> Six:
         """Return the velocity of the TCP in the base frame's axes [m/s, rad/s]."""
-        posture = self._posture(target=target)
+        posture = self.posture(target=target)
         R = self.T_chain_base[:3, :3].T
         T_chain_tip = posture.T_base_tip[0]
         qd = self.arm_update.target_velocity if target else self.qd
@@ -204,7 +204,7 @@ class Box:
 
     def tcp_wrench(self) -> Six:
         """Return the external wrench at the TCP in the base frame's axes [N, N·m]."""
-        T_chain_tip = self._posture(target=False).T_base_tip[0]
+        T_chain_tip = self.posture().T_base_tip[0]
         R = self.T_chain_base[:3, :3].T @ T_chain_tip[:3, :3]
         wrench = np.asarray(self.arm_update.wrench)
         force = wrench[:3]
@@ -258,7 +258,7 @@ class Box:
         a, b, c, d, e, f = (values[k] for k in self._indices)
         return (a, b, c, d, e, f)
 
-    def _posture(self, *, target: bool) -> Posture:
+    def posture(self, *, target: bool = False) -> Posture:
         """Return the measured posture, or that of the setpoint, computed once."""
         key = "target" if target else "actual"
         if key not in self._postures:
