@@ -31,6 +31,7 @@ from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.kernel import Kernel
 from tool0.kernel.program import Ended, Program
 from tool0.runtime.arm_modes import ArmModes
+from tool0.runtime.arm_motions import ArmMotions
 from tool0.runtime.control_boxes import ControlBoxes
 from tool0.runtime.joint_motion import (
     joints_by_controller,
@@ -73,6 +74,9 @@ class Core:
         self.scene = SceneObjects(model, engine, scene or Scene())
         self.control_boxes = ControlBoxes(model, hardware)
         self.arm_modes = ArmModes(model, self.control_boxes, hardware, manager)
+        self.arm_motions = ArmMotions(
+            model, hardware, manager, self.control_boxes, self.arm_modes
+        )
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
@@ -112,6 +116,8 @@ class Core:
         self.scene.wrenches.tick(self.time)
         if not self.control_boxes.is_steady:
             self.control_boxes.tick(self.control_period)
+        if not self.arm_motions.is_idle:
+            self.arm_motions.tick(state)
         self.manager.update(state, self.control_period)
         self._finish_tick(state, self._steps_per_tick)
 
@@ -148,6 +154,7 @@ class Core:
             self._program is None
             and self.scene.wrenches.is_idle
             and self.control_boxes.is_steady
+            and self.arm_motions.is_idle
         ):
             self._program = self._kernel.load(self.state)
         return self._program
@@ -337,6 +344,10 @@ class Core:
         forward.command_joints(values)
         self._note_command(controller)
         self.manager.release_brakes(controller, self.state)
+
+    def take_arm(self, arm: str | None, by: str) -> None:
+        """Let a program move an arm in place of its controllers."""
+        self._note_command(self.arm_motions.take(arm, by, self.state))
 
     def cancel(self, goal: Goal) -> None:
         """Stop the motion of an active goal; one that has ended is left alone."""
