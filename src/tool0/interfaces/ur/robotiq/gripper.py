@@ -113,7 +113,7 @@ class RobotiqGripper:
 
     @property
     def is_powered(self) -> bool:
-        """Whether the arm supplies its tool; without power, no client gets an answer."""
+        """Whether the arm supplies its tool with power."""
         return self._link.state.robot_mode > RobotMode.POWER_OFF
 
     @property

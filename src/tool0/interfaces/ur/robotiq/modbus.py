@@ -110,14 +110,14 @@ class _RegisterFile:
     def _read(self, function: int, address: int, count: int) -> bytes:
         if not 1 <= count <= MAX_READ:
             raise _RefusedError(Refusal.ILLEGAL_VALUE)
-        blocks = {COMMAND: self._gripper.command, STATUS: self._gripper.status}
+        command, status = self._gripper.command.encode(), self._gripper.status.encode()
+        blocks = {COMMAND: command, STATUS: status}
         if self._is_tcp:
-            is_input = function == Function.READ_INPUT
-            blocks[0] = blocks[STATUS] if is_input else blocks[COMMAND]
+            blocks[0] = status if function == Function.READ_INPUT else command
         for start, block in blocks.items():
             if start <= address and address + count <= start + REGISTERS:
                 first = 2 * (address - start)
-                return block.encode()[first : first + 2 * count]
+                return block[first : first + 2 * count]
         raise _RefusedError(Refusal.ILLEGAL_ADDRESS)
 
     def _write(self, address: int, data: bytes) -> None:

@@ -9,8 +9,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import fcntl
 import os
+import termios
 import tty
+from functools import cache
 from pathlib import Path
 from typing import Final, final
 
@@ -20,19 +23,30 @@ from tool0.interfaces.ur.robotiq.modbus import Function, respond
 SLAVE: Final = 9
 """Address of the gripper as delivered."""
 BROADCAST: Final = 0
+MIN_FRAME: Final = 4
 MAX_FRAME: Final = 256
 """[bytes]"""
 PAUSE: Final = 0.05
 """Silence that ends a frame of unknown length [wall s]."""
 
 
-def checksum(data: bytes) -> bytes:
-    """Return the CRC-16 of Modbus, low byte first (specification, appendix B)."""
-    crc = 0xFFFF
-    for byte in data:
-        crc ^= byte
+@cache
+def _table() -> tuple[int, ...]:
+    """Return the checksum's change by each byte."""
+    table = []
+    for byte in range(256):
+        crc = byte
         for _ in range(8):
             crc = crc >> 1 ^ 0xA001 if crc & 1 else crc >> 1
+        table.append(crc)
+    return tuple(table)
+
+
+def checksum(data: bytes) -> bytes:
+    """Return the CRC-16 of Modbus, low byte first (specification, appendix B)."""
+    table, crc = _table(), 0xFFFF
+    for byte in data:
+        crc = crc >> 8 ^ table[(crc ^ byte) & 0xFF]
     return crc.to_bytes(2, "little")
 
 
@@ -79,10 +93,16 @@ class RtuReceiver:
         return answers
 
     def pause(self) -> bytes:
-        """Return the answer to what came before a silence: nothing for most."""
-        frame, self._received = self._received, b""
-        is_whole = len(frame) >= 4 and checksum(frame[:-2]) == frame[-2:]
-        return self._answer(frame) if is_whole else b""
+        """Return the answers to what came before a silence: nothing for most."""
+        answers = b""
+        while frame := self._received:
+            if len(frame) >= MIN_FRAME and checksum(frame[:-2]) == frame[-2:]:
+                self._received = b""
+                answers += self._answer(frame)
+            else:
+                self._received = frame[1:]
+                answers += self.take(b"")
+        return answers
 
     def _answer(self, frame: bytes) -> bytes:
         address, request = frame[0], frame[1:-2]
@@ -110,18 +130,17 @@ class ModbusRtu:
         self._ends: tuple[int, int] | None = None
         self._timer: asyncio.TimerHandle | None = None
 
-    async def start(self, host: str, port_base: int) -> None:
-        """Open the terminal; it has no address."""
-        del host, port_base
+    def open(self) -> None:
+        """Open the terminal."""
         ours, theirs = self._ends = os.openpty()
         # Ours stays open, too: without any client, reading would fail.
         tty.setraw(theirs)
         os.set_blocking(ours, False)
         self.link.unlink(missing_ok=True)
         self.link.symlink_to(os.ttyname(theirs))
-        asyncio.get_running_loop().add_reader(ours, self._read, ours)
+        asyncio.get_running_loop().add_reader(ours, self._read, ours, theirs)
 
-    async def close(self) -> None:
+    def close(self) -> None:
         """Remove the link and close the terminal."""
         ends, self._ends = self._ends, None
         if ends is None:
@@ -133,9 +152,11 @@ class ModbusRtu:
         for end in ends:
             os.close(end)
 
-    def _read(self, ours: int) -> None:
+    def _read(self, ours: int, theirs: int) -> None:
         if self._timer is not None:
             self._timer.cancel()
+        # A client may ask to be alone, and the terminal remembers that when it leaves.
+        fcntl.ioctl(theirs, termios.TIOCNXCL)
         self._send(ours, self._receiver.take(os.read(ours, MAX_FRAME)))
         loop = asyncio.get_running_loop()
         self._timer = loop.call_later(

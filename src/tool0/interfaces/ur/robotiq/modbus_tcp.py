@@ -6,12 +6,10 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import errno
+import socket
 import struct
 from typing import Final, final
 
-from tool0.errors import TransportError
 from tool0.interfaces.ur.listening import Peer, Port
 from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
 from tool0.interfaces.ur.robotiq.modbus import Refusal, refusal, respond
@@ -39,13 +37,10 @@ class ModbusTcp:
 
     async def start(self, host: str, port_base: int) -> None:
         """Listen; TransportError if the port is in use."""
-        try:
-            await self._port.listen(host, PORT + port_base)
-        except TransportError as error:
-            cause = error.__context__
-            if not isinstance(cause, OSError) or cause.errno != errno.EACCES:
-                raise
-            await self._port.listen(host, UNPRIVILEGED_PORT + port_base)
+        port = PORT + port_base
+        if not _may_listen(host, port):
+            port = UNPRIVILEGED_PORT + port_base
+        await self._port.listen(host, port)
 
     async def close(self) -> None:
         """End all connections."""
@@ -65,3 +60,15 @@ class ModbusTcp:
             size = len(response) + 1
             peer.send(_HEADER.pack(transaction, 0, size, unit) + response)
             await asyncio.sleep(0)  # a flood must not stop the others
+
+
+def _may_listen(host: str, port: int) -> bool:
+    """Return whether this user may listen on a port at all."""
+    with socket.socket() as attempt:
+        try:
+            attempt.bind((host, port))
+        except PermissionError:
+            return False
+        except OSError:
+            pass  # for another reason, which the real attempt reports
+    return True

@@ -130,7 +130,5 @@ class Status:
             | self.activation << 4
             | self.object_status << 6
         )
-        data = bytes(
-            [state, 0, self.fault, self.request, self.position, self.current]
-        )
+        data = bytes([state, 0, self.fault, self.request, self.position, self.current])
         return data.ljust(BLOCK_BYTES, b"\0")
