@@ -29,9 +29,10 @@ class Counts:
         self._closed_at = geometry.position(0.0)
 
     def count(self, position: float) -> int:
-        """Return the count at a position of the joint [rad | m]."""
+        """Return the count at a position of the joint [rad | m], open … closed."""
         part = (position - self._open_at) / (self._closed_at - self._open_at)
-        return _byte(self.open + part * (self.closed - self.open))
+        count = round(self.open + part * (self.closed - self.open))
+        return min(max(count, self.open), self.closed)
 
     def opening(self, count: int) -> float:
         """Return the opening for a count [m]; beyond the range, its end."""

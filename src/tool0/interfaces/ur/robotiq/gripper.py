@@ -182,6 +182,11 @@ class RobotiqGripper:
         return self._object is not ObjectStatus.MOVING
 
     @property
+    def has_goal(self) -> bool:
+        """Whether nobody else has moved the fingers from where they were sent."""
+        return self._goal is not None
+
+    @property
     def position(self) -> int:
         """Measured position: 0 open … 255 closed."""
         return self.counts.count(self._measured()[0])
