@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import itertools
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
@@ -27,6 +28,7 @@ from tool0.requests.table import Request
 from tool0.requests.updates import SubscribeUpdates, UpdateMessage
 
 R = TypeVar("R")
+_numbers = itertools.count(1)
 LONG = 30.0  # [wall s]; only a failing test waits so long
 
 
@@ -136,17 +138,18 @@ def serving_gripper(
 ) -> Iterator[ServedGripper]:
     """Serve the only gripper of a robot at an address of its own."""
     ready: Future[ServedGripper] = Future()
-    with serving(robot):
-        channel = SocketChannel()
+    name = f"gripper-{next(_numbers)}"
+    with serving(robot, name):
+        channel = SocketChannel(name)
         stop = asyncio.Event()
 
         async def serve() -> None:
             link = Link(channel)
             await link.subscribe()
-            ((name, geometry),) = find_grippers(robot.description.model).items()
+            ((part, geometry),) = find_grippers(robot.description.model).items()
             gripper = RobotiqGripper(
                 link,
-                name,
+                part,
                 geometry,
                 link.joint_names.index(geometry.joint),
                 is_activated=is_activated,

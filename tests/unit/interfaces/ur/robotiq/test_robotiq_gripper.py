@@ -181,7 +181,7 @@ def test_it_shows_what_others_do_and_goes_back_when_told_again(
 
 def test_it_loses_its_registers_with_its_power(activated: ServedGripper) -> None:
     gripper, robot = activated.gripper, activated.robot
-    box = robot.control_boxes["arm"]
+    box = robot.arm.control_box
     box.power_off()
     activated.wait_until(lambda: not gripper.is_powered)
     assert not gripper.is_activated
@@ -190,6 +190,7 @@ def test_it_loses_its_registers_with_its_power(activated: ServedGripper) -> None
     activated.do(lambda: activated.link.until(lambda: gripper.is_powered))
     assert not gripper.status.is_activated
     box.release_brakes()
+    box.play()
 
 
 def test_a_reset_of_the_simulation_ends_its_goal(activated: ServedGripper) -> None:
