@@ -45,6 +45,7 @@ from tool0.requests.state import (
     Unsubscribe,
 )
 from tool0.requests.table import Request, checked, method_name
+from tool0.requests.updates import LogMessage, UpdateMessage
 from tool0.runtime.bus import (
     Bus,
     Faulted,
@@ -93,6 +94,12 @@ class SocketChannel:
     def __init__(self, name: str = DEFAULT_NAME) -> None:
         """Connect, or raise TransportError."""
         self.name = name
+        self.when_updated: Callable[[UpdateMessage], None] = lambda message: None
+        """Called with each message of ``subscribe_updates``, in the reader's thread."""
+        self.when_refused: Callable[[Tool0Error], None] = self._give_up
+        """Called if a request without a reply failed, in the reader's thread."""
+        self.when_ended: Callable[[TransportError], None] = lambda failure: None
+        """Called once when the connection has ended, in the reader's thread."""
         self._peer = _connect(name)
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
@@ -143,6 +150,35 @@ class SocketChannel:
         Raises:
             TransportError: If the bring-up does not answer, or has ended.
         """
+        future = self._submit(request)
+        # Requests that advance time are answered when it has passed.
+        timeout = None if isinstance(request, Run | Step) else ANSWER_TIMEOUT
+        reply = self._awaited(future, timeout, method_name(type(request)))
+        return _response(request, reply)
+
+    def submit(
+        self, request: Request[R], when_done: Callable[[Callable[[], R]], None]
+    ) -> None:
+        """Send a request and return; ``when_done`` gets a function with its outcome.
+
+        It is called in the reader's thread.  The function returns the response, or
+        raises what the handler raised.
+
+        Raises:
+            RequestError: If the request is invalid.
+            TransportError: If the bring-up has ended.
+        """
+
+        def finish(future: Future[codec.Reply]) -> None:
+            when_done(lambda: _response(request, future.result()))
+
+        self._submit(request).add_done_callback(finish)
+
+    def post(self, request: Request[Any]) -> None:
+        """Send a request without a reply; ``when_refused`` gets what goes wrong."""
+        self._send(codec.encode_request(None, checked(request)) + b"\n")
+
+    def _submit(self, request: Request[Any]) -> Future[codec.Reply]:
         self._bus.process.check()
         request = checked(request)
         number = next(self._numbers)
@@ -158,14 +194,7 @@ class SocketChannel:
                 raise self._failure
             self._pending[number] = future
         self._send(line)
-        # Requests that advance time are answered when it has passed.
-        timeout = None if isinstance(request, Run | Step) else ANSWER_TIMEOUT
-        reply = self._awaited(future, timeout, method_name(type(request)))
-        if not isinstance(reply.error, UnsetType):
-            raise codec.error_of(reply.error)
-        result = b"null" if isinstance(reply.result, UnsetType) else reply.result
-        response: R = codec.decode_response(request, Raw(result))
-        return response
+        return future
 
     def goal(self, started: GoalStarted) -> Goal:
         return self._goal(started.goal, started.controller)
@@ -253,6 +282,7 @@ class SocketChannel:
         except (OSError, ValueError) as error:
             failure = TransportError(f"lost the bring-up: {error}")
         self._fail(failure)
+        self.when_ended(failure)
 
     def _take(self, message: Message) -> None:
         match message:
@@ -261,8 +291,10 @@ class SocketChannel:
                     future = self._pending.pop(number, None)
                 if future is not None:
                     future.set_result(message)
-            case codec.Reply(error=codec.ErrorInfo(message=text)):
-                self._fail(TransportError(f"the bring-up answered: {text}"))
+            case UpdateMessage():
+                self.when_updated(message)
+            case codec.Reply(error=codec.ErrorInfo() as info):
+                self.when_refused(codec.error_of(info))
             case codec.SnapshotMessage():
                 self._bus.publish(codec.snapshot_of(message, self._bus.latest))
             case codec.GoalEnded(goal=int(number)):
@@ -289,6 +321,9 @@ class SocketChannel:
                     self._goals.pop(next(ended, -1), None)
             return self._goals[number]
 
+    def _give_up(self, error: Tool0Error) -> None:
+        self._fail(TransportError(f"the bring-up answered: {error}"))
+
     def _fail(self, failure: TransportError) -> None:
         """Wake every waiting thread."""
         with self._lock:
@@ -300,7 +335,23 @@ class SocketChannel:
                 future.set_exception(failure)
 
 
-Message = codec.Hello | codec.Reply | codec.SnapshotMessage | codec.EventMessage
+def _response(request: Request[R], reply: codec.Reply) -> R:
+    """Return the response of a reply, or raise its error."""
+    if not isinstance(reply.error, UnsetType):
+        raise codec.error_of(reply.error)
+    result = b"null" if isinstance(reply.result, UnsetType) else reply.result
+    response: R = codec.decode_response(request, Raw(result))
+    return response
+
+
+Message = (
+    codec.Hello
+    | codec.Reply
+    | codec.SnapshotMessage
+    | codec.EventMessage
+    | UpdateMessage
+    | LogMessage
+)
 _decoder: Final = msgspec.json.Decoder(Message)
 
 

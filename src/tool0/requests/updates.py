@@ -31,8 +31,13 @@ class SubscribeUpdates(Request[None], frozen=True):
     motions: Annotated[tuple[Name, ...], Meta(max_length=100)] = ()
     """The trajectory controllers whose motion is sent."""
 
+    arms: Annotated[tuple[Name, ...], Meta(max_length=100)] = ()
+    """The arms whose setpoint and wrench are sent."""
+
 
 Rows = tuple[tuple[float, ...], ...]
+Six = tuple[float, float, float, float, float, float]
+"""Of an arm's joints from base to flange, or a wrench: force above torque."""
 
 
 class Motion(Struct, frozen=True, kw_only=True):
@@ -48,6 +53,32 @@ class Motion(Struct, frozen=True, kw_only=True):
     """[s]"""
     speed_scaling: float
     """Trajectory time per simulated time."""
+
+
+MotionMode = Literal["free", "hold", "path", "servo", "speed", "stop", "freedrive"]
+"""What moves an arm: ``free`` is a controller of ROS, or nothing."""
+
+
+class ArmUpdate(Struct, frozen=True, kw_only=True):
+    """An arm as its control box reports it."""
+
+    target_position: Six
+    """The setpoint of what moves the arm; measured, if nothing does [rad]."""
+    target_velocity: Six
+    """[rad/s]"""
+    target_acceleration: Six
+    """[rad/s²]"""
+    mode: MotionMode
+    path: int
+    """Number of the last path; 0 before the first."""
+    path_time: float
+    """On that path [s]; it passes more slowly if the speed is scaled."""
+    is_done: bool
+    """Whether the path or the stop has ended: the setpoint is at rest."""
+    force_mode: bool
+    wrench: Six
+    """External force [N] and torque [N·m] on the tool at the flange, in its axes, less
+    the payload and the tare."""
 
 
 @final
@@ -77,6 +108,8 @@ class UpdateMessage(Struct, frozen=True, kw_only=True, tag="update"):
     ``motions``."""
     motions: Mapping[str, Motion] | UnsetType = UNSET
     """Of the requested controllers that are running."""
+    arms: Mapping[str, ArmUpdate] | UnsetType = UNSET
+    """The requested ones, by name."""
 
 
 @final

@@ -24,8 +24,8 @@ _FLUSH_PERIOD: Final = 0.05
 _POLL_PERIOD: Final = 0.02
 """Wall time between updates while simulated time runs fast [s]: each delays the tick by
 some 0.4 ms, since both need the interpreter."""
-_NODE_LOGGERS: Final = "tool0.interfaces.ros2"
-"""Loggers with what the node has logged itself."""
+_COMPANION_LOGGERS: Final = ("tool0.interfaces.ros2", "tool0.interfaces.ur")
+"""Loggers with what these processes have logged themselves."""
 _ROUNDING: Final = 1e-6
 """[s]"""
 
@@ -170,7 +170,7 @@ class LogForwarder(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Pass the record on; print it if the program has no handler."""
-        if not record.name.startswith(_NODE_LOGGERS):
+        if not record.name.startswith(_COMPANION_LOGGERS):
             is_error = record.levelno >= logging.ERROR
             message = LogMessage(
                 level="error" if is_error else "warning", message=record.getMessage()

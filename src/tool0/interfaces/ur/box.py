@@ -1,0 +1,271 @@
+"""A control box as its ports see it: the arm, registers, messages and the program.
+
+Everything here belongs to the event loop of the UR process.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Sequence
+from typing import Any, Final, TypeVar, final
+
+import numpy as np
+from msgspec import UnsetType
+
+from tool0.api.connect import SocketChannel
+from tool0.description.model import FLANGE
+from tool0.errors import Tool0Error, UnreachableError
+from tool0.hardware.control_box import ControlBoxState
+from tool0.interfaces.ur.messages import Messages
+from tool0.interfaces.ur.pose import matrix_of, pose_of
+from tool0.interfaces.ur.programs import ProgramSlot
+from tool0.interfaces.ur.registers import Registers
+from tool0.kinematics.chain import (
+    ArmChain,
+    Array,
+    Posture,
+    find_chains,
+    fixed_transform,
+)
+from tool0.kinematics.inverse import InverseKinematics
+from tool0.requests.table import Request
+from tool0.requests.updates import ArmUpdate, Six, UpdateMessage
+
+logger = logging.getLogger(__name__)
+R = TypeVar("R")
+
+NO_TCP: Final[Six] = (0.0,) * 6
+CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
+"""The arms whose control box is a CB3; all later ones have an e-Series one."""
+
+
+@final
+class Box:
+    """One arm and what its control box knows about it."""
+
+    def __init__(self, channel: SocketChannel, arm: str, first: UpdateMessage) -> None:
+        """Show an ``arm`` of the bring-up, as ``first`` has it.
+
+        ``first`` is the first update: it has everything.
+        """
+        self._channel = channel
+        self._event_loop = asyncio.get_running_loop()
+        model = channel.description.model
+        self.arm = arm
+        self.chain: ArmChain = find_chains(model)[arm]
+        self.kinematics = InverseKinematics(self.chain)
+        prefix = self.chain.tip.removesuffix(FLANGE)
+        base = f"{prefix}base"
+        has_base = any(link.name == base for link in model.links)
+        self.T_chain_base: Array = (
+            fixed_transform(model, self.chain.base, base).matrix
+            if has_base
+            else np.eye(4)
+        )
+        """UR's base frame in the link that carries the arm, shape (4, 4)."""
+        self.model_name = next(
+            (r.arm.name for r in channel.description.robots if r.prefix == prefix), ""
+        )
+        """Of the catalogue: ``ur5e``; empty for a robot of one's own."""
+        self.is_e_series = self.model_name not in CB3_ARMS
+        self.version = (5, 16, 0) if self.is_e_series else (3, 15, 8)
+        """Of the software that the box appears to run."""
+        self.rate = 500.0 if self.is_e_series else 125.0
+        """Of RTDE and the real-time interface [Hz]."""
+        self.registers = Registers()
+        self.messages = Messages()
+        self.programs = ProgramSlot(self)
+        self.when_updated: set[Callable[[], None]] = set()
+        """Called for each update."""
+        assert not isinstance(first.joint_names, UnsetType)
+        index = {name: k for k, name in enumerate(first.joint_names)}
+        self._indices = [index[name] for name in self.chain.joint_names]
+        self._waiting: list[asyncio.Future[None]] = []
+        self._postures: dict[str, Posture] = {}
+        self._take(first)
+
+    # ---- updates --------------------------------------------------------------------
+
+    def take(self, update: UpdateMessage) -> None:
+        """Show the robot after another update, and tell everyone."""
+        self._take(update)
+        for callback in tuple(self.when_updated):
+            try:
+                callback()
+            except Exception:  # one must not stop the others
+                logger.exception("an update could not be shown")
+        waiting, self._waiting = self._waiting, []
+        for future in waiting:
+            if not future.done():
+                future.set_result(None)
+
+    def _take(self, update: UpdateMessage) -> None:
+        self.update = update
+        if not isinstance(update.arms, UnsetType):
+            self.arm_update: ArmUpdate = update.arms[self.arm]
+        if not isinstance(update.control_boxes, UnsetType):
+            self.state: ControlBoxState = next(
+                box for box in update.control_boxes if box.arm == self.arm
+            )
+        self._postures.clear()
+
+    async def next_update(self) -> None:
+        """Wait for the next update."""
+        future: asyncio.Future[None] = self._event_loop.create_future()
+        self._waiting.append(future)
+        await future
+
+    async def until(self, condition: Callable[[], bool]) -> None:
+        """Wait for the first update at which a condition holds; now, if it does."""
+        while not condition():
+            await self.next_update()
+
+    async def sleep(self, duration: float) -> None:
+        """Wait for simulated time to pass [s]; a reset of the time ends it."""
+        start = self.time
+        await self.until(lambda: not 0.0 <= self.time - start < duration - 1e-9)
+
+    # ---- requests -------------------------------------------------------------------
+
+    async def call(self, request: Request[R]) -> R:
+        """Return the response of a request to the bring-up, or raise its error."""
+        future: asyncio.Future[R] = self._event_loop.create_future()
+
+        def finish(outcome: Callable[[], R]) -> None:
+            if future.done():
+                return  # cancelled
+            try:
+                future.set_result(outcome())
+            except Exception as error:
+                future.set_exception(error)
+
+        def when_done(outcome: Callable[[], R]) -> None:
+            self._event_loop.call_soon_threadsafe(finish, outcome)
+
+        self._channel.submit(request, when_done)
+        return await future
+
+    def send(self, request: Request[Any]) -> None:
+        """Send a request of which no answer is needed; failures are reported."""
+        try:
+            self._channel.post(request)
+        except Tool0Error as error:
+            self.report(error)
+
+    def report(self, error: Tool0Error) -> None:
+        """Tell clients and the log about an error."""
+        logger.warning("%s: %s", self.arm, error)
+        self.messages.error(str(error))
+
+    # ---- the arm --------------------------------------------------------------------
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.update.time
+
+    @property
+    def q(self) -> Six:
+        """Measured positions [rad], as for all: from base to flange."""
+        return self._of_joints(self.update.position)
+
+    @property
+    def qd(self) -> Six:
+        """Measured velocities [rad/s]."""
+        return self._of_joints(self.update.velocity)
+
+    @property
+    def effort(self) -> Six:
+        """Efforts of the drives [N·m]."""
+        return self._of_joints(self.update.effort)
+
+    @property
+    def tcp(self) -> Six:
+        """The pose of the tool centre point in the flange."""
+        return self.state.tcp
+
+    def tcp_pose(self, *, target: bool = False) -> Six:
+        """Return the measured pose of the TCP in the base frame, or the setpoint's."""
+        return self._tcp_pose(self._posture(target=target), matrix_of(self.tcp))
+
+    def tcp_speed(self, *, target: bool = False) -> Six:
+        """Return the velocity of the TCP in the base frame's axes [m/s, rad/s]."""
+        posture = self._posture(target=target)
+        R = self.T_chain_base[:3, :3].T
+        T_chain_tip = posture.T_base_tip[0]
+        qd = self.arm_update.target_velocity if target else self.qd
+        twist = posture.jacobian[0] @ np.asarray(qd)
+        lever = T_chain_tip[:3, :3] @ np.asarray(self.tcp[:3])
+        linear = twist[:3] + np.cross(twist[3:], lever)
+        x, y, z = (R @ linear).tolist()
+        rx, ry, rz = (R @ twist[3:]).tolist()
+        return (x, y, z, rx, ry, rz)
+
+    def tcp_wrench(self) -> Six:
+        """Return the external wrench at the TCP in the base frame's axes [N, N·m]."""
+        T_chain_tip = self._posture(target=False).T_base_tip[0]
+        R = self.T_chain_base[:3, :3].T @ T_chain_tip[:3, :3]
+        wrench = np.asarray(self.arm_update.wrench)
+        force = wrench[:3]
+        torque = wrench[3:] - np.cross(self.tcp[:3], force)
+        fx, fy, fz = (R @ force).tolist()
+        tx, ty, tz = (R @ torque).tolist()
+        return (fx, fy, fz, tx, ty, tz)
+
+    def forward(self, q: Sequence[float], tcp: Sequence[float] | None = None) -> Six:
+        """Return the pose of the TCP at joint positions ``q`` [rad]."""
+        T_tip_tcp = matrix_of(self.tcp if tcp is None else tcp)
+        return self._tcp_pose(self.chain.forward(np.asarray([q])), T_tip_tcp)
+
+    def inverse(
+        self,
+        pose: Sequence[float],
+        near: Sequence[float] | None = None,
+        tcp: Sequence[float] | None = None,
+    ) -> Six:
+        """Return the joint positions nearest to ``near`` with the TCP at a pose [rad].
+
+        Args:
+            pose: In the base frame.
+            near: The setpoint, if left out [rad].
+            tcp: In the flange; that of the box, if left out.
+
+        Raises:
+            UnreachableError: If there are none, with the reason.
+        """
+        T_tip_tcp = matrix_of(self.tcp if tcp is None else tcp)
+        T = self.T_chain_base @ matrix_of(pose) @ np.linalg.inv(T_tip_tcp)
+        reference = self.arm_update.target_position if near is None else near
+        found = self.kinematics.solutions(T, np.asarray(reference, dtype=np.float64))
+        a, b, c, d, e, f = (found[0].positions[name] for name in self.chain.joint_names)
+        return (a, b, c, d, e, f)
+
+    def has_inverse(
+        self,
+        pose: Sequence[float],
+        near: Sequence[float] | None = None,
+        tcp: Sequence[float] | None = None,
+    ) -> bool:
+        """Return whether ``inverse`` finds joint positions."""
+        try:
+            self.inverse(pose, near, tcp)
+        except UnreachableError:
+            return False
+        return True
+
+    def _of_joints(self, values: Sequence[float]) -> Six:
+        a, b, c, d, e, f = (values[k] for k in self._indices)
+        return (a, b, c, d, e, f)
+
+    def _posture(self, *, target: bool) -> Posture:
+        """Return the measured posture, or that of the setpoint, computed once."""
+        key = "target" if target else "actual"
+        if key not in self._postures:
+            q = self.arm_update.target_position if target else self.q
+            self._postures[key] = self.chain.forward(np.asarray([q]))
+        return self._postures[key]
+
+    def _tcp_pose(self, posture: Posture, T_tip_tcp: Array) -> Six:
+        T_base_chain = np.linalg.inv(self.T_chain_base)
+        return pose_of(T_base_chain @ posture.T_base_tip[0] @ T_tip_tcp)

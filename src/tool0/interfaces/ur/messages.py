@@ -1,0 +1,63 @@
+"""What a control box tells the clients of its primary interface."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum
+from typing import NamedTuple, final
+
+
+class MessageKind(Enum):
+    """The messages of UR's primary interface that occur."""
+
+    TEXT = "text"
+    """Of ``textmsg``."""
+    POPUP = "popup"
+    ERROR = "error"
+    """Of a program, or of the robot."""
+    PROGRAM = "program"
+    """The name of the program that runs now; empty when it has ended."""
+
+
+class Message(NamedTuple):
+    """A message to every client."""
+
+    kind: MessageKind
+    text: str
+    title: str = ""
+    """Of a popup."""
+
+
+@final
+class Messages:
+    """Passes messages on to those who listen, in the event loop."""
+
+    def __init__(self) -> None:
+        self.listeners: set[Callable[[Message], None]] = set()
+        self.popup: Message | None = None
+        """The popup that is shown."""
+
+    def text(self, text: str) -> None:
+        """Send a line of ``textmsg``."""
+        self._send(Message(MessageKind.TEXT, text))
+
+    def error(self, text: str) -> None:
+        """Send an error."""
+        self._send(Message(MessageKind.ERROR, text))
+
+    def program(self, name: str) -> None:
+        """Tell which program runs now."""
+        self._send(Message(MessageKind.PROGRAM, name))
+
+    def show_popup(self, text: str, title: str) -> None:
+        """Show a popup, in place of the one that is shown."""
+        self.popup = Message(MessageKind.POPUP, text, title)
+        self._send(self.popup)
+
+    def close_popup(self) -> None:
+        """Remove the popup, if there is one."""
+        self.popup = None
+
+    def _send(self, message: Message) -> None:
+        for listener in tuple(self.listeners):
+            listener(message)

@@ -1,0 +1,33 @@
+"""The registers that RTDE clients and programs exchange values through."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final, final
+
+N_BITS: Final = 128
+"""Boolean registers of each direction; 64 and up are for RTDE clients."""
+N_NUMBERS: Final = 48
+"""Integer and double registers of each direction; 24 and up are for RTDE clients."""
+
+
+@final
+@dataclass(slots=True)
+class RegisterBank:
+    """The registers of one direction."""
+
+    bits: list[bool] = field(default_factory=lambda: [False] * N_BITS)
+    integers: list[int] = field(default_factory=lambda: [0] * N_NUMBERS)
+    """32 bits, signed."""
+    doubles: list[float] = field(default_factory=lambda: [0.0] * N_NUMBERS)
+
+
+@final
+@dataclass(slots=True)
+class Registers:
+    """All registers of a control box."""
+
+    inputs: RegisterBank = field(default_factory=RegisterBank)
+    """Written by clients, read by programs."""
+    outputs: RegisterBank = field(default_factory=RegisterBank)
+    """Written by programs, read by clients."""

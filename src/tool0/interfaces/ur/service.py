@@ -1,0 +1,106 @@
+"""The UR interface as a whole: a box and its ports for each arm."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any, Final, Protocol
+
+from tool0.api.connect import SocketChannel
+from tool0.errors import Tool0Error, TransportError
+from tool0.interfaces.ur.box import Box
+from tool0.interfaces.ur.options import UrOptions
+from tool0.requests.arm import ListArms
+from tool0.requests.updates import SubscribeUpdates, UpdateMessage
+
+CONNECT_TIMEOUT: Final = 60.0
+"""Longest wait for the bring-up [wall s]."""
+_RETRY: Final = 0.02
+"""Between two attempts to connect [wall s]."""
+
+
+class Interface(Protocol):
+    """One interface of a box, such as RTDE: it has one port or several."""
+
+    async def start(self, host: str, port_base: int) -> None:
+        """Listen; TransportError if a port is in use."""
+
+    async def close(self) -> None:
+        """End connections and ports."""
+
+
+def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
+    """Return what a control box presents."""
+    del box, options
+    return []
+
+
+async def connected(name: str) -> SocketChannel:
+    """Return a connection to a bring-up that may still be starting."""
+    deadline = time.monotonic() + CONNECT_TIMEOUT
+    while True:
+        try:
+            return await asyncio.to_thread(SocketChannel, name)
+        except TransportError:
+            if time.monotonic() > deadline:
+                raise
+        await asyncio.sleep(_RETRY)
+
+
+async def serve(
+    channel: SocketChannel,
+    options: UrOptions,
+    ready: Callable[[Mapping[str, str]], None],
+) -> None:
+    """Serve the arms of a bring-up until it ends; ``ready`` gets their addresses.
+
+    Raises:
+        TransportError: If a port is in use.
+    """
+    loop = asyncio.get_running_loop()
+    has_ended = asyncio.Event()
+    first: asyncio.Future[UpdateMessage] = loop.create_future()
+    boxes: list[Box] = []
+
+    def take(update: UpdateMessage) -> None:
+        if not first.done():
+            first.set_result(update)
+        for box in boxes:
+            box.take(update)
+
+    def refuse(error: Tool0Error) -> None:
+        for box in boxes:
+            box.report(error)
+
+    def in_loop(callback: Callable[[Any], None]) -> Callable[[Any], None]:
+        def call(argument: Any) -> None:
+            with contextlib.suppress(RuntimeError):  # the loop has ended
+                loop.call_soon_threadsafe(callback, argument)
+
+        return call
+
+    channel.when_updated = in_loop(take)
+    channel.when_ended = in_loop(lambda failure: has_ended.set())
+    channel.when_refused = in_loop(refuse)
+    arms = [arm.name for arm in await asyncio.to_thread(channel.call, ListArms())]
+    request = SubscribeUpdates(arms=tuple(arms))
+    await asyncio.to_thread(channel.call, request)
+    update = await first
+    boxes += [Box(channel, arm, update) for arm in arms]
+    async with contextlib.AsyncExitStack() as stack:
+        addresses = {}
+        for number, box in enumerate(boxes):
+            host = addresses[box.arm] = options.host_of(number)
+            for interface in interfaces_of(box, options):
+                stack.push_async_callback(_closing(interface))
+                await interface.start(host, options.port_base)
+        ready(addresses)
+        await has_ended.wait()
+        for box in boxes:
+            await box.programs.stop()
+
+
+def _closing(interface: Interface) -> Callable[[], Awaitable[None]]:
+    return interface.close
