@@ -23,7 +23,7 @@ TITLES = {
     "gripper": "Gripper",
     "arm": "Arm",
     "objects": "Objects and contacts",
-    "control_box": "Control box: pins, speed slider, payload, program",
+    "control_box": "Control box: pins, payload, program, power and stops",
     "hardware": "Hardware components",
     "updates": "Control updates, for the ROS 2 node",
     "sensors": "Cameras and force-torque sensors",

@@ -12,10 +12,11 @@ from tool0.requests import control_box as requests
 
 @final
 class ControlBox:
-    """Pins, speed slider, payload and program of one arm.
+    """Pins, speed slider, payload, program, power and protective stop of one arm.
 
     Pins are only stored: a client reads and sets outputs, and you set what the inputs
-    measure.  The rest acts as on a UR.
+    measure.  The rest acts as on a UR.  A stopped or powered-off arm is braked; the
+    other arms of a cell go on.
     """
 
     def __init__(self, arm: str, channel: Channel) -> None:
@@ -97,3 +98,59 @@ class ControlBox:
     def stop(self) -> None:
         """Stop the program and the controllers of the arm; ``play`` starts them."""
         self._channel.call(requests.StopProgram(arm=self._arm))
+
+    def power_off(self) -> None:
+        """Switch the arm off: its controllers stop, and the brakes hold it."""
+        self._channel.call(requests.PowerOff(arm=self._arm))
+
+    def power_on(self) -> None:
+        """Switch the arm on; its brakes stay on until ``release_brakes``."""
+        self._channel.call(requests.PowerOn(arm=self._arm))
+
+    def release_brakes(self) -> None:
+        """Release the brakes, and switch the arm on before, if it is off.
+
+        Nothing moves until ``play`` starts the controllers again.
+        """
+        self._channel.call(requests.ReleaseBrakes(arm=self._arm))
+
+    def stop_protectively(self, reason: str) -> None:
+        """Brake this arm until ``unlock``, as its safety system does."""
+        self._channel.call(requests.StopProtectively(arm=self._arm, reason=reason))
+
+    def unlock(self) -> None:
+        """End a protective stop; the arm holds until ``play``.
+
+        Raises:
+            ControlError: If there is none, or it occurred less than 5 simulated
+                seconds ago.
+        """
+        self._channel.call(requests.UnlockProtectiveStop(arm=self._arm))
+
+    def restart_safety(self) -> None:
+        """Clear what the safety system has stopped; the arm is switched off then."""
+        self._channel.call(requests.RestartSafety(arm=self._arm))
+
+    def set_tcp(self, pose: Sequence[float]) -> None:
+        """Set the tool centre point, for clients of UR's protocols.
+
+        Args:
+            pose: In the frame of the flange: x, y, z [m] and a rotation vector [rad].
+        """
+        self._channel.call(
+            requests.SetTcp(arm=self._arm, pose=pose)  # type: ignore[arg-type]
+        )
+
+    def set_safety_limits(
+        self, *, enabled: bool | None = None, force: float | None = None
+    ) -> None:
+        """Choose what stops the arm protectively by itself.
+
+        Args:
+            enabled: Whether a path error, the force of a contact or a command beyond a
+                joint's limit stops it; at first none does.
+            force: Largest force of contacts with the tool or a link [N], 150 at first.
+        """
+        self._channel.call(
+            requests.SetSafetyLimits(arm=self._arm, enabled=enabled, force=force)
+        )

@@ -11,7 +11,14 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
 from tool0.cli.options import BringupOptions, RunOptions
-from tool0.cli.text import StatusLine, finite, greeting, panel_line, summary_line
+from tool0.cli.text import (
+    StatusLine,
+    finite,
+    greeting,
+    panel_line,
+    summary_line,
+    ur_lines,
+)
 from tool0.errors import ConfigError, EngineError, EngineUnavailableError
 
 if TYPE_CHECKING:
@@ -22,6 +29,7 @@ if TYPE_CHECKING:
     from tool0.interfaces.ros2.node import Ros2Node
     from tool0.interfaces.server.hub import Service
     from tool0.interfaces.server.server import Server
+    from tool0.interfaces.ur.process import UrController
 
 _POLL_PERIOD: Final = 0.1
 """Longest time between checks of the clock and the signals [wall s]."""
@@ -58,15 +66,22 @@ def bringup(options: BringupOptions) -> int:
         node = _ros2_node(options)
         if node is not None:
             exits.callback(node.close)
+        ur = _ur_controller(options)
+        if ur is not None:
+            exits.callback(ur.close)
         robot = exits.enter_context(_robot(options))
         if claim is not None or endpoint is not None:
             exits.enter_context(_server(robot, claim, endpoint))
         ros = exits.enter_context(_in_ros(robot, options, stop))
+        interfaces = [] if ros is None else [ros]
         if node is not None:
             exits.callback(node.close)  # before the robot
-            ros = (
+            interfaces.append(
                 f"ROS 2: node {node.wait()} in domain {node.domain}, {node.ros2.distro}"
             )
+        if ur is not None:
+            exits.callback(ur.close)
+            interfaces += ur_lines(ur.wait())
         if endpoint is not None:
             from tool0.cli.panel import show
 
@@ -76,7 +91,7 @@ def bringup(options: BringupOptions) -> int:
         gc.enable()
         url = None if endpoint is None else endpoint.url
         if not is_json or console.isatty():
-            print(greeting(robot, options, url, ros), file=console, flush=True)
+            print(greeting(robot, options, url, interfaces), file=console, flush=True)
         elif url is not None:
             print(panel_line(url), file=console, flush=True)
         status = StatusLine(console)
@@ -176,6 +191,15 @@ def _ros2_node(options: BringupOptions) -> Ros2Node | None:
     from tool0.interfaces.ros2.node import Ros2Node
 
     return Ros2Node(options.run.name, options.ros2.options())
+
+
+def _ur_controller(options: BringupOptions) -> UrController | None:
+    """Start the UR interface if requested."""
+    if not options.run.ur:
+        return None
+    from tool0.interfaces.ur.process import UrController
+
+    return UrController(options.run.name, options.ur.options())
 
 
 def _run(

@@ -28,6 +28,7 @@ from tool0.description.units import (
 from tool0.errors import ConfigError
 from tool0.interfaces.ros1.options import Ros1Options
 from tool0.interfaces.ros2.options import Ros2Options
+from tool0.interfaces.ur.options import UrOptions
 from tool0.runtime.config import ControlConfig, Names, SimulationConfig
 
 
@@ -73,6 +74,10 @@ class RunOptions:
     """Present the robot in ROS 2 as ur_simulation_gz does, with ros2_control's
     controllers; `tool0 ros2 install` installs what it needs."""
 
+    ur: bool = False
+    """Present the robot as a UR's control box: RTDE, dashboard server, URScript, and
+    the gripper's socket and Modbus."""
+
     def __post_init__(self) -> None:
         if self.duration is not None and not 0.0 <= self.duration < math.inf:
             raise ConfigError(
@@ -82,8 +87,11 @@ class RunOptions:
             raise ConfigError(
                 "--ros1 and --ros2 exclude each other: the controllers differ"
             )
-        if self.ros2 and not self.remote:
-            raise ConfigError("--ros2 needs the socket that --no-remote disables")
+        for option, is_given in (("--ros2", self.ros2), ("--ur", self.ur)):
+            if is_given and not self.remote:
+                raise ConfigError(
+                    f"{option} needs the socket that --no-remote disables"
+                )
 
 
 @final
@@ -117,6 +125,30 @@ class Ros2NodeOptions:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
+class UrControllerOptions:
+    """The UR controller."""
+
+    ur_host: str = "127.0.0.1"
+    """Address to listen on; further arms of a cell get the following ones."""
+    ur_port_base: int = 0
+    """Added to the port numbers of a real robot."""
+    ur_programs: Path | None = None
+    """Folder with the programs (*.script) that the dashboard server can load."""
+    ur_sockets: bool = False
+    """Let URScript programs connect to other machines."""
+
+    def options(self) -> UrOptions:
+        """Return them as the UR interface takes them."""
+        return UrOptions(
+            host=self.ur_host,
+            port_base=self.ur_port_base,
+            programs=self.ur_programs,
+            allow_sockets=self.ur_sockets,
+        )
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BringupOptions:
     """All options of ``tool0 bringup``, by group."""
 
@@ -128,8 +160,14 @@ class BringupOptions:
     panel: PanelOptions = field(default_factory=PanelOptions)
     ros: Ros1Options = field(default_factory=Ros1Options)
     ros2: Ros2NodeOptions = field(default_factory=Ros2NodeOptions)
+    ur: UrControllerOptions = field(default_factory=UrControllerOptions)
 
     def __post_init__(self) -> None:
+        if not self.run.ur and self.ur != UrControllerOptions():
+            raise ConfigError(
+                "--ur-host, --ur-port-base, --ur-programs and --ur-sockets need --ur"
+            )
+        self.ur.options()  # raises for a wrong one
         if not self.run.ros2 and self.ros2 != Ros2NodeOptions():
             raise ConfigError("--ros2-ns and --domain need --ros2")
         self.ros2.options()  # raises for a wrong one

@@ -6,7 +6,7 @@ import math
 import shutil
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final, TextIO, final
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def greeting(
     robot: Robot,
     options: BringupOptions,
     url: str | None = None,
-    ros: str | None = None,
+    interfaces: Sequence[str] = (),
 ) -> str:
     """Return a description of the running robot, and commands that move it.
 
@@ -46,7 +46,7 @@ def greeting(
         robot: The robot.
         options: How it runs.
         url: The panel's, if there is one.
-        ros: A line with its ROS node, if it has one.
+        interfaces: Lines about what else presents it, such as its ROS node.
     """
     description, simulation, run = robot.description, options.simulation, options.run
     name = description.title
@@ -64,12 +64,22 @@ def greeting(
             "Grasp assist is on, a cheat: a gripped object is attached to the gripper."
         )
     lines += [] if url is None else [panel_line(url)]
-    lines += [] if ros is None else [ros]
+    lines += interfaces
     if run.duration is None:
         if run.remote:
             lines += ["From another terminal:", *_examples(robot, run.name)]
         lines.append("Ctrl-C ends it.")
     return "\n".join(lines)
+
+
+def ur_lines(arms: Mapping[str, str]) -> list[str]:
+    """Return where each arm is served as a UR."""
+    one = len(arms) == 1
+    return [
+        f"UR: {address}{'' if one else f' ({arm})'}: RTDE, dashboard server, URScript, "
+        "gripper"
+        for arm, address in arms.items()
+    ]
 
 
 def _examples(robot: Robot, name: str) -> Iterator[str]:

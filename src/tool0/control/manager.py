@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Final, final
 
@@ -76,6 +76,8 @@ class ControllerManager:
             speed_scaling=hardware.speed_scaling,
         )
         self._loaded: dict[str, LoadedController] = {}
+        self._blocked: dict[str, str] = {}
+        """Joint → why no controller may be started that claims it."""
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
         """Name and controller, and its slots of the command."""
         self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
@@ -283,7 +285,25 @@ class ControllerManager:
                     "configure it first"
                 )
                 plans["start"].remove(name)
+            elif name in plans["start"] and (reason := self._why_blocked(item)):
+                refuse(f"Could not start controller '{name}': {reason}")
+                plans["start"].remove(name)
         return plans["stop"], plans["start"]
+
+    def block(self, joints: Collection[str], reason: str) -> None:
+        """Let no controller start that claims ``joints``; without a reason, let it.
+
+        Controllers that are running go on.
+        """
+        for joint in joints:
+            self._blocked.pop(joint, None)
+            if reason:
+                self._blocked[joint] = reason
+        self._refresh()
+
+    def _why_blocked(self, item: LoadedController) -> str:
+        """Return why a controller cannot be started; empty if it can."""
+        return next(filter(None, map(self._blocked.get, item.claims)), "")
 
     def _check_claims(self, running: Sequence[str]) -> None:
         """Raise ClaimError if two claim one interface, or two interfaces of a joint.
@@ -369,9 +389,10 @@ class ControllerManager:
         """
         item = self._find(name)
         if item.controller is None:
+            reason = self._why_blocked(item) or f"start it with {start_command(name)}"
             raise GoalRejectedError(
                 f"controller '{name}' is {item.state}, not {self._stages.running}; "
-                f"start it with {start_command(name)}"
+                f"{reason}"
             )
         return item.controller
 
@@ -389,6 +410,7 @@ class ControllerManager:
             claimed=() if interface is None else ((interface.value, item.claims),),
             command_interfaces=item.command_interfaces,
             state_interfaces=() if spec is None else spec.state_interfaces,
+            blocked=self._why_blocked(item),
         )
 
     def list(self) -> tuple[ControllerStatus, ...]:

@@ -39,6 +39,9 @@ class ControllerStatus:
     """What it requires to command: ``elbow_joint/position``."""
     state_interfaces: tuple[str, ...] = ()
     """What it requires to read, as ROS 2 names it."""
+    blocked: str = ""
+    """Why it cannot be started: its arm is in a protective stop, powered off, or taken
+    by another program; empty if it can."""
 
     @property
     def joints(self) -> frozenset[str]:
@@ -66,6 +69,8 @@ def why_not_driven(
         unknown = next((joint for joint in joints if joint not in known), "")
         return problem + (did_you_mean(unknown, known) if unknown else "")
     name = stopped.name
+    if stopped.blocked:
+        return f"{problem}: {stopped.blocked}"
     for other in statuses:
         if other.is_running and other.joints & stopped.joints:
             return (

@@ -6,10 +6,11 @@ https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/rtd
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import Enum, IntEnum
 from typing import Final, final
 
-from msgspec import Struct
+from msgspec import Struct, field
 
 from tool0.hardware.payload import Payload
 
@@ -31,27 +32,58 @@ class AnalogDomain(IntEnum):
 
 
 class RobotMode(IntEnum):
-    """Whether the arm is powered; the others of a UR do not occur."""
+    """Whether the arm is powered, and its brakes are released."""
 
+    NO_CONTROLLER = -1
+    DISCONNECTED = 0
+    CONFIRM_SAFETY = 1
+    BOOTING = 2
     POWER_OFF = 3
+    POWER_ON = 4
+    IDLE = 5
+    """Powered, with its brakes on."""
+    BACKDRIVE = 6
+    """Guided by hand."""
     RUNNING = 7
+    UPDATING_FIRMWARE = 8
 
 
 class SafetyMode(IntEnum):
-    """Why the arm may not move; the others of a UR do not occur."""
+    """Why the arm may not move."""
 
     NORMAL = 1
+    REDUCED = 2
+    PROTECTIVE_STOP = 3
+    RECOVERY = 4
+    SAFEGUARD_STOP = 5
+    SYSTEM_EMERGENCY_STOP = 6
     ROBOT_EMERGENCY_STOP = 7
+    VIOLATION = 8
+    FAULT = 9
+
+
+POWERED: Final = (RobotMode.RUNNING, RobotMode.BACKDRIVE)
+"""Modes with released brakes."""
+UNSTOPPED: Final = (SafetyMode.NORMAL, SafetyMode.REDUCED)
+"""Modes in which the arm may move."""
 
 
 class ProgramState(Enum):
-    """What the program that lets ROS control the arm does."""
+    """What the program that controls the arm does.
+
+    It is the one that lets clients use the controllers, or, while the arm is taken, the
+    one that took it.
+    """
 
     STOPPED = "STOPPED"
     """The controllers of the arm are stopped."""
     PLAYING = "PLAYING"
     PAUSED = "PAUSED"
     """Scaled trajectories stand still."""
+
+
+MAX_REGISTERS: Final = 400
+"""RTDE has 64 bits, 48 integers and 48 floating-point numbers in each direction."""
 
 
 @final
@@ -62,6 +94,36 @@ class AnalogPin(Struct, frozen=True):
     """[V] or [A]"""
     domain: AnalogDomain = AnalogDomain.VOLTAGE
     """Whether it is a current."""
+
+
+Pose6 = tuple[float, float, float, float, float, float]
+"""A pose as UR writes it: position [m] and rotation vector [rad]."""
+
+
+@final
+class SafetyLimits(Struct, frozen=True, kw_only=True):
+    """What stops an arm by itself."""
+
+    is_enabled: bool = False
+    """Whether anything does; without it, only requests stop the arm."""
+    force: float = 150.0
+    """Of contacts with the tool or a link but the base [N]; a UR's default preset."""
+
+
+@final
+class UrReport(Struct, frozen=True, kw_only=True):
+    """What the interface of UR's protocols shows of itself."""
+
+    program: str = ""
+    """The name of its program; empty if there is none."""
+    program_state: str = "STOPPED"
+    """As RTDE names ``runtime_state``: STOPPED, PLAYING, PAUSED, …"""
+    popup: str | None = None
+    """The text that waits for an answer."""
+    clients: int = 0
+    """Connections to all of its ports."""
+    registers: Mapping[str, bool | int | float] = field(default_factory=dict)
+    """Those that are not zero, by their names in RTDE: ``output_int_register_0``."""
 
 
 _UNUSED: Final = (AnalogPin(),) * N_ANALOG
@@ -98,17 +160,30 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     """The factor that scaled trajectories follow now: the slider's, 0 when paused."""
     payload: Payload
     """What the drives take to be at the flange."""
+    tcp: Pose6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """The tool centre point, in the frame of the flange; stored for clients."""
     robot_mode: RobotMode = RobotMode.RUNNING
     """Whether the arm is powered."""
     safety_mode: SafetyMode = SafetyMode.NORMAL
-    """Whether the emergency stop is engaged."""
+    """Why it may not move."""
+    protective_stop: str = ""
+    """Why the arm is in a protective stop; empty if it is not."""
+    safety_limits: SafetyLimits = SafetyLimits()
+    """What stops it by itself."""
     program: ProgramState = ProgramState.PLAYING
-    """What the program does that lets clients control the arm."""
+    """What the program that controls the arm does."""
+    taken_by: str = ""
+    """The program that moves the arm in place of controllers; empty without one."""
+    ur: UrReport | None = None
+    """Of UR's protocols; None unless they are served."""
+
+    @property
+    def may_move(self) -> bool:
+        """Whether the arm is powered, its brakes are released, and no stop is on."""
+        return self.robot_mode in POWERED and self.safety_mode in UNSTOPPED
 
     @property
     def is_program_running(self) -> bool:
-        """Whether ROS controls the arm: the program plays, and the arm is powered."""
-        return (
-            self.program is ProgramState.PLAYING
-            and self.safety_mode is SafetyMode.NORMAL
-        )
+        """Whether clients can move the arm through its controllers."""
+        is_playing = self.program is ProgramState.PLAYING
+        return is_playing and self.may_move and not self.taken_by

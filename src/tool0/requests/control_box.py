@@ -1,20 +1,25 @@
-"""Requests to the control box of an arm: pins, speed slider, payload, program."""
+"""Requests to the control box of an arm: pins, payload, program, power and stops."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Generic, Literal
+from collections.abc import Callable
+from typing import Annotated, Generic, Literal
 
 from msgspec import Meta, field
 
 from tool0.hardware.control_box import (
+    MAX_REGISTERS,
     N_ANALOG,
     N_DIGITAL,
     AnalogDomain,
     AnalogPin,
     ControlBoxState,
+    Pose6,
+    UrReport,
 )
 from tool0.hardware.payload import Payload
 from tool0.requests.table import Request, Response, Vector3, handles
+from tool0.runtime.arm_modes import ArmModes
 from tool0.runtime.simulation import Simulation
 
 DigitalPin = Annotated[int, Meta(ge=0, le=N_DIGITAL - 1)]
@@ -98,7 +103,73 @@ class PauseProgram(_OfArm[None], frozen=True):
 
 
 class StopProgram(_OfArm[None], frozen=True):
-    """Stop the program and the controllers of the arm; ``play_program`` starts them."""
+    """Stop the program and what moves the arm; ``play_program`` starts controllers."""
+
+
+class PowerOff(_OfArm[None], frozen=True):
+    """Switch the arm off: its program and its controllers stop, the brakes hold it."""
+
+
+class PowerOn(_OfArm[None], frozen=True):
+    """Switch the arm on; its brakes stay on until ``release_brakes``."""
+
+
+class ReleaseBrakes(_OfArm[None], frozen=True):
+    """Release the brakes, and switch the arm on before, if it is off.
+
+    Nothing moves until ``play_program`` starts the controllers again.
+    """
+
+
+class StopProtectively(_OfArm[None], frozen=True):
+    """Stop this arm as its safety system does: it brakes until the stop is unlocked."""
+
+    reason: Annotated[str, Meta(min_length=1, max_length=500)]
+    """For people."""
+
+
+class UnlockProtectiveStop(_OfArm[None], frozen=True):
+    """End a protective stop, from 5 s of simulated time after it on.
+
+    The arm holds until ``play_program`` starts the controllers again.
+    """
+
+
+class RestartSafety(_OfArm[None], frozen=True):
+    """Clear whatever the safety system has stopped; the arm is switched off then."""
+
+
+class SetTcp(_OfArm[None], frozen=True):
+    """Set the tool centre point, for clients; nothing in the simulation uses it."""
+
+    pose: Pose6
+    """In the frame of the flange: position [m] and rotation vector [rad]."""
+
+
+class SetSafetyLimits(_OfArm[None], frozen=True):
+    """Choose what stops the arm protectively by itself; the rest does not change."""
+
+    enabled: bool | None = None
+    """Whether anything does: a path error, the force of a contact, a joint's limit."""
+    force: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
+    """Of contacts with the tool or a link but the base [N]."""
+
+
+class ReportUr(_OfArm[None], frozen=True):
+    """Show what the interface of UR's protocols does: for its process only."""
+
+    program: Annotated[str, Meta(max_length=200)] = ""
+    """The name of its program; empty if there is none."""
+    program_state: Annotated[str, Meta(max_length=50)] = "STOPPED"
+    """As RTDE names ``runtime_state``."""
+    popup: Annotated[str, Meta(max_length=1000)] | None = None
+    """The text that waits for an answer."""
+    clients: Annotated[int, Meta(ge=0)] = 0
+    """Connections to all of its ports."""
+    registers: Annotated[
+        dict[str, bool | int | float], Meta(max_length=MAX_REGISTERS)
+    ] = field(default_factory=dict)
+    """Those that are not zero, by their names in RTDE."""
 
 
 handles(ReadIO, in_tick=True, publishes=False)(
@@ -144,16 +215,47 @@ def _set_payload(simulation: Simulation, request: SetPayload) -> None:
     simulation.core.set_payload(request.arm, payload)
 
 
-def _program(simulation: Simulation, request: Any) -> None:
-    boxes, state = simulation.core.control_boxes, simulation.core.state
-    match request:
-        case PlayProgram():
-            boxes.play(request.arm, state)
-        case PauseProgram():
-            boxes.pause(request.arm)
-        case StopProgram():
-            boxes.stop(request.arm, state)
+handles(SetTcp, in_tick=True)(
+    lambda sim, request: sim.core.control_boxes.set_tcp(request.arm, request.pose)
+)
+handles(SetSafetyLimits, in_tick=True)(
+    lambda sim, request: sim.core.control_boxes.set_safety_limits(
+        request.arm, request.enabled, request.force
+    )
+)
+handles(ReportUr, in_tick=True)(
+    lambda sim, request: sim.core.control_boxes.report_ur(
+        request.arm,
+        UrReport(
+            program=request.program,
+            program_state=request.program_state,
+            popup=request.popup,
+            clients=request.clients,
+            registers=request.registers,
+        ),
+    )
+)
+handles(PauseProgram, in_tick=True)(
+    lambda sim, request: sim.core.arm_modes.pause(request.arm)
+)
+handles(StopProtectively, in_tick=True)(
+    lambda sim, request: sim.core.arm_modes.stop_protectively(
+        request.arm, request.reason, sim.core.state
+    )
+)
 
 
-for _request in (PlayProgram, PauseProgram, StopProgram):
-    handles(_request, in_tick=True)(_program)
+def _handles_mode(kind: type[_OfArm[None]], change: Callable[..., None]) -> None:
+    """Let ``kind`` change the mode of its arm, from the present state on."""
+    handles(kind, in_tick=True)(
+        lambda sim, request: change(sim.core.arm_modes, request.arm, sim.core.state)
+    )
+
+
+_handles_mode(PlayProgram, ArmModes.play)
+_handles_mode(StopProgram, ArmModes.stop)
+_handles_mode(PowerOff, ArmModes.power_off)
+_handles_mode(PowerOn, ArmModes.power_on)
+_handles_mode(ReleaseBrakes, ArmModes.release_brakes)
+_handles_mode(UnlockProtectiveStop, ArmModes.unlock)
+_handles_mode(RestartSafety, ArmModes.restart_safety)

@@ -1,18 +1,17 @@
 """The control boxes of a robot's arms: requests change them, and they act.
 
-The speed slider and a paused program change the factor of scaled trajectories, a
-payload changes the model of the drives, and a stopped program stops the controllers of
-its arm.  Pins are only stored.
+The speed slider and a paused program change the factor of scaled trajectories, and a
+payload changes the model of the drives.  Pins are only stored; ``arm_modes`` has power,
+stops and programs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final, NamedTuple, final
+from typing import Any, Final, final
 
 from msgspec.structs import replace
 
-from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.model import FLANGE, RobotModel
 from tool0.description.parts import find_arms
 from tool0.errors import ControlError, did_you_mean
@@ -20,11 +19,11 @@ from tool0.hardware.control_box import (
     AnalogDomain,
     AnalogPin,
     ControlBoxState,
+    Pose6,
     ProgramState,
-    RobotMode,
-    SafetyMode,
+    SafetyLimits,
+    UrReport,
 )
-from tool0.hardware.engine import JointState
 from tool0.hardware.payload import Payload, modelled_payload
 from tool0.hardware.robot_hardware import RobotHardware
 
@@ -37,36 +36,24 @@ CURRENTS: Final = (0.004, 0.020)
 """Of an analogue pin [A]."""
 
 
-class _Arm(NamedTuple):
-    flange: str
-    joints: frozenset[str]
-
-
 @final
 class ControlBoxes:
     """Every arm's control box.  Only the thread of the tick may use it."""
 
-    def __init__(
-        self, model: RobotModel, hardware: RobotHardware, manager: ControllerManager
-    ) -> None:
-        self._model, self._hardware, self._manager = model, hardware, manager
-        self._arms = {
-            name: _Arm(arm.flange, frozenset(joint.name for joint in arm.joints))
-            for name, arm in find_arms(model).items()
-        }
+    def __init__(self, model: RobotModel, hardware: RobotHardware) -> None:
+        self._model, self._hardware = model, hardware
+        self._flanges = {name: arm.flange for name, arm in find_arms(model).items()}
         self.states = tuple(
             ControlBoxState(
                 arm=name,
-                prefix=arm.flange.removesuffix(FLANGE),
-                payload=modelled_payload(model, arm.flange),
+                prefix=flange.removesuffix(FLANGE),
+                payload=modelled_payload(model, flange),
             )
-            for name, arm in self._arms.items()
+            for name, flange in self._flanges.items()
         )
         """One for each arm: the same tuple until something changes."""
         self.is_steady = True
         """Whether no speed scaling factor is on its way to another value."""
-        self._stopped: dict[str, tuple[str, ...]] = {}
-        """The controllers that a stopped program has stopped, by arm."""
 
     def find(self, arm: str | None) -> ControlBoxState:
         """Return an arm's control box; the only one without a name.
@@ -97,8 +84,7 @@ class ControlBoxes:
                 most = RAMP * period
                 factor = min(max(target, now - most), now + most)
                 self._hardware.speed_scaling[state.prefix] = factor
-                self._change(state, speed_scaling=factor)
-        self.is_steady = all(s.speed_scaling == _target(s) for s in self.states)
+                self.change(state, speed_scaling=factor)
 
     # ---- operations -----------------------------------------------------------------
 
@@ -112,7 +98,7 @@ class ControlBoxes:
         for pin, value in pins.items():
             _check_pin(pin, len(values), name)
             values[pin] = value
-        self._change(state, **{name: tuple(values)})
+        self.change(state, **{name: tuple(values)})
 
     def set_analog_output(
         self, arm: str | None, pin: int, level: float, domain: AnalogDomain
@@ -126,7 +112,7 @@ class ControlBoxes:
             value = lowest + (highest - lowest) * level
         pins = list(state.analog_outputs)
         pins[pin] = AnalogPin(value, domain)
-        self._change(state, analog_outputs=tuple(pins))
+        self.change(state, analog_outputs=tuple(pins))
 
     def set_analog_input(
         self, arm: str | None, pin: int, value: AnalogPin, *, is_of_tool: bool
@@ -137,84 +123,53 @@ class ControlBoxes:
         pins = list(getattr(state, name))
         _check_pin(pin, len(pins), name)
         pins[pin] = value
-        self._change(state, **{name: tuple(pins)})
+        self.change(state, **{name: tuple(pins)})
 
     def set_tool_voltage(self, arm: str | None, voltage: int) -> None:
         """Supply 0, 12 or 24 V at the tool's connector."""
-        self._change(self.find(arm), tool_voltage=voltage)
+        self.change(self.find(arm), tool_voltage=voltage)
 
     def set_speed_slider(self, arm: str | None, fraction: float) -> None:
         """Slow down scaled trajectories from now on."""
-        self._change(self.find(arm), speed_slider=fraction)
-        self.is_steady = False
+        self.change(self.find(arm), speed_slider=fraction)
 
     def set_payload(self, arm: str | None, payload: Payload | None) -> None:
         """Take this to be at the flange; None is what the description has."""
         state = self.find(arm)
-        flange = self._arms[state.arm].flange
+        flange = self._flanges[state.arm]
         self._hardware.set_payload(flange, payload)
         known = payload or modelled_payload(self._model, flange)
-        self._change(state, payload=known)
+        self.change(state, payload=known)
 
-    def play(self, arm: str | None, now: JointState) -> None:
-        """Let the program run: start the controllers that were stopped with it.
+    def set_tcp(self, arm: str | None, tcp: Pose6) -> None:
+        """Store the tool centre point, in the frame of the flange."""
+        self.change(self.find(arm), tcp=tcp)
 
-        Raises:
-            ControlError: If the emergency stop is engaged.
-        """
+    def set_safety_limits(
+        self, arm: str | None, is_enabled: bool | None, force: float | None
+    ) -> None:
+        """Choose what stops the arm by itself; None does not change."""
         state = self.find(arm)
-        if self._hardware.is_stopped:
-            raise ControlError(
-                "the emergency stop is engaged; release it before playing the program"
-            )
-        loaded = {status.name for status in self._manager.list()}
-        names = [n for n in self._stopped.get(state.arm, ()) if n in loaded]
-        self._manager.switch(names, (), Strictness.BEST_EFFORT, now)
-        self._stopped.pop(state.arm, None)
-        self._change(state, program=ProgramState.PLAYING)
-        self.is_steady = False
+        old = state.safety_limits
+        limits = SafetyLimits(
+            is_enabled=old.is_enabled if is_enabled is None else is_enabled,
+            force=old.force if force is None else force,
+        )
+        self.change(state, safety_limits=limits)
 
-    def pause(self, arm: str | None) -> None:
-        """Pause the program: scaled trajectories slow down to a standstill.
+    def report_ur(self, arm: str | None, report: UrReport) -> None:
+        """Show what the interface of UR's protocols reports of itself."""
+        self.change(self.find(arm), ur=report)
 
-        Raises:
-            ControlError: If it is stopped.
-        """
-        state = self.find(arm)
-        if state.program is ProgramState.STOPPED:
-            raise ControlError("the program is stopped; play it before pausing it")
-        self._change(state, program=ProgramState.PAUSED)
-        self.is_steady = False
-
-    def stop(self, arm: str | None, now: JointState) -> None:
-        """Stop the program, and with it the controllers of the arm's joints."""
-        state = self.find(arm)
-        if state.program is not ProgramState.STOPPED:
-            joints = self._arms[state.arm].joints
-            names = tuple(
-                status.name
-                for status in self._manager.list()
-                if status.is_running and status.joints & joints
-            )
-            self._manager.switch((), names, Strictness.BEST_EFFORT, now)
-            self._stopped[state.arm] = names
-            self._change(state, program=ProgramState.STOPPED)
-            self.is_steady = False
-
-    def note_emergency_stop(self) -> None:
-        """Follow the emergency stop of the drives, which all arms share."""
-        is_stopped = self._hardware.is_stopped
-        robot = RobotMode.POWER_OFF if is_stopped else RobotMode.RUNNING
-        safety = SafetyMode.ROBOT_EMERGENCY_STOP if is_stopped else SafetyMode.NORMAL
-        for state in self.states:
-            self._change(state, robot_mode=robot, safety_mode=safety)
-
-    def _change(self, state: ControlBoxState, **changes: Any) -> None:
-        changed = replace(state, **changes)
-        if changed != state:
-            self.states = tuple(
-                changed if item is state else item for item in self.states
-            )
+    def change(self, state: ControlBoxState, **changes: Any) -> ControlBoxState:
+        """Replace fields of the newest state of an arm, and return it."""
+        newest = self.find(state.arm)
+        changed = replace(newest, **changes)
+        if changed == newest:
+            return newest
+        self.states = tuple(changed if item is newest else item for item in self.states)
+        self.is_steady = all(s.speed_scaling == _target(s) for s in self.states)
+        return changed
 
 
 def _target(state: ControlBoxState) -> float:

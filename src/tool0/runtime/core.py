@@ -30,6 +30,7 @@ from tool0.hardware.payload import Payload
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.kernel import Kernel
 from tool0.kernel.program import Ended, Program
+from tool0.runtime.arm_modes import ArmModes
 from tool0.runtime.control_boxes import ControlBoxes
 from tool0.runtime.joint_motion import (
     joints_by_controller,
@@ -70,7 +71,8 @@ class Core:
         self.hardware = hardware
         self.manager = manager
         self.scene = SceneObjects(model, engine, scene or Scene())
-        self.control_boxes = ControlBoxes(model, hardware, manager)
+        self.control_boxes = ControlBoxes(model, hardware)
+        self.arm_modes = ArmModes(model, self.control_boxes, hardware, manager)
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
@@ -403,7 +405,7 @@ class Core:
             return
         self.hardware.set_stopped(engaged, self.state)
         self.manager.restart(self.state)
-        self.control_boxes.note_emergency_stop()
+        self.arm_modes.note_emergency_stop()
 
     def drift(self, at_least: float = 0.0) -> float:
         """Return the largest drift of an uncommanded joint from its start [rad | m].
