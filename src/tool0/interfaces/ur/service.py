@@ -33,8 +33,10 @@ class Interface(Protocol):
 
 def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     """Return what a control box presents."""
-    del box, options
-    return []
+    from tool0.interfaces.ur.rtde.server import RtdeServer
+
+    del options
+    return [RtdeServer(box)]
 
 
 async def connected(name: str) -> SocketChannel:
