@@ -38,6 +38,7 @@ from tool0.runtime.joint_motion import (
     planned_motion,
     require_velocities,
 )
+from tool0.runtime.protective_stops import ProtectiveStops
 from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp import GraspAssist
@@ -77,6 +78,7 @@ class Core:
         self.arm_motions = ArmMotions(
             model, hardware, manager, self.control_boxes, self.arm_modes
         )
+        self.protective_stops = ProtectiveStops(model, hardware, manager, engine.world)
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
@@ -205,6 +207,15 @@ class Core:
         contacts = self.engine.world.contacts
         self.stall_monitor.look(self.state, contacts)
         self.grip_contacts.look(self.state, contacts)
+
+    def look_at_limits(self) -> None:
+        """Stop arms whose safety limits are exceeded, between two ticks."""
+        boxes, program = self.control_boxes.states, self._program
+        command = self.hardware.command if program is None else program.command
+        found = self.protective_stops.look(boxes, self.state, command)
+        for arm, reason in found:
+            self.settle()
+            self.arm_modes.stop_protectively(arm, reason, self.state)
 
     # ---- controllers ----------------------------------------------------------------
 
@@ -396,6 +407,7 @@ class Core:
             self.grasp_assist.forget()
         self.stall_monitor.forget()
         self.grip_contacts.forget()
+        self.protective_stops.forget()
         self.hardware.restart(self.state)
         self.manager.restart(self.state)
         for sensor in self._sensors:
