@@ -15,8 +15,8 @@ from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.legs import JointLimits, Leg, is_straight, timed_leg
 from tool0.kinematics.line import LinePath
 from tool0.kinematics.moves import Move, MovePlan, Tail
+from tool0.kinematics.pose import matrix_of
 from tool0.kinematics.profile import SpeedProfile, ramp
-from tool0.kinematics.rotation import pose_matrix
 from tool0.kinematics.segments import (
     JointSegment,
     Knots,
@@ -57,7 +57,7 @@ class MovePlanner:
                 link, if left out.
         """
         self._kinematics = kinematics
-        self._T_tip_tool = pose_matrix(tcp)
+        self._T_tip_tool = matrix_of(tcp)
         self._T_base_frame = np.eye(4) if T_base_frame is None else T_base_frame
         self._T_frame_base: Array = np.asarray(np.linalg.inv(self._T_base_frame))
         self._limits = JointLimits(kinematics.chain.joints)
@@ -209,7 +209,7 @@ class MovePlanner:
     def _pose(self, pose: Sequence[float] | None) -> Array:
         """Return a pose of the TCP in the link that carries the arm."""
         assert pose is not None  # ``Move`` checks it
-        return np.asarray(self._T_base_frame @ pose_matrix(pose))
+        return np.asarray(self._T_base_frame @ matrix_of(pose))
 
     # ---- from one move into the next ------------------------------------------------
 
