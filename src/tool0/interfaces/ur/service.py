@@ -33,8 +33,15 @@ class Interface(Protocol):
 
 def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     """Return what a control box presents."""
-    del box, options
-    return []
+    from tool0.interfaces.ur.client_interface.interface import ClientInterface
+    from tool0.interfaces.ur.dashboard import Dashboard
+    from tool0.interfaces.ur.safety_stop import SafetyStop
+
+    return [
+        SafetyStop(box),
+        Dashboard(box, options.programs, allow_sockets=options.allow_sockets),
+        ClientInterface(box, allow_sockets=options.allow_sockets),
+    ]
 
 
 async def connected(name: str) -> SocketChannel:
