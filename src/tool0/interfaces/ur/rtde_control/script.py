@@ -2,8 +2,8 @@
 
 The program is a server of commands that come through registers of RTDE.  It is always
 the same, but for the offset of its registers and the path of ``moveJ(path)``,
-``moveL(path)`` and ``movePath``, which the client inserts as lines of URScript.  Nothing
-of it is interpreted: ``program.py`` executes its commands.
+``moveL(path)`` and ``movePath``, which the client inserts as lines of URScript.
+Nothing of it is interpreted: ``program.py`` executes its commands.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from tool0.errors import ConfigError
-from tool0.requests.updates import Six
+from tool0.kinematics.moves import Move, MoveKind
 
 MAX_WAYPOINTS: Final = 10_000
 """Of one path."""
@@ -29,9 +29,10 @@ _MARKS: Final = (
 _NAME: Final = re.compile(r"^\s*def\s+(\w+)\s*\(\s*\)\s*:")
 _REVISION: Final = re.compile(r"RTDE Control Script Loaded \(([^)\"]*)\)")
 _OFFSET: Final = re.compile(r"# (float|int) register offset\n\s*(\d+)")
-_CODE: Final = re.compile(r"\bif cmd == (\d+):")
+_CODE: Final = re.compile(r"if cmd == (\d+):")
 _PATH: Final = re.compile(r"# inject move path\n(.*?)^\s*end\b", re.DOTALL | re.M)
 _NUMBER: Final = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
+_KINDS: Final[dict[str, MoveKind]] = {"j": "joint", "l": "linear", "p": "process"}
 _PROGRESS: Final = re.compile(r"signal_async_progress\(\d+\)")
 _MOVE: Final = re.compile(
     r"move([jlp])\((p?)\["
@@ -48,25 +49,6 @@ _MOVE: Final = re.compile(
 
 @final
 @dataclass(frozen=True, slots=True)
-class PathMove:
-    """One waypoint of a path."""
-
-    kind: str
-    """``j``, ``l`` or ``p``, as in movej."""
-    is_pose: bool
-    """Whether the target is a pose of the TCP; otherwise, joint positions."""
-    target: Six
-    """[rad], or a pose in the base frame."""
-    acceleration: float
-    """Of the leading joint [rad/s²] or of the tool [m/s²]."""
-    speed: float
-    """[rad/s] or [m/s]"""
-    radius: float
-    """Of the blend into the next move [m]."""
-
-
-@final
-@dataclass(frozen=True, slots=True)
 class ControlScript:
     """What differs from upload to upload."""
 
@@ -77,7 +59,7 @@ class ControlScript:
     """Of its registers: 0, or 24 for the upper range."""
     codes: frozenset[int]
     """The commands that it has."""
-    path: tuple[PathMove, ...]
+    path: tuple[Move, ...]
     """Of command 45."""
 
 
@@ -86,6 +68,7 @@ def parse(text: str) -> ControlScript | None:
 
     Raises:
         ConfigError: If it is that program, but with another path than ur_rtde writes.
+        ControlError: If no arm can follow that path.
     """
     name = _NAME.match(text)
     if name is None or not all(mark in text for mark in _MARKS):
@@ -107,7 +90,7 @@ def parse(text: str) -> ControlScript | None:
     )
 
 
-def _path(text: str, name: str) -> tuple[PathMove, ...]:
+def _path(text: str, name: str) -> tuple[Move, ...]:
     inserted = _PATH.search(text)
     if inserted is None:
         return ()
@@ -123,10 +106,19 @@ def _path(text: str, name: str) -> tuple[PathMove, ...]:
                 f"{name}, line {number}: '{code[:80]}' is not a move, such as "
                 "movej([0,-1.57,1.57,0,0,0],a=1.4,v=1.05,r=0.02)"
             )
-        kind, pose, *numbers = found.groups()
+        letter, is_pose, *numbers = found.groups()
         a, b, c, d, e, f, acceleration, speed, radius = map(float, numbers)
         target = (a, b, c, d, e, f)
-        moves.append(PathMove(kind, bool(pose), target, acceleration, speed, radius))
+        moves.append(
+            Move(
+                kind=_KINDS[letter],
+                q=None if is_pose else target,
+                pose=target if is_pose else None,
+                a=acceleration,
+                v=speed,
+                r=radius,
+            )
+        )
     if len(moves) > MAX_WAYPOINTS:
         raise ConfigError(f"{name}: {len(moves)} waypoints; at most {MAX_WAYPOINTS}")
     return tuple(moves)
