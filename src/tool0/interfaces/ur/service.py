@@ -36,13 +36,14 @@ def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     """Return what a control box presents."""
     from tool0.interfaces.ur.client_interface.interface import ClientInterface
     from tool0.interfaces.ur.dashboard import Dashboard
-    from tool0.interfaces.ur.program_files import ProgramFiles
     from tool0.interfaces.ur.rtde.server import RtdeServer
+    from tool0.interfaces.ur.safety_stop import SafetyStop
 
     interfaces: list[Interface] = [
+        SafetyStop(box),
         RtdeServer(box),
-        Dashboard(box, ProgramFiles(options.programs)),
-        ClientInterface(box),
+        Dashboard(box, options.programs, allow_sockets=options.allow_sockets),
+        ClientInterface(box, allow_sockets=options.allow_sockets),
     ]
     if box.gripper is not None:
         from tool0.interfaces.ur.robotiq.interface import (
