@@ -4,25 +4,18 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Coroutine, Sequence
-from typing import TYPE_CHECKING, Any, Final, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 from msgspec import structs
 
 from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.ur.moves import Moves
-from tool0.interfaces.ur.pose import rotation_of
 from tool0.interfaces.ur.rtde_control.exchange import Exchange
 from tool0.kinematics.chain import Array
 from tool0.kinematics.moves import Move, MoveKind
 from tool0.requests.arm_motion import (
-    EndForceMode,
-    EndFreedrive,
-    ServoJoints,
-    SpeedJoints,
-    SpeedTool,
     StartForceMode,
-    StartFreedrive,
 )
 
 if TYPE_CHECKING:
