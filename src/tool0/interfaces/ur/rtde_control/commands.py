@@ -56,7 +56,9 @@ class Commands:
         """Serve ``path`` as command 45; ``wake`` lets the server look for contacts."""
         self._box, self._exchange, self._history = box, exchange, history
         moves = Moves(box)
-        self._motions = motions = Motions(box, exchange, history, moves, path, wake)
+        self._motions = motions = Motions(
+            box, exchange, history, moves, path=path, wake=wake
+        )
         compliance = Compliance(box, exchange, moves)
         self._actions: dict[int, Action] = {
             1: motions.move_joints,

@@ -43,6 +43,7 @@ class Motions:
         exchange: Exchange,
         history: ToolHistory,
         moves: Moves,
+        *,
         path: Sequence[Move],
         wake: Callable[[], None],
     ) -> None:
