@@ -126,6 +126,7 @@ def entries() -> Mapping[str, Entry]:
 _MODULES = (
     *(
         "arm",
+        "arm_motion",
         "control_box",
         "gripper",
         "hardware",

@@ -31,12 +31,14 @@ from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.kernel import Kernel
 from tool0.kernel.program import Ended, Program
 from tool0.runtime.arm_modes import ArmModes
+from tool0.runtime.arm_motions import ArmMotions
 from tool0.runtime.control_boxes import ControlBoxes
 from tool0.runtime.joint_motion import (
     joints_by_controller,
     planned_motion,
     require_velocities,
 )
+from tool0.runtime.protective_stops import ProtectiveStops
 from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp import GraspAssist
@@ -73,6 +75,10 @@ class Core:
         self.scene = SceneObjects(model, engine, scene or Scene())
         self.control_boxes = ControlBoxes(model, hardware)
         self.arm_modes = ArmModes(model, self.control_boxes, hardware, manager)
+        self.arm_motions = ArmMotions(
+            model, hardware, manager, self.control_boxes, self.arm_modes
+        )
+        self.protective_stops = ProtectiveStops(model, hardware, manager, engine.world)
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
@@ -112,6 +118,8 @@ class Core:
         self.scene.wrenches.tick(self.time)
         if not self.control_boxes.is_steady:
             self.control_boxes.tick(self.control_period)
+        if not self.arm_motions.is_idle:
+            self.arm_motions.tick(state)
         self.manager.update(state, self.control_period)
         self._finish_tick(state, self._steps_per_tick)
 
@@ -148,6 +156,7 @@ class Core:
             self._program is None
             and self.scene.wrenches.is_idle
             and self.control_boxes.is_steady
+            and self.arm_motions.is_idle
         ):
             self._program = self._kernel.load(self.state)
         return self._program
@@ -198,6 +207,15 @@ class Core:
         contacts = self.engine.world.contacts
         self.stall_monitor.look(self.state, contacts)
         self.grip_contacts.look(self.state, contacts)
+
+    def look_at_limits(self) -> None:
+        """Stop arms whose safety limits are exceeded, between two ticks."""
+        boxes, program = self.control_boxes.states, self._program
+        command = self.hardware.command if program is None else program.command
+        found = self.protective_stops.look(boxes, self.state, command)
+        for arm, reason in found:
+            self.settle()
+            self.arm_modes.stop_protectively(arm, reason, self.state)
 
     # ---- controllers ----------------------------------------------------------------
 
@@ -338,6 +356,10 @@ class Core:
         self._note_command(controller)
         self.manager.release_brakes(controller, self.state)
 
+    def take_arm(self, arm: str | None, by: str) -> None:
+        """Let a program move an arm in place of its controllers."""
+        self._note_command(self.arm_motions.take(arm, by, self.state))
+
     def cancel(self, goal: Goal) -> None:
         """Stop the motion of an active goal; one that has ended is left alone."""
         if goal.status.is_terminal:
@@ -385,6 +407,7 @@ class Core:
             self.grasp_assist.forget()
         self.stall_monitor.forget()
         self.grip_contacts.forget()
+        self.protective_stops.forget()
         self.hardware.restart(self.state)
         self.manager.restart(self.state)
         for sensor in self._sensors:

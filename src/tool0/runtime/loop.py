@@ -288,6 +288,8 @@ class Loop:
     def _observe(self) -> None:
         """Publish a snapshot; at the default period, look at the contacts, too."""
         core = self._core
+        if core.control_boxes.has_limits:
+            self._attempt(core.look_at_limits)
         if core.ticks % self._default_snapshot_ticks:
             self._publish()
             return
