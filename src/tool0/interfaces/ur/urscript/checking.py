@@ -215,19 +215,20 @@ class Checker:
     def _chain(self, expression: s.Chain) -> _Known:
         value = self._fold(expression.first)
         for operand in expression.rest:
-            other = self._fold(operand.value)
-            word = operand.operator
-            if word not in ARITHMETIC:
-                for item in (value, other):
-                    if not isinstance(item, _Unknown):
-                        self._try(lambda item=item: boolean(word, item), operand.at)
-                value = _UNKNOWN
-            elif isinstance(value, _Unknown) or isinstance(other, _Unknown):
-                value = _UNKNOWN
-            else:
-                a, b, apply = value, other, ARITHMETIC[word]
-                value = self._try(lambda: apply(a, b), operand.at)
+            value = self._applied(value, operand)
         return value
+
+    def _applied(self, value: _Known, operand: s.Operand) -> _Known:
+        other = self._fold(operand.value)
+        word = operand.operator
+        if word in ARITHMETIC:
+            if isinstance(value, _Unknown) or isinstance(other, _Unknown):
+                return _UNKNOWN
+            return self._try(lambda: ARITHMETIC[word](value, other), operand.at)
+        for item in (value, other):
+            if not isinstance(item, _Unknown):
+                self._try(lambda item=item: boolean(word, item), operand.at)
+        return _UNKNOWN
 
     def _try(self, compute: object, at: Place) -> Value:
         try:
@@ -329,9 +330,12 @@ class Checker:
                 kind.convert(value)
             except ValueProblem as error:
                 problem = str(error)
-        elif isinstance(node, s.ListOf) and kind.sizes:
-            if len(node.items) not in kind.sizes:
-                problem = f"{kind.words} is needed, not a list of {len(node.items)}"
+        elif (
+            isinstance(node, s.ListOf)
+            and kind.sizes
+            and len(node.items) not in kind.sizes
+        ):
+            problem = f"{kind.words} is needed, not a list of {len(node.items)}"
         if problem is not None:
             message = f"argument '{parameter.name}' of {call.name}: {problem}"
             self._fail(message, argument.at)

@@ -1,7 +1,7 @@
 """A running program: its threads, their time, and how they end.
 
 Threads are tasks of one event loop.  As on the robot, a thread that computes without end
-uses up its share of a control period and continues in the next one.
+uses up its share of a control period and goes on in the next one.
 """
 
 from __future__ import annotations

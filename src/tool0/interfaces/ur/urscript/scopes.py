@@ -65,9 +65,11 @@ def _scope(
     local = {item.name for item in definition.parameters}
     if parent is not None:
         for item in own:
-            if isinstance(item, s.Assign) and item.scope != "global":
-                if item.scope == "local" or item.name not in known:
-                    local.add(item.name)
+            is_local = isinstance(item, s.Assign) and (
+                item.scope == "local" or (item.scope is None and item.name not in known)
+            )
+            if is_local and isinstance(item, s.Assign):
+                local.add(item.name)
     return Scope(definition, parent, functions, frozenset(local), known)
 
 

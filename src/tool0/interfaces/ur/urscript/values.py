@@ -47,7 +47,7 @@ class Handle:
         return None if self._task.cancelled() else self._task.result()
 
 
-Value: TypeAlias = Union[None, bool, int, float, str, Pose, "tuple[Value, ...]", Handle]
+Value: TypeAlias = Union[bool, int, float, str, Pose, "tuple[Value, ...]", Handle, None]
 _FAMILIES: Final[dict[type, str]] = {
     bool: "a boolean",
     int: "an integer",
@@ -195,7 +195,7 @@ def _arithmetic(symbol: str, compute: Numbers) -> Operator:
         if is_number(a) and is_number(b):
             return checked_integer(compute(a, b))  # type: ignore[arg-type]
         if symbol == "+" and kinds == (str, str):
-            return checked_text(a + b)  # type: ignore[operator]
+            return checked_text(f"{a}{b}")
         if Pose in kinds:
             raise ValueProblem(
                 f"'{symbol}' does not apply to poses; use pose_add, pose_sub or "

@@ -19,13 +19,7 @@ from tool0.interfaces.ur.urscript.kinds import (
     Vector,
 )
 from tool0.interfaces.ur.urscript.values import Pose, Value, described
-from tool0.requests.arm_motion import (
-    EndForceMode,
-    EndFreedrive,
-    StartForceMode,
-    StartFreedrive,
-    ZeroWrench,
-)
+from tool0.requests import arm_motion
 from tool0.requests.control_box import SetPayload, SetTcp, StopProtectively
 from tool0.requests.updates import Six
 
@@ -58,7 +52,7 @@ async def force_mode(
     if min(limits) < 0.0:
         raise ValueProblem("the limits are not negative")
     execution = thread.execution
-    request = StartForceMode(
+    request = arm_motion.StartForceMode(
         arm=thread.robot.arm,
         frame=_six(task_frame),
         selection=selection_vector,
@@ -74,7 +68,7 @@ async def force_mode(
 
 async def end_force_mode(thread: Thread) -> None:
     """Hold positions along all axes again."""
-    await thread.robot.call(EndForceMode(arm=thread.robot.arm))
+    await thread.robot.call(arm_motion.EndForceMode(arm=thread.robot.arm))
 
 
 def force_mode_set_damping(thread: Thread, damping: Number) -> None:
@@ -93,7 +87,7 @@ def force_mode_set_gain_scaling(thread: Thread, scaling: Number) -> None:
 
 async def zero_ftsensor(thread: Thread) -> None:
     """Tare the force-torque reading."""
-    await thread.robot.call(ZeroWrench(arm=thread.robot.arm))
+    await thread.robot.call(arm_motion.ZeroWrench(arm=thread.robot.arm))
 
 
 async def freedrive_mode(
@@ -106,13 +100,15 @@ async def freedrive_mode(
     elif feature == "tool":
         pose = Pose(thread.robot.tcp_pose())
     assert isinstance(pose, Pose)
-    request = StartFreedrive(arm=thread.robot.arm, axes=freeAxes, frame=_six(pose))
+    request = arm_motion.StartFreedrive(
+        arm=thread.robot.arm, axes=freeAxes, frame=_six(pose)
+    )
     await thread.robot.call(request)
 
 
 async def end_freedrive_mode(thread: Thread) -> None:
     """Hold the position again."""
-    await thread.robot.call(EndFreedrive(arm=thread.robot.arm))
+    await thread.robot.call(arm_motion.EndFreedrive(arm=thread.robot.arm))
 
 
 async def set_tcp(thread: Thread, pose: PoseLike, tcp_name: Text = "") -> None:
@@ -129,7 +125,7 @@ async def _set_payload(thread: Thread, mass: float, cog: Vector) -> None:
     robot = thread.robot
     await robot.call(SetPayload(arm=robot.arm, mass=mass, center_of_gravity=cog))
     await thread.until_shown(lambda: robot.state.payload.mass == mass)
-    await robot.call(ZeroWrench(arm=robot.arm))
+    await robot.call(arm_motion.ZeroWrench(arm=robot.arm))
 
 
 async def set_payload(thread: Thread, m: Number, cog: Vector | None = None) -> None:

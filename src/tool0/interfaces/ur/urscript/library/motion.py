@@ -1,6 +1,7 @@
 """Module motion: moves, servo and speed functions, stops.
 
-Joint moves: a [rad/s²] and v [rad/s] of the leading joint.  Tool moves: a [m/s²], v [m/s].
+Joint moves: a [rad/s²] and v [rad/s] of the leading joint.  Moves of the tool: a [m/s²]
+and v [m/s].
 """
 
 from __future__ import annotations
@@ -16,7 +17,6 @@ from tool0.interfaces.ur.urscript.kinds import (
     Integer,
     Joints,
     Number,
-    PoseLike,
     Spatial,
     Target,
 )

@@ -21,7 +21,7 @@ def pose_trans(p_from: PoseLike, p_from_to: PoseLike) -> Pose:
 
 def pose_inv(p_from: PoseLike) -> Pose:
     """Return the inverse of a pose."""
-    return Pose(pose_of(np.linalg.inv(matrix_of(p_from))))
+    return Pose(pose_of(np.asarray(np.linalg.inv(matrix_of(p_from)))))
 
 
 def pose_add(p_1: PoseLike, p_2: PoseLike) -> Pose:

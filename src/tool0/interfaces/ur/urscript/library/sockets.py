@@ -1,4 +1,4 @@
-"""TCP sockets (module interfaces).  Timeouts are wall time: the peer is another program."""
+"""TCP sockets.  Timeouts are wall time, since the peer is another program."""
 
 from __future__ import annotations
 

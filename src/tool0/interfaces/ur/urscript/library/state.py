@@ -105,7 +105,7 @@ def get_joint_torques(thread: Thread) -> Value:
 def get_forward_kin(
     thread: Thread, q: Joints | None = None, tcp: PoseLike | None = None
 ) -> Value:
-    """Return the pose of the TCP at joint positions; at the measured ones, if left out."""
+    """Return the pose of the TCP at joint positions; the measured ones, if left out."""
     return Pose(thread.robot.forward(thread.robot.q if q is None else q, tcp))
 
 
