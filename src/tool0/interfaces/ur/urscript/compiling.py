@@ -308,7 +308,7 @@ def _halt(frame: Frame) -> Outcome:
 
 
 async def _pause(frame: Frame) -> None:
-    frame.thread.robot.programs.pause()
+    frame.thread.box.programs.pause()
     await frame.thread.hold()
 
 

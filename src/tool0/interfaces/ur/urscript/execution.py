@@ -1,6 +1,6 @@
 """A running program: its threads, their time, and how they end.
 
-Threads are tasks of one event loop.  As on the robot, a thread that computes without end
+Threads are tasks of one event loop.  As on the robot, one that computes without end
 uses up its share of a control period and goes on in the next one.
 """
 
@@ -11,14 +11,15 @@ from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.errors import Tool0Error
+from tool0.interfaces.ur.tool_contact import ToolHistory
 from tool0.interfaces.ur.urscript.errors import Place, URScriptError, ValueProblem
-from tool0.interfaces.ur.urscript.history import History
+from tool0.interfaces.ur.urscript.sockets import Sockets
 from tool0.interfaces.ur.urscript.values import Handle, Value
 
 if TYPE_CHECKING:
+    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.moves import Moves
     from tool0.interfaces.ur.urscript.compiling import Code
-    from tool0.interfaces.ur.urscript.robot import Mover, Robot
-    from tool0.interfaces.ur.urscript.sockets import Sockets
 
 MAX_THREADS: Final = 50
 MAX_DEPTH: Final = 100
@@ -52,12 +53,12 @@ class Thread:
         self._spun = 0
 
     @property
-    def robot(self) -> Robot:
-        """The robot that the program controls."""
-        return self.execution.robot
+    def box(self) -> Box:
+        """The control box that the program runs on."""
+        return self.execution.box
 
     @property
-    def moves(self) -> Mover:
+    def moves(self) -> Moves:
         """Moves of the robot."""
         return self.execution.moves
 
@@ -86,10 +87,10 @@ class Thread:
         """Wait while the program is paused, or another thread is critical."""
         execution = self.execution
         while True:
-            if execution.robot.programs.is_paused:
-                await execution.robot.programs.gate()
+            if execution.is_paused:
+                await self.box.programs.gate()
             elif execution.critical not in {None, self}:
-                await execution.robot.next_update()
+                await self.box.next_update()
             else:
                 return
 
@@ -98,7 +99,7 @@ class Thread:
         for _ in range(MAX_UPDATES):
             if condition():
                 return
-            await self.robot.next_update()
+            await self.box.next_update()
 
     async def moving(self, motion: Callable[[], Awaitable[None]]) -> None:
         """Execute a motion, which one thread at a time can do.
@@ -120,12 +121,23 @@ class Thread:
 class Execution:
     """One run of a program."""
 
-    def __init__(self, name: str, robot: Robot, moves: Mover, sockets: Sockets) -> None:
+    def __init__(
+        self, name: str, box: Box, moves: Moves, *, is_secondary: bool = False
+    ) -> None:
+        """Prepare to run.
+
+        Args:
+            name: Of the program's source, for messages.
+            box: The control box.
+            moves: Its arm's moves.
+            is_secondary: Whether it runs beside the program, also while that is paused.
+        """
         self.name = name
-        self.robot = robot
+        self.box = box
         self.moves = moves
-        self.sockets = sockets
-        self.history = History(robot)
+        self.sockets = Sockets(allow_others=box.allow_sockets)
+        self.history = ToolHistory(box)
+        self._is_secondary = is_secondary
         self.force_damping = 0.005
         """Of the next force mode."""
         self.force_gain = 1.0
@@ -146,17 +158,22 @@ class Execution:
         Raises:
             URScriptError: The program failed, with the location.
         """
-        main = self._start(code)
-        main.add_done_callback(lambda _: self._finish(None))
-        try:
-            await self._end
-        finally:
-            for task in self._tasks:
-                task.cancel()
-            if self._tasks:
-                await asyncio.wait(set(self._tasks))
-            self.sockets.close_all()
-            self.history.close()
+        with self.history:
+            main = self._start(code)
+            main.add_done_callback(lambda _: self._finish(None))
+            try:
+                await self._end
+            finally:
+                for task in self._tasks:
+                    task.cancel()
+                if self._tasks:
+                    await asyncio.wait(set(self._tasks))
+                self.sockets.close_all()
+
+    @property
+    def is_paused(self) -> bool:
+        """Whether the program waits to be resumed."""
+        return self.box.programs.is_paused and not self._is_secondary
 
     def start_thread(self, code: Code) -> Handle:
         """Start a thread of the program."""
@@ -196,11 +213,11 @@ class Execution:
 
     async def share(self, statements: int) -> None:
         """Count statements of this control period; wait when there were too many."""
-        now = self.robot.time
+        now = self.box.time
         if now != self._period:
             self._period, self._used = now, 0
         self._used += statements
         if self._used >= PER_PERIOD:
-            await self.robot.next_update()
+            await self.box.next_update()
         else:
             await asyncio.sleep(0)

@@ -11,21 +11,18 @@ from tool0.interfaces.ur.urscript.errors import Place, URScriptError
 from tool0.interfaces.ur.urscript.execution import Execution
 from tool0.interfaces.ur.urscript.parsing import parse
 from tool0.interfaces.ur.urscript.scopes import program_scope
-from tool0.interfaces.ur.urscript.sockets import Sockets
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box
-    from tool0.interfaces.ur.urscript.robot import Mover, Robot
 
 
 @final
 class URScriptProgram:
     """A checked program."""
 
-    def __init__(self, code: Code, name: str, *, allow_sockets: bool) -> None:
+    def __init__(self, code: Code, name: str) -> None:
         self._code = code
         self._source = name
-        self._allow_sockets = allow_sockets
 
     @property
     def name(self) -> str:
@@ -45,22 +42,13 @@ class URScriptProgram:
         """
         from tool0.interfaces.ur.moves import Moves
 
-        await self.execute(box, Moves(box))
-
-    async def execute(self, robot: Robot, moves: Mover) -> None:
-        """Run on a robot to the end.
-
-        Raises:
-            URScriptError: The program failed, with the location.
-        """
-        sockets = Sockets(allow_others=self._allow_sockets)
-        execution = Execution(self._source, robot, moves, sockets)
+        execution = Execution(
+            self._source, box, Moves(box), is_secondary=self.is_secondary
+        )
         await execution.run(self._code)
 
 
-def compile_program(
-    text: str, name: str = "program", *, allow_sockets: bool = False
-) -> URScriptProgram:
+def compile_program(text: str, name: str = "program") -> URScriptProgram:
     """Return a program that is checked and ready to run.
 
     A program is a ``def`` or a ``sec`` without parameters, or bare statements.  Of
@@ -70,7 +58,6 @@ def compile_program(
     Args:
         text: The program; lines end with LF, CRLF or CR.
         name: Of the source, for messages.
-        allow_sockets: Whether it may connect to other machines.
 
     Raises:
         URScriptError: What is wrong, with line and column.
@@ -80,7 +67,7 @@ def compile_program(
     scope = program_scope(main)
     Checker(name).check(scope)
     code = Compiler(name).compile(scope)
-    return URScriptProgram(code, name, allow_sockets=allow_sockets)
+    return URScriptProgram(code, name)
 
 
 def _main(statements: s.Block, name: str) -> s.Definition:

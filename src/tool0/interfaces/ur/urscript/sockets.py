@@ -99,7 +99,7 @@ class Sockets:
         if not self._allow_others and not _is_loopback(host):
             raise ValueProblem(
                 f"programs connect to this machine only, not to '{address}'; other "
-                "machines need the option --ur-allow-sockets"
+                "machines need the option --ur-sockets"
             )
         try:
             reader, writer = await asyncio.wait_for(

@@ -53,22 +53,22 @@ async def force_mode(
         raise ValueProblem("the limits are not negative")
     execution = thread.execution
     request = arm_motion.StartForceMode(
-        arm=thread.robot.arm,
+        arm=thread.box.arm,
         frame=_six(task_frame),
         selection=selection_vector,
         wrench=wrench,
         kind=cast("Literal[1, 2, 3]", type_),
         limits=limits,
-        tcp=thread.robot.tcp,
+        tcp=thread.box.tcp,
         damping=execution.force_damping,
         gain_scaling=execution.force_gain,
     )
-    await thread.robot.call(request)
+    await thread.box.call(request)
 
 
 async def end_force_mode(thread: Thread) -> None:
     """Hold positions along all axes again."""
-    await thread.robot.call(arm_motion.EndForceMode(arm=thread.robot.arm))
+    await thread.box.call(arm_motion.EndForceMode(arm=thread.box.arm))
 
 
 def force_mode_set_damping(thread: Thread, damping: Number) -> None:
@@ -87,7 +87,7 @@ def force_mode_set_gain_scaling(thread: Thread, scaling: Number) -> None:
 
 async def zero_ftsensor(thread: Thread) -> None:
     """Tare the force-torque reading."""
-    await thread.robot.call(arm_motion.ZeroWrench(arm=thread.robot.arm))
+    await thread.box.call(arm_motion.ZeroWrench(arm=thread.box.arm))
 
 
 async def freedrive_mode(
@@ -98,50 +98,50 @@ async def freedrive_mode(
     if feature == "base":
         pose = _BASE
     elif feature == "tool":
-        pose = Pose(thread.robot.tcp_pose())
+        pose = Pose(thread.box.tcp_pose())
     assert isinstance(pose, Pose)
     request = arm_motion.StartFreedrive(
-        arm=thread.robot.arm, axes=freeAxes, frame=_six(pose)
+        arm=thread.box.arm, axes=freeAxes, frame=_six(pose)
     )
-    await thread.robot.call(request)
+    await thread.box.call(request)
 
 
 async def end_freedrive_mode(thread: Thread) -> None:
     """Hold the position again."""
-    await thread.robot.call(arm_motion.EndFreedrive(arm=thread.robot.arm))
+    await thread.box.call(arm_motion.EndFreedrive(arm=thread.box.arm))
 
 
 async def set_tcp(thread: Thread, pose: PoseLike, tcp_name: Text = "") -> None:
     """Set the pose of the TCP in the flange; the name has no effect."""
     del tcp_name
-    robot, tcp = thread.robot, _six(pose)
-    await robot.call(SetTcp(arm=robot.arm, pose=tcp))
-    await thread.until_shown(lambda: robot.tcp == tcp)
+    box, tcp = thread.box, _six(pose)
+    await box.call(SetTcp(arm=box.arm, pose=tcp))
+    await thread.until_shown(lambda: box.tcp == tcp)
 
 
 async def _set_payload(thread: Thread, mass: float, cog: Vector) -> None:
     if mass < 0.0:
         raise ValueProblem(f"the mass is {mass}; it is not negative")
-    robot = thread.robot
-    await robot.call(SetPayload(arm=robot.arm, mass=mass, center_of_gravity=cog))
-    await thread.until_shown(lambda: robot.state.payload.mass == mass)
-    await robot.call(arm_motion.ZeroWrench(arm=robot.arm))
+    box = thread.box
+    await box.call(SetPayload(arm=box.arm, mass=mass, center_of_gravity=cog))
+    await thread.until_shown(lambda: box.state.payload.mass == mass)
+    await box.call(arm_motion.ZeroWrench(arm=box.arm))
 
 
 async def set_payload(thread: Thread, m: Number, cog: Vector | None = None) -> None:
     """Set mass [kg] and centre of gravity, at the TCP if left out; tares the sensor."""
-    x, y, z, *_ = thread.robot.tcp
+    x, y, z, *_ = thread.box.tcp
     await _set_payload(thread, m, (x, y, z) if cog is None else cog)
 
 
 async def set_payload_mass(thread: Thread, m: Number) -> None:
     """Set the mass [kg] of the payload; tares the sensor."""
-    await _set_payload(thread, m, thread.robot.state.payload.center_of_gravity)
+    await _set_payload(thread, m, thread.box.state.payload.center_of_gravity)
 
 
 async def set_payload_cog(thread: Thread, CoG: Vector) -> None:
     """Set the centre of gravity of the payload [m]; tares the sensor."""
-    await _set_payload(thread, thread.robot.state.payload.mass, CoG)
+    await _set_payload(thread, thread.box.state.payload.mass, CoG)
 
 
 async def set_target_payload(
@@ -159,12 +159,12 @@ async def set_target_payload(
 
 def get_target_payload(thread: Thread) -> float:
     """Return the mass of the payload [kg]."""
-    return thread.robot.state.payload.mass
+    return thread.box.state.payload.mass
 
 
 def get_target_payload_cog(thread: Thread) -> Value:
     """Return the centre of gravity of the payload in the flange [m]."""
-    return tuple(thread.robot.state.payload.center_of_gravity)
+    return tuple(thread.box.state.payload.center_of_gravity)
 
 
 def set_gravity(d: Vector) -> None:
@@ -184,7 +184,7 @@ def get_gravity() -> Value:
 async def protective_stop(thread: Thread) -> None:
     """Stop protectively."""
     reason = "protective_stop() of the program"
-    await thread.robot.call(StopProtectively(arm=thread.robot.arm, reason=reason))
+    await thread.box.call(StopProtectively(arm=thread.box.arm, reason=reason))
 
 
 def _six(pose: Pose) -> Six:

@@ -41,7 +41,7 @@ _SOCKET: Final = "1"
 
 
 def _gripper(thread: Thread) -> RobotiqGripper:
-    gripper = thread.robot.gripper
+    gripper = thread.box.gripper
     if gripper is None:
         raise ValueProblem("the arm has no Robotiq gripper")
     return gripper

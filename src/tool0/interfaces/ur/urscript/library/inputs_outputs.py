@@ -29,10 +29,10 @@ AnyAnalog: TypeAlias = Annotated[int, address_kind(4)]
 
 
 async def _set(thread: Thread, pin: int, level: bool) -> None:
-    request = SetIO(arm=thread.robot.arm, digital_outputs={pin: level})
-    await thread.robot.call(request)
-    robot = thread.robot
-    await thread.until_shown(lambda: robot.state.digital_outputs[pin] == level)
+    request = SetIO(arm=thread.box.arm, digital_outputs={pin: level})
+    await thread.box.call(request)
+    box = thread.box
+    await thread.until_shown(lambda: box.state.digital_outputs[pin] == level)
 
 
 async def set_standard_digital_out(thread: Thread, n: Standard, b: Bool) -> None:
@@ -59,21 +59,21 @@ async def set_analog_out(thread: Thread, n: Analog, f: Number) -> None:
     """Set an analogue output to a fraction of its range."""
     if not 0.0 <= f <= 1.0:
         raise ValueProblem(f"the level is {f}; it is a fraction from 0 to 1")
-    domain = thread.robot.state.analog_outputs[n].domain
-    request = SetAnalogOutput(arm=thread.robot.arm, pin=n, level=f, domain=domain)
-    await thread.robot.call(request)
+    domain = thread.box.state.analog_outputs[n].domain
+    request = SetAnalogOutput(arm=thread.box.arm, pin=n, level=f, domain=domain)
+    await thread.box.call(request)
 
 
 async def set_analog_outputdomain(thread: Thread, port: Analog, domain: Analog) -> None:
     """Make an analogue output a current, 0, or a voltage, 1."""
-    pin = thread.robot.state.analog_outputs[port]
+    pin = thread.box.state.analog_outputs[port]
     request = SetAnalogOutput(
-        arm=thread.robot.arm,
+        arm=thread.box.arm,
         pin=port,
         level=_fraction(pin),
         domain=AnalogDomain(domain),
     )
-    await thread.robot.call(request)
+    await thread.box.call(request)
 
 
 async def set_tool_voltage(thread: Thread, voltage: Integer) -> None:
@@ -81,33 +81,33 @@ async def set_tool_voltage(thread: Thread, voltage: Integer) -> None:
     if voltage not in {0, 12, 24}:
         raise ValueProblem(f"the voltage is {voltage}; it can be 0, 12 or 24")
     value = cast("Literal[0, 12, 24]", voltage)
-    await thread.robot.call(SetIO(arm=thread.robot.arm, tool_voltage=value))
+    await thread.box.call(SetIO(arm=thread.box.arm, tool_voltage=value))
 
 
 def get_analog_in(thread: Thread, n: AnyAnalog) -> float:
     """Return an analogue input [V or A]: 0 and 1 of the box, 2 and 3 of the tool."""
-    state = thread.robot.state
+    state = thread.box.state
     return (state.analog_inputs + state.tool_analog_inputs)[n].value
 
 
 def get_standard_analog_in(thread: Thread, n: Analog) -> float:
     """Return an analogue input of the box [V or A]."""
-    return thread.robot.state.analog_inputs[n].value
+    return thread.box.state.analog_inputs[n].value
 
 
 def get_tool_analog_in(thread: Thread, n: Analog) -> float:
     """Return an analogue input of the tool [V or A]."""
-    return thread.robot.state.tool_analog_inputs[n].value
+    return thread.box.state.tool_analog_inputs[n].value
 
 
 def get_standard_analog_out(thread: Thread, n: Analog) -> float:
     """Return an analogue output as a fraction of its range."""
-    return _fraction(thread.robot.state.analog_outputs[n])
+    return _fraction(thread.box.state.analog_outputs[n])
 
 
 def get_tool_current(thread: Thread) -> float:
     """Return the current that the tool draws [A]."""
-    return thread.robot.state.tool_current
+    return thread.box.state.tool_current
 
 
 def _fraction(pin: AnalogPin) -> float:
@@ -119,7 +119,7 @@ def _fraction(pin: AnalogPin) -> float:
 # Any: an annotation of the pin's number.
 def _reader(name: str, field: str, first: int, kind: Any) -> Function:
     def read(thread: Thread, n: int) -> Value:
-        levels: tuple[bool, ...] = getattr(thread.robot.state, field)
+        levels: tuple[bool, ...] = getattr(thread.box.state, field)
         return levels[first + n]
 
     read.__annotations__["n"] = kind

@@ -33,14 +33,14 @@ def _joints(thread: Thread, target: Target) -> Six:
     if not isinstance(target, Pose):
         return target
     try:
-        return thread.robot.inverse(target, thread.robot.arm_update.target_position)
+        return thread.box.inverse(target, thread.box.arm_update.target_position)
     except UnreachableError as error:
         raise ValueProblem(f"no inverse kinematics solution: {error}") from None
 
 
 def _pose(thread: Thread, target: Target) -> Sequence[float]:
     """Return a pose of the TCP; that at joint positions, if they are given."""
-    return target if isinstance(target, Pose) else thread.robot.forward(target)
+    return target if isinstance(target, Pose) else thread.box.forward(target)
 
 
 def _check(a: float, v: float, t: float = 0.0, r: float = 0.0) -> None:

@@ -15,22 +15,22 @@ async def sleep(thread: Thread, t: Number) -> None:
     """Wait for simulated time [s]."""
     if t < 0.0:
         raise ValueProblem(f"the time is {t}, less than 0")
-    await thread.robot.sleep(t)
+    await thread.box.sleep(t)
 
 
 async def sync(thread: Thread) -> None:
     """Wait for the next control period of the robot."""
-    await thread.robot.sleep(1.0 / thread.robot.rate)
+    await thread.box.sleep(1.0 / thread.box.rate)
 
 
 def get_steptime(thread: Thread) -> float:
     """Return the control period [s]."""
-    return 1.0 / thread.robot.rate
+    return 1.0 / thread.box.rate
 
 
 def textmsg(thread: Thread, s1: AnyValue, s2: AnyValue = "") -> None:
     """Send a text to the log of all clients."""
-    thread.robot.messages.text(shown(to_text(s1) + to_text(s2)))
+    thread.box.messages.text(shown(to_text(s1) + to_text(s2)))
 
 
 async def popup(
@@ -43,11 +43,11 @@ async def popup(
 ) -> None:
     """Show a popup; a blocking one waits until it is closed."""
     del warning, error
-    messages = thread.robot.messages
+    messages = thread.box.messages
     messages.show_popup(shown(to_text(s)), shown(title))
     popup = messages.popup
     while blocking and messages.popup is popup:
-        await thread.robot.next_update()
+        await thread.box.next_update()
 
 
 def shown(text: str) -> str:

@@ -32,21 +32,21 @@ Address: TypeAlias = Annotated[int, address_kind(N_NUMBERS)]
 
 def write_output_boolean_register(thread: Thread, address: Bit, value: Bool) -> None:
     """Write a bit that RTDE clients read."""
-    thread.robot.registers.outputs.bits[address] = value
+    thread.box.registers.outputs.bits[address] = value
 
 
 def write_output_integer_register(
     thread: Thread, address: Address, value: Integer
 ) -> None:
     """Write an integer that RTDE clients read."""
-    thread.robot.registers.outputs.integers[address] = value
+    thread.box.registers.outputs.integers[address] = value
 
 
 def write_output_float_register(
     thread: Thread, address: Address, value: Number
 ) -> None:
     """Write a number that RTDE clients read."""
-    thread.robot.registers.outputs.doubles[address] = float(value)
+    thread.box.registers.outputs.doubles[address] = float(value)
 
 
 def _reader(
@@ -61,11 +61,11 @@ def _reader(
 
 
 def _inputs(thread: Thread) -> RegisterBank:
-    return thread.robot.registers.inputs
+    return thread.box.registers.inputs
 
 
 def _outputs(thread: Thread) -> RegisterBank:
-    return thread.robot.registers.outputs
+    return thread.box.registers.outputs
 
 
 FUNCTIONS: Final[tuple[Function, ...]] = (

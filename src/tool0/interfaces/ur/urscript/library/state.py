@@ -8,16 +8,15 @@ from typing import Final
 import numpy as np
 
 from tool0.errors import UnreachableError
-from tool0.interfaces.ur.pose import rotation_of
 from tool0.interfaces.ur.urscript.errors import ValueProblem
 from tool0.interfaces.ur.urscript.execution import Thread
 from tool0.interfaces.ur.urscript.functions import Function, function
 from tool0.interfaces.ur.urscript.kinds import (
-    AnyValue,
     Integer,
     Joints,
     Number,
     PoseLike,
+    Spatial,
     Target,
 )
 from tool0.interfaces.ur.urscript.values import Pose, Value
@@ -27,77 +26,77 @@ _AT_FLANGE: Final = (0.0,) * 6
 
 def get_actual_joint_positions(thread: Thread) -> Value:
     """Return the measured joint positions."""
-    return thread.robot.q
+    return thread.box.q
 
 
 def get_actual_joint_positions_history(thread: Thread, steps: Integer = 0) -> Value:
     """Return the measured joint positions some control periods ago."""
-    return thread.execution.history.sample(steps).q
+    return thread.execution.history.positions(steps)
 
 
 def get_actual_joint_speeds(thread: Thread) -> Value:
     """Return the measured joint velocities [rad/s]."""
-    return thread.robot.qd
+    return thread.box.qd
 
 
 def get_target_joint_positions(thread: Thread) -> Value:
     """Return the setpoint of the joint positions."""
-    return thread.robot.arm_update.target_position
+    return thread.box.arm_update.target_position
 
 
 def get_target_joint_speeds(thread: Thread) -> Value:
     """Return the setpoint of the joint velocities [rad/s]."""
-    return thread.robot.arm_update.target_velocity
+    return thread.box.arm_update.target_velocity
 
 
 def get_actual_tcp_pose(thread: Thread) -> Value:
     """Return the measured pose of the TCP."""
-    return Pose(thread.robot.tcp_pose())
+    return Pose(thread.box.tcp_pose())
 
 
 def get_target_tcp_pose(thread: Thread) -> Value:
     """Return the setpoint of the TCP's pose."""
-    return Pose(thread.robot.tcp_pose(target=True))
+    return Pose(thread.box.tcp_pose(target=True))
 
 
 def get_actual_tcp_speed(thread: Thread) -> Value:
     """Return the measured velocity of the TCP [m/s, rad/s]."""
-    return Pose(thread.robot.tcp_speed())
+    return Pose(thread.box.tcp_speed())
 
 
 def get_target_tcp_speed(thread: Thread) -> Value:
     """Return the setpoint of the TCP's velocity [m/s, rad/s]."""
-    return Pose(thread.robot.tcp_speed(target=True))
+    return Pose(thread.box.tcp_speed(target=True))
 
 
 def get_actual_tool_flange_pose(thread: Thread) -> Value:
     """Return the measured pose of the flange."""
-    return Pose(thread.robot.forward(thread.robot.q, _AT_FLANGE))
+    return Pose(thread.box.forward(thread.box.q, _AT_FLANGE))
 
 
 def get_tcp_offset(thread: Thread) -> Value:
     """Return the pose of the TCP in the flange."""
-    return Pose(thread.robot.tcp)
+    return Pose(thread.box.tcp)
 
 
 def get_tcp_force(thread: Thread) -> Value:
     """Return the external wrench at the flange, in the base frame's axes [N, N·m]."""
-    flange = thread.robot.forward(thread.robot.q, _AT_FLANGE)
-    R = rotation_of(flange[3:])
-    wrench = np.asarray(thread.robot.arm_update.wrench)
+    box = thread.box
+    R = box.T_chain_base[:3, :3].T @ box.posture().T_base_tip[0, :3, :3]
+    wrench = np.asarray(box.arm_update.wrench)
     return Pose([*(R @ wrench[:3]).tolist(), *(R @ wrench[3:]).tolist()])
 
 
 def force(thread: Thread) -> float:
     """Return the magnitude of the external force [N]."""
-    return math.hypot(*thread.robot.arm_update.wrench[:3])
+    return math.hypot(*thread.box.arm_update.wrench[:3])
 
 
 def get_joint_torques(thread: Thread) -> Value:
     """Return the joint torques that the external wrench causes [N·m]."""
-    posture = thread.robot.chain.forward(np.asarray([thread.robot.q]))
-    R = posture.T_base_tip[0][:3, :3]
-    wrench = np.asarray(thread.robot.arm_update.wrench)
+    posture = thread.box.posture()
+    R = posture.T_base_tip[0, :3, :3]
+    wrench = np.asarray(thread.box.arm_update.wrench)
     in_chain = np.concatenate([R @ wrench[:3], R @ wrench[3:]])
     return tuple((posture.jacobian[0].T @ in_chain).tolist())
 
@@ -106,7 +105,7 @@ def get_forward_kin(
     thread: Thread, q: Joints | None = None, tcp: PoseLike | None = None
 ) -> Value:
     """Return the pose of the TCP at joint positions; the measured ones, if left out."""
-    return Pose(thread.robot.forward(thread.robot.q if q is None else q, tcp))
+    return Pose(thread.box.forward(thread.box.q if q is None else q, tcp))
 
 
 def get_inverse_kin(
@@ -119,9 +118,9 @@ def get_inverse_kin(
 ) -> Value:
     """Return the joint positions nearest to qnear, or to the measured ones."""
     del maxPositionError, maxOrientationError  # the solutions are exact
-    near = thread.robot.q if qnear is None else qnear
+    near = thread.box.q if qnear is None else qnear
     try:
-        return thread.robot.inverse(x, near, tcp)
+        return thread.box.inverse(x, near, tcp)
     except UnreachableError as error:
         raise ValueProblem(f"no inverse kinematics solution: {error}") from None
 
@@ -148,7 +147,7 @@ def is_within_safety_limits(
     """Return whether a pose or joint positions can be reached."""
     if isinstance(position, Pose):
         return get_inverse_kin_has_solution(thread, position, qNear)
-    limits = [joint.limits for joint in thread.robot.chain.joints]
+    limits = [joint.limits for joint in thread.box.chain.joints]
     return all(
         limit.lower <= x <= limit.upper
         for x, limit in zip(position, limits, strict=True)
@@ -157,22 +156,17 @@ def is_within_safety_limits(
 
 def is_steady(thread: Thread) -> bool:
     """Return whether the arm has been at rest for 0.5 s."""
-    return thread.execution.history.is_steady
+    return thread.execution.history.is_steady()
 
 
-def tool_contact(thread: Thread, direction: AnyValue | None = None) -> Value:
+def tool_contact(thread: Thread, direction: Spatial | None = None) -> Value:
     """Return since how many control periods something touches the tool; 0 if nothing.
 
     The direction is that of the motion, in the base frame; zeros stand for any.  The
     velocity of the TCP, if left out.
     """
-    motion: Value = Pose(thread.robot.tcp_speed()) if direction is None else direction
-    if not isinstance(motion, tuple) or len(motion) < 3:
-        raise ValueProblem("the direction is a pose or a list of six numbers")
-    flange = thread.robot.forward(thread.robot.q, _AT_FLANGE)
-    components = [float(x) for x in motion[:3] if isinstance(x, int | float)]
-    in_flange = rotation_of(flange[3:]).T @ np.asarray(components)
-    return thread.execution.history.contact(in_flange.tolist())
+    motion = thread.box.tcp_speed() if direction is None else direction
+    return thread.execution.history.contact(motion)
 
 
 FUNCTIONS: Final[tuple[Function, ...]] = tuple(
