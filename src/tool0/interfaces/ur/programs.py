@@ -60,6 +60,11 @@ class ProgramSlot:
         """Whether there is a program, running or paused."""
         return self._task is not None
 
+    @property
+    def is_paused(self) -> bool:
+        """Whether a program waits to be resumed."""
+        return self.state is RuntimeState.PAUSED
+
     async def start(self, program: Program) -> None:
         """Start a program; it replaces the one that runs, whose motion stops.
 
