@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal, TypeVar, final
+from typing import ClassVar, Literal, final
 
-from tool0.control.arm_path import ArmPath, SplineMotion
+from tool0.control.arm_path import CONTINUITY, ArmPath, SplineMotion
 from tool0.control.arm_setpoint import ArmSetpoint, StreamedMotion
+from tool0.control.arm_stream import ServoStream, SpeedStream, ToolKinematics
 from tool0.control.law import TrajectoryLaw
 from tool0.control.parameters import Gains
 from tool0.control.spline import JointSpline, Segment, along
@@ -21,7 +22,6 @@ from tool0.description.model import Interface, Joint
 from tool0.errors import ControlError
 from tool0.hardware.engine import JointState, joint_selector
 
-Stream = TypeVar("Stream", bound=StreamedMotion)
 Mode = Literal["hold", "path", "servo", "speed", "stop", "freedrive"]
 
 
@@ -35,6 +35,7 @@ class ArmMotionSpec:
     """From base to flange."""
     speed_scaling: Callable[[], float]
     """Returns the factor of the arm's control box, 0 … 1."""
+    kinematics: ToolKinematics
 
     type: ClassVar[str] = "tool0/ArmMotionController"
     interface: ClassVar[Interface] = Interface.POSITION
@@ -130,6 +131,11 @@ class ArmMotionController:
         stream = self._stream
         return self._splines.setpoint(now) if stream is None else stream.setpoint
 
+    @property
+    def streamed(self) -> ArmSetpoint | None:
+        """The setpoint of the stream that moves the arm; None without a stream."""
+        return None if self._stream is None else self._stream.setpoint
+
     def is_done(self, now: float) -> bool:
         """Return whether the path or the ramp to rest has ended."""
         return self._stream is None and self._splines.is_done(now)
@@ -187,24 +193,47 @@ class ArmMotionController:
         """Rest at the setpoint: it must be at rest."""
         self._use(SplineMotion.holding(self.motion(now).positions, now), now)
 
-    def stream(
-        self,
-        mode: Mode,
-        kind: type[Stream],
-        make: Callable[[ArmSetpoint], Stream],
-        now: float,
-    ) -> Stream:
-        """Return the stream of this ``kind`` that moves the arm from ``now`` [s] on.
+    def require_positions(self, positions: Sequence[float]) -> None:
+        """Raise ControlError if one is beyond the limits of its joint [rad]."""
+        for joint, q in zip(self.spec.joint_models, positions, strict=True):
+            lower, upper = joint.limits.lower, joint.limits.upper
+            if not lower - CONTINUITY <= q <= upper + CONTINUITY:
+                raise ControlError(
+                    f"the position {q:.6g} rad of '{joint.name}' is beyond its limits "
+                    f"[{lower:.6g}, {upper:.6g}]"
+                )
 
-        ``make`` makes it at a setpoint if another one, or a path, moved the arm before.
-        """
+    def require_velocities(self, velocities: Sequence[float]) -> None:
+        """Raise ControlError if one is beyond the limit of its joint [rad/s]."""
+        for joint, v in zip(self.spec.joint_models, velocities, strict=True):
+            if not abs(v) <= joint.max_velocity + CONTINUITY:
+                raise ControlError(
+                    f"the velocity {v:.6g} rad/s of '{joint.name}' is beyond its "
+                    f"limits ±{joint.max_velocity:.6g}"
+                )
+
+    def servo(self, now: float) -> ServoStream:
+        """Return what follows targets from ``now`` [s] on."""
         current = self._stream
-        if isinstance(current, kind):
+        if isinstance(current, ServoStream):
             return current
-        made = make(self.motion(now))
-        self._leave_path(now)
-        self._stream, self._stream_mode = made, mode
+        made = ServoStream(self.motion(now), self.spec.joint_models)
+        self._start("servo", made, now)
         return made
+
+    def speed(self, now: float) -> SpeedStream:
+        """Return what moves with velocities from ``now`` [s] on."""
+        current = self._stream
+        if isinstance(current, SpeedStream):
+            return current
+        spec = self.spec
+        made = SpeedStream(self.motion(now), spec.joint_models, spec.kinematics)
+        self._start("speed", made, now)
+        return made
+
+    def _start(self, mode: Mode, stream: StreamedMotion, now: float) -> None:
+        self._leave_path(now)
+        self._stream, self._stream_mode = stream, mode
 
     def _use(self, splines: SplineMotion, now: float) -> None:
         self._leave_path(now)

@@ -6,6 +6,7 @@ the order from base to flange.
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Generic
 
 from msgspec import Meta
@@ -20,6 +21,8 @@ Row6 = tuple[float, float, float, float, float, float]
 Rows6 = tuple[Row6, ...]
 Acceleration = Annotated[float, Meta(gt=0.0, le=1000.0)]
 """[rad/s², m/s²]"""
+Duration = Annotated[float, Meta(ge=0.0)]
+"""[s]"""
 PathNumber = Annotated[int, Meta(ge=1)]
 PathTime = Annotated[float, Meta(ge=0.0)]
 """[s]"""
@@ -81,6 +84,58 @@ class StopArm(_OfArm[None], frozen=True):
     """Whether an arm on a path stays on it."""
 
 
+class ServoJoints(_OfArm[None], frozen=True):
+    """Follow a target from now on: one of a stream, as URScript's ``servoj``.
+
+    Without an id, every one is executed at the next tick.  The law is
+    qdd = gain (target - (q + lookahead_time qd)), with the setpoint's q and qd, within
+    the limits of the joints.  The speed slider scales the largest velocity.
+    """
+
+    positions: Row6
+    """[rad]"""
+    duration: Annotated[float, Meta(ge=0.0, le=10.0)] = 0.002
+    """Until the next target is expected [s]; the last one is held after it."""
+    lookahead_time: Annotated[float, Meta(ge=0.03, le=0.2)] = 0.1
+    """[s]"""
+    gain: Annotated[float, Meta(ge=100.0, le=2000.0)] = 300.0
+    """[1/s²]"""
+
+
+class SpeedJoints(_OfArm[None], frozen=True):
+    """Ramp to joint velocities, as URScript's ``speedj``.
+
+    The speed slider scales them.
+    """
+
+    velocities: Row6
+    """[rad/s]"""
+    acceleration: Acceleration = 1.4
+    """Of the leading joint [rad/s²]."""
+    duration: Duration | None = None
+    """After this time the arm ramps to rest [s]; never, if left out or 0."""
+
+
+class SpeedTool(_OfArm[None], frozen=True):
+    """Ramp to a velocity of the tool, as URScript's ``speedl``.
+
+    Where a joint would be too fast or reach its limit, the tool slows down on its way.
+    """
+
+    twist: Row6
+    """Of the TCP, linear and angular, in the axes of the base [m/s, rad/s]."""
+    acceleration: Acceleration = 1.2
+    """[m/s²], and the same number in [rad/s²]."""
+    duration: Duration | None = None
+    """After this time the arm ramps to rest [s]; never, if left out or 0."""
+    tcp: Row6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """The TCP in the flange, with a rotation vector [m, rad]."""
+
+
+class ZeroWrench(_OfArm[None], frozen=True):
+    """Let the wrench that updates have of an arm be 0 now: tare."""
+
+
 @handles(TakeArm, in_tick=True)
 def _take(simulation: Simulation, request: TakeArm) -> None:
     simulation.core.take_arm(request.arm, request.by)
@@ -117,4 +172,44 @@ def _stop(simulation: Simulation, request: StopArm) -> None:
     core = simulation.core
     core.arm_motions.find(request.arm).stop_motion(
         request.deceleration, core.time, along_path=request.along_path
+    )
+
+
+handles(ZeroWrench, in_tick=True)(
+    lambda sim, request: sim.core.zero_wrench(request.arm)
+)
+
+
+@handles(ServoJoints, in_tick=True, publishes=False, streamed=True)
+def _servo(simulation: Simulation, request: ServoJoints) -> None:
+    core = simulation.core
+    controller = core.arm_motions.find(request.arm)
+    controller.require_positions(request.positions)
+    controller.servo(core.time).aim(
+        request.positions, lookahead_time=request.lookahead_time, gain=request.gain
+    )
+
+
+@handles(SpeedJoints, in_tick=True, publishes=False, streamed=True)
+def _speed_joints(simulation: Simulation, request: SpeedJoints) -> None:
+    core = simulation.core
+    controller = core.arm_motions.find(request.arm)
+    controller.require_velocities(request.velocities)
+    controller.speed(core.time).aim(
+        request.velocities,
+        request.acceleration,
+        until=core.time + (request.duration or math.inf),
+    )
+
+
+@handles(SpeedTool, in_tick=True, publishes=False, streamed=True)
+def _speed_tool(simulation: Simulation, request: SpeedTool) -> None:
+    import numpy as np
+
+    core = simulation.core
+    core.arm_motions.find(request.arm).speed(core.time).aim(
+        request.twist,
+        request.acceleration,
+        until=core.time + (request.duration or math.inf),
+        lever=np.array(request.tcp[:3]),
     )

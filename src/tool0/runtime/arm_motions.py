@@ -14,8 +14,11 @@ from tool0.description.parts import find_arms
 from tool0.errors import ControlError
 from tool0.hardware.engine import JointState
 from tool0.hardware.robot_hardware import RobotHardware
+from tool0.hardware.tool_dynamics import Wrench
 from tool0.runtime.arm_modes import ArmModes
 from tool0.runtime.control_boxes import ControlBoxes
+from tool0.runtime.flange_kinematics import FlangeKinematics
+from tool0.sensing.snapshot import ArmSample
 
 RETURN_BRAKE: Final = 4.0
 """Change of a path's speed when its arm is given back while it moves [1/s²]: a path at
@@ -50,6 +53,7 @@ class ArmMotions:
                     for joint in arm.joints
                 ),
                 speed_scaling=partial(hardware.speed_scaling.__getitem__, prefix),
+                kinematics=FlangeKinematics(model, name),
             )
             for name, arm in find_arms(model).items()
             for prefix in [arm.flange.removesuffix(FLANGE)]
@@ -155,6 +159,25 @@ class ArmMotions:
             controller.replace(path, number, after=after, at=at, now=now)
         self._paths[name] = number
         return number
+
+    def sample(self, arm: str, now: float, wrench: Wrench) -> ArmSample:
+        """Return what moves an arm ``now`` [s]; ``wrench`` is that on its tool."""
+        joints = self.specs[arm].joints
+        if arm not in self._taken:
+            last = self._paths[arm]
+            return ArmSample(joints, "free", None, last, 0.0, True, False, wrench)
+        controller = self._controller(arm)
+        number, time = controller.progress(now)
+        return ArmSample(
+            joints,
+            controller.mode,
+            controller.streamed,
+            number,
+            time,
+            controller.is_done(now),
+            False,
+            wrench,
+        )
 
     def _controller(self, arm: str) -> ArmMotionController:
         running = self._manager.running(self.specs[arm].name)

@@ -43,7 +43,9 @@ from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp import GraspAssist
 from tool0.sensing.grip_contacts import GripContacts
+from tool0.sensing.snapshot import ArmSample
 from tool0.sensing.stalls import StallMonitor, contacts_text, external_contacts
+from tool0.sensing.tool_wrench import ToolWrench
 
 
 @final
@@ -92,6 +94,8 @@ class Core:
         self._watch_drift()
         self.when_goal_starts: Callable[[Goal], None] = lambda goal: None
         self._sensors: tuple[ForceTorqueSensor, ...] = ()
+        self._wrenches: dict[str, ToolWrench] = {}
+        """On the tools of arms whose updates are sent, by arm."""
         self.grasp_assist = GraspAssist(model, engine) if grasp_assist else None
         self.stall_monitor = StallMonitor(model, hardware)
         self.grip_contacts = GripContacts(model, engine.joint_names)
@@ -391,6 +395,30 @@ class Core:
         """Stop sampling; a sensor that is not running is left alone."""
         self._sensors = tuple(s for s in self._sensors if s is not sensor)
 
+    def arm_samples(self) -> Mapping[str, ArmSample]:
+        """Return what moves each arm, and the wrench on its tool, between two ticks."""
+        return {arm: self._arm_sample(arm) for arm in self.arm_motions.specs}
+
+    def _arm_sample(self, arm: str) -> ArmSample:
+        program = self._program
+        before = self._before if program is None else program.step_start()
+        wrench = self._wrench(arm).read(before, self.state, self._forces())
+        return self.arm_motions.sample(arm, self.time, wrench)
+
+    def zero_wrench(self, arm: str | None) -> None:
+        """Let the wrench on an arm's tool be 0 now, in samples from now on."""
+        name = self.control_boxes.find(arm).arm
+        self._arm_sample(name)
+        self._wrench(name).zero()
+
+    def _wrench(self, arm: str) -> ToolWrench:
+        found = self._wrenches.get(arm)
+        if found is None:
+            flange = self.control_boxes.flange(arm)
+            self._wrenches[arm] = found = ToolWrench(self._model, flange, self.engine)
+            found.subtract(self.hardware.payloads.get(flange))
+        return found
+
     def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
         """Return to the initial pose changed by ``position``, objects to their start.
 
@@ -421,6 +449,9 @@ class Core:
         self.control_boxes.set_payload(arm, payload)
         for sensor in self._sensors:
             sensor.subtract(self.hardware.payloads)
+        for name, wrench in self._wrenches.items():
+            flange = self.control_boxes.flange(name)
+            wrench.subtract(self.hardware.payloads.get(flange))
 
     def set_stopped(self, engaged: bool) -> None:
         """Brake every joint, or release the brakes; controllers then hold still."""

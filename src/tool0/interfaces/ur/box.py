@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, TypeVar, final
 
 import numpy as np
@@ -15,12 +15,14 @@ from msgspec import UnsetType
 
 from tool0.api.connect import SocketChannel
 from tool0.description.model import FLANGE
+from tool0.description.parts import find_grippers, gripper_of
 from tool0.errors import Tool0Error, UnreachableError
 from tool0.hardware.control_box import ControlBoxState
 from tool0.interfaces.ur.messages import Messages
 from tool0.interfaces.ur.pose import matrix_of, pose_of
 from tool0.interfaces.ur.programs import ProgramSlot
 from tool0.interfaces.ur.registers import Registers
+from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
 from tool0.kinematics.chain import (
     ArmChain,
     Array,
@@ -86,7 +88,24 @@ class Box:
         self._T_base_chain = np.linalg.inv(self.T_chain_base)
         self._known: dict[tuple[str, bool], Six] = {}
         """What has been computed from this update."""
+        self.update: UpdateMessage
+        """The newest update."""
         self._take(first)
+        self.gripper = self._gripper(index)
+        """The gripper that the arm carries, if there is one."""
+
+    def _gripper(self, index: Mapping[str, int]) -> RobotiqGripper | None:
+        model = self._channel.description.model
+        name = gripper_of(model, self.arm)
+        if name is None:
+            return None
+        geometry = find_grippers(model)[name]
+        return RobotiqGripper(self, name, geometry, index[geometry.joint])
+
+    @property
+    def bringup(self) -> str:
+        """The name of the bring-up."""
+        return self._channel.name
 
     # ---- updates --------------------------------------------------------------------
 

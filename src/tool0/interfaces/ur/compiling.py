@@ -5,8 +5,6 @@ from __future__ import annotations
 import asyncio
 
 from tool0.interfaces.ur.programs import Program
-from tool0.interfaces.ur.rtde_control.script import recognise
-from tool0.interfaces.ur.urscript.program import compile_program
 
 
 async def compiled(text: str, name: str) -> Program:
@@ -17,7 +15,11 @@ async def compiled(text: str, name: str) -> Program:
     Raises:
         URScriptError: If it is not valid, with line and column.
     """
+    from tool0.interfaces.ur.rtde_control.program import recognise
+
     known = recognise(text)
     if known is not None:
         return known
+    from tool0.interfaces.ur.urscript.program import compile_program
+
     return await asyncio.to_thread(compile_program, text, name)

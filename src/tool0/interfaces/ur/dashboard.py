@@ -237,9 +237,7 @@ class Dashboard:
 
     # ---- modes ----------------------------------------------------------------------
 
-    def _requesting(
-        self, words: str, request: Request[None], done: str
-    ) -> Command:
+    def _requesting(self, words: str, request: Request[None], done: str) -> Command:
         """Return a command that makes a request to the bring-up."""
 
         async def answer(_: str) -> str:

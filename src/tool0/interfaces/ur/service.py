@@ -8,6 +8,7 @@ import time
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final, Protocol
 
+from tool0.api.address import folders
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error, TransportError
 from tool0.interfaces.ur.box import Box
@@ -33,8 +34,25 @@ class Interface(Protocol):
 
 def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     """Return what a control box presents."""
-    del box, options
-    return []
+    from tool0.interfaces.ur.client_interface.interface import ClientInterface
+    from tool0.interfaces.ur.dashboard import Dashboard
+    from tool0.interfaces.ur.program_files import ProgramFiles
+    from tool0.interfaces.ur.rtde.server import RtdeServer
+
+    interfaces: list[Interface] = [
+        RtdeServer(box),
+        Dashboard(box, ProgramFiles(options.programs)),
+        ClientInterface(box),
+    ]
+    if box.gripper is not None:
+        from tool0.interfaces.ur.robotiq.interface import (
+            RobotiqInterface,
+            serial_port_path,
+        )
+
+        port = serial_port_path(folders()[0], box.bringup, box.arm)
+        interfaces.append(RobotiqInterface(box.gripper, port))
+    return interfaces
 
 
 async def connected(name: str) -> SocketChannel:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Final, final
 import numpy as np
 
 from tool0.errors import ControlError
-from tool0.hardware.payload import Payload
 from tool0.interfaces.ur.pose import matrix_of, pose_of
 from tool0.interfaces.ur.rtde_control.exchange import Exchange
 from tool0.interfaces.ur.rtde_control.motions import Motions

@@ -129,16 +129,7 @@ class Join:
 
 
 Expression: TypeAlias = (
-    Literals
-    | Name
-    | ListOf
-    | PoseOf
-    | Index
-    | Unary
-    | Chain
-    | Call
-    | Run
-    | Join
+    Literals | Name | ListOf | PoseOf | Index | Unary | Chain | Call | Run | Join
 )
 
 

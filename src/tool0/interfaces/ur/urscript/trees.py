@@ -123,7 +123,9 @@ class Trees(Transformer[Token, s.Block]):
         if isinstance(base, s.Name) and base.name == _POSE:
             base = s.PoseOf(base.at, tuple(groups.pop(0)))
         indexes = tuple(item for group in groups for item in group)
-        return s.Index(base.at, base, indexes) if indexes else cast("s.Expression", base)
+        return (
+            s.Index(base.at, base, indexes) if indexes else cast("s.Expression", base)
+        )
 
     def literal(self, children: Children) -> s.Literals:
         token = children[0]
