@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import socket
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -46,7 +47,7 @@ def test_it_starts_again_after_its_death_and_ends_with_a_bringup_that_is_killed(
     None
 ):
     host = free_host()
-    with Bringup(os.environ, "--ur", "--ur-host", host) as bringup:
+    with closing(Bringup(os.environ, "--ur", "--ur-host", host)) as bringup:
         bringup.wait()
         (line,) = (line for line in bringup.lines if line.lstrip().startswith("UR:"))
         assert host in line
@@ -70,8 +71,8 @@ def test_it_starts_again_after_its_death_and_ends_with_a_bringup_that_is_killed(
 def test_a_port_in_use_ends_the_bringup_with_its_name() -> None:
     host = free_host()
     with socket.create_server((host, DASHBOARD)):
-        with Bringup(os.environ, "--ur", "--ur-host", host) as bringup:
-            assert bringup.wait_for_end() == 1
+        with closing(Bringup(os.environ, "--ur", "--ur-host", host)) as bringup:
+            assert bringup.wait_for_end() == 2
         assert f"cannot listen on {host}:{DASHBOARD}" in bringup.text
         assert "Address already in use" in bringup.text
         assert "Traceback" not in bringup.text
@@ -80,9 +81,9 @@ def test_a_port_in_use_ends_the_bringup_with_its_name() -> None:
 def test_each_robot_of_a_cell_has_an_address_and_a_shift_of_the_ports() -> None:
     host = free_host()
     options = tool0.UrOptions(host=host, port_base=1000)
-    robots = ["left=ur5e+2f85@0,0.5,0", "right=ur3e@0,-0.5,0"]
+    robots = ("left=ur5e+2f85@0,0.5,0", "right=ur3e@0,-0.5,0")
     with (
-        tool0.bringup(robots=robots) as cell,
+        tool0.bringup(description=tool0.DescriptionConfig(robots=robots)) as cell,
         tool0.UrController(cell, options) as controller,
     ):
         addresses = controller.wait()
