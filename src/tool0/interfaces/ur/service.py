@@ -76,7 +76,7 @@ async def serve(
     """Serve the arms of a bring-up until it ends; ``ready`` gets their addresses.
 
     Raises:
-        TransportError: If a port is in use.
+        TransportError: If there is no arm, or a port is in use.
     """
     loop = asyncio.get_running_loop()
     has_ended = asyncio.Event()
@@ -104,6 +104,8 @@ async def serve(
     channel.when_ended = in_loop(lambda failure: has_ended.set())
     channel.when_refused = in_loop(refuse)
     arms = [arm.name for arm in await asyncio.to_thread(channel.call, ListArms())]
+    if not arms:
+        raise TransportError("the robot has no arm that a UR's control box could drive")
     request = SubscribeUpdates(arms=tuple(arms))
     await asyncio.to_thread(channel.call, request)
     update = await first
