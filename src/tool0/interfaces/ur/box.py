@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, TypeVar, final
 
 import numpy as np
@@ -15,12 +15,14 @@ from msgspec import UnsetType
 
 from tool0.api.connect import SocketChannel
 from tool0.description.model import FLANGE
+from tool0.description.parts import find_grippers, gripper_of
 from tool0.errors import Tool0Error, UnreachableError
 from tool0.hardware.control_box import ControlBoxState
 from tool0.interfaces.ur.messages import Messages
 from tool0.interfaces.ur.pose import matrix_of, pose_of
 from tool0.interfaces.ur.programs import ProgramSlot
 from tool0.interfaces.ur.registers import Registers
+from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
 from tool0.kinematics.chain import (
     ArmChain,
     Array,
@@ -44,11 +46,23 @@ CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
 class Box:
     """One arm and what its control box knows about it."""
 
-    def __init__(self, channel: SocketChannel, arm: str, first: UpdateMessage) -> None:
-        """Show an ``arm`` of the bring-up, as ``first`` has it.
+    def __init__(
+        self,
+        channel: SocketChannel,
+        arm: str,
+        first: UpdateMessage,
+        *,
+        allow_sockets: bool = False,
+    ) -> None:
+        """Show an arm of the bring-up.
 
-        ``first`` is the first update: it has everything.
+        Args:
+            channel: The connection to the bring-up.
+            arm: As ``list_arms`` names it.
+            first: The first update, which has everything.
+            allow_sockets: Whether programs may connect to other machines.
         """
+        self.allow_sockets = allow_sockets
         self._channel = channel
         self._event_loop = asyncio.get_running_loop()
         model = channel.description.model
@@ -86,7 +100,24 @@ class Box:
         self._T_base_chain = np.linalg.inv(self.T_chain_base)
         self._known: dict[tuple[str, bool], Six] = {}
         """What has been computed from this update."""
+        self.update: UpdateMessage
+        """The newest update."""
         self._take(first)
+        self.gripper = self._gripper(index)
+        """The gripper that the arm carries, if there is one."""
+
+    def _gripper(self, index: Mapping[str, int]) -> RobotiqGripper | None:
+        model = self._channel.description.model
+        name = gripper_of(model, self.arm)
+        if name is None:
+            return None
+        geometry = find_grippers(model)[name]
+        return RobotiqGripper(self, name, geometry, index[geometry.joint])
+
+    @property
+    def bringup(self) -> str:
+        """The name of the bring-up."""
+        return self._channel.name
 
     # ---- updates --------------------------------------------------------------------
 
