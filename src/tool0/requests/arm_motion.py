@@ -14,13 +14,16 @@ from msgspec import Meta
 from tool0.control.arm_path import ArmPath
 from tool0.errors import RequestError
 from tool0.requests.table import Name, Request, Response, handles
+from tool0.requests.updates import ArmUpdate, arm_update
 from tool0.runtime.simulation import Simulation
 
 Row6 = tuple[float, float, float, float, float, float]
 """A number for each joint, from base to flange."""
 Rows6 = tuple[Row6, ...]
 NO_TCP: Row6 = (0.0,) * 6
+Flags6 = tuple[bool, bool, bool, bool, bool, bool]
 Limit = Annotated[float, Meta(gt=0.0, le=100.0)]
+Limits6 = tuple[Limit, Limit, Limit, Limit, Limit, Limit]
 Acceleration = Annotated[float, Meta(gt=0.0, le=1000.0)]
 """[rad/s², m/s²]"""
 Duration = Annotated[float, Meta(ge=0.0)]
@@ -144,11 +147,11 @@ class StartForceMode(_OfArm[None], frozen=True):
 
     frame: Row6
     """In the base, with a rotation vector [m, rad]."""
-    selection: tuple[bool, bool, bool, bool, bool, bool]
+    selection: Flags6
     """Which axes of the frame give way: x, y, z, and about them."""
     wrench: Row6
     """Along those [N, N·m]; the numbers of other axes do not count."""
-    limits: tuple[Limit, Limit, Limit, Limit, Limit, Limit]
+    limits: Limits6
     """Largest speed along an axis that gives way [m/s, rad/s]; largest deviation from
     the motion along another that it resists with more force [m, rad]."""
     kind: Literal[1, 2, 3] = 2
@@ -169,7 +172,7 @@ class EndForceMode(_OfArm[None], frozen=True):
 class StartFreedrive(_OfArm[None], frozen=True):
     """Let the arm be moved by hand; it stays where it is left."""
 
-    axes: tuple[bool, bool, bool, bool, bool, bool] = (True,) * 6
+    axes: Flags6 = (True,) * 6
     """Along and about which axes of the frame the tool gives way."""
     frame: Row6 = NO_TCP
     """In the base, with a rotation vector [m, rad]."""
@@ -177,6 +180,10 @@ class StartFreedrive(_OfArm[None], frozen=True):
 
 class EndFreedrive(_OfArm[None], frozen=True):
     """Hold the arm where it is."""
+
+
+class ReadArmMotion(_OfArm[ArmUpdate], frozen=True):
+    """Setpoint, mode, path and wrench of an arm, as updates have them."""
 
 
 class ZeroWrench(_OfArm[None], frozen=True):
@@ -220,6 +227,13 @@ def _stop(simulation: Simulation, request: StopArm) -> None:
     core.arm_motions.find(request.arm).stop_motion(
         request.deceleration, core.time, along_path=request.along_path
     )
+
+
+@handles(ReadArmMotion)
+def _read(simulation: Simulation, request: ReadArmMotion) -> ArmUpdate:
+    snapshot = simulation.loop.snapshot_with_arms()
+    arm = simulation.core.control_boxes.find(request.arm).arm
+    return arm_update(snapshot, snapshot.arms[arm])
 
 
 handles(ZeroWrench, in_tick=True)(
