@@ -65,14 +65,12 @@ class JointBounds:
 def _fastest_before(distance: float, a: float, period: float) -> float:
     """Return the velocity after a tick that allows to stop within ``distance``.
 
-    It solves v period / 2 + v² / 2a = distance; below the limit it is 0.
+    From v, ticks with the deceleration ``a`` come to rest within v² / 2a +
+    a period² / 8; so v period / 2 + that is the distance.
     """
     if not distance > 0.0:
         return 0.0
-    if distance == math.inf:
-        return math.inf
-    half = 0.5 * a * period
-    return math.sqrt(half * half + 2.0 * a * distance) - half
+    return max(0.0, math.sqrt(2.0 * a * distance) - 0.5 * a * period)
 
 
 def _moved(now: ArmSetpoint, velocities: Sequence[float], period: float) -> ArmSetpoint:
