@@ -127,12 +127,15 @@ def test_a_path_is_blended_and_reports_its_moves(robot: tool0.Robot) -> None:
             Move(kind="linear", pose=lifted(box, 0.0, -0.05, -0.1), r=0.02, **aim),
             Move(kind="process", pose=lifted(box, 0.1, -0.05, -0.1), **aim),
         ]
-        await moves.execute(path, when_begun=begun.append)
+        await moves.move(path, wait=False)
+        while (index := moves.progress) >= 0:
+            begun.append(index)
+            await box.next_update()
         pose = np.array(box.tcp_pose(target=True))
         np.testing.assert_allclose(pose[:3], lifted(box, 0.1, -0.05, -0.1)[:3])
 
     trace = play(robot, program)
-    assert begun == [0, 1, 2]
+    assert [index for index, _ in itertools.groupby(begun)] == [0, 1, 2]
     moving = np.flatnonzero(trace.speeds > 0.02)
     assert np.diff(moving).max() == 1  # without a stop
 
@@ -171,7 +174,7 @@ def test_without_another_move_it_ends_at_its_target(robot: tool0.Robot) -> None:
 def test_an_impossible_move_moves_nothing(robot: tool0.Robot) -> None:
     async def program(box: Box, moves: Moves) -> None:
         with pytest.raises(UnreachableError, match=r"move 2 \(movel\).*out of reach"):
-            await moves.execute(
+            await moves.move(
                 [
                     Move(kind="joint", q=panned(0.1), a=1.4, v=1.0),
                     Move(kind="linear", pose=lifted(box, 0, 0, 1.0), a=3.0, v=0.35),
