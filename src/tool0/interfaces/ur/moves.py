@@ -172,7 +172,7 @@ class Moves:
 
     async def speedj(self, qd: Six, a: float, t: float | None = None) -> None:
         """Ramp to joint velocities [rad/s]; return after ``t``, or at full speed."""
-        box = self._box
+        box, a = self._box, _above_0(a)
         change = np.subtract(qd, box.arm_update.target_velocity)
         box.send(SpeedJoints(arm=box.arm, velocities=qd, acceleration=a))
         await box.sleep(float(np.abs(change).max()) / a if t is None else t)
@@ -181,7 +181,7 @@ class Moves:
         self, xd: Six, a: float, t: float | None = None, a_rot: float | None = None
     ) -> None:
         """Ramp to a velocity of the TCP [m/s, rad/s]; return as ``speedj`` does."""
-        box = self._box
+        box, a = self._box, _above_0(a)
         change = np.subtract(xd, box.tcp_speed(target=True))
         box.send(SpeedTool(arm=box.arm, twist=xd, acceleration=a, tcp=box.tcp))
         if t is None:
@@ -191,14 +191,16 @@ class Moves:
     async def stopj(self, a: float = 2.0) -> None:
         """Ramp down to rest from any motion; ``a`` is the leading joint's [rad/s²]."""
         box = self._box
-        await box.call(StopArm(arm=box.arm, deceleration=min(max(a, 1e-3), 1000.0)))
+        await box.call(StopArm(arm=box.arm, deceleration=_above_0(a)))
         await self._rest()
 
     async def stopl(self, a: float = 20.0, a_rot: float | None = None) -> None:
         """Ramp down to rest in the time that the TCP needs with ``a`` [m/s²]."""
         fastest = float(np.abs(self._box.arm_update.target_velocity).max())
-        duration = _duration(np.array(self._box.tcp_speed(target=True)), a, a_rot)
-        await self.stopj(fastest / duration if duration > 0.0 else a)
+        duration = _duration(
+            np.array(self._box.tcp_speed(target=True)), _above_0(a), a_rot
+        )
+        await self.stopj(fastest / duration if duration * fastest > 0.0 else a)
 
     # ---- paths ----------------------------------------------------------------------
 
@@ -309,6 +311,13 @@ async def _planned(plan: Callable[[], T], moves: Sequence[Move]) -> T:
     if len(moves) == 1 and moves[0].kind == "joint":
         return plan()
     return await asyncio.to_thread(plan)
+
+
+def _above_0(acceleration: float) -> float:
+    """Return an acceleration within what requests accept; ControlError unless > 0."""
+    if not acceleration > 0.0:
+        raise ControlError(f"an acceleration must be above 0, got {acceleration}")
+    return min(acceleration, 1000.0)
 
 
 def _duration(change: Array, a: float, a_rot: float | None) -> float:
