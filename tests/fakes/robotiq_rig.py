@@ -174,10 +174,10 @@ def serving_gripper(
         thread.start()
         try:
             served = ready.result(LONG)
-            yield served
-            served.loop.call_soon_threadsafe(stop.set)
+            try:
+                yield served
+            finally:
+                served.loop.call_soon_threadsafe(stop.set)
         finally:
-            if ready.done() and ready.exception() is None:
-                ready.result().loop.call_soon_threadsafe(stop.set)
             thread.join(LONG)
             channel.close()

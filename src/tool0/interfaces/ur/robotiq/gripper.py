@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from typing import Any, Final, Protocol, TypeVar, final
@@ -31,6 +32,9 @@ by then, the state of the simulation knows it."""
 MOVED: Final = 0.0005
 """Change of the opening from which fingers at rest are looked at again [m]: an object
 that is lost lets them close further."""
+STILL: Final = 0.0001
+"""Change of the opening between two looks, below which fingers near their goal have
+arrived [m]: a third of a count."""
 ELSEWHERE: Final = 0.002
 """Distance from the requested opening from which fingers at their goal were moved by
 somebody else [m]."""
@@ -302,12 +306,9 @@ class RobotiqGripper:
     async def _watch(self) -> None:
         """Follow the fingers, until the next command."""
         while True:
-            state = await self._read()
+            state = await self._settle()
             self._show(state)
-            if state.motion == "moving":
-                await self._pass(POLL_PERIOD)
-            else:
-                await self._until_moved(state.opening)
+            await self._until_moved(state.opening)
 
     def _show(self, state: GraspState) -> None:
         """Translate what the simulation measures."""
@@ -342,13 +343,20 @@ class RobotiqGripper:
         )
         await self._pass(POLL_PERIOD)
 
-    async def _settle(self) -> None:
-        """Wait until the fingers have arrived, or met something."""
-        while (await self._read()).motion == "moving":
+    async def _settle(self) -> GraspState:
+        """Wait until the fingers stand still, and return what they do."""
+        opening = math.inf
+        while True:
+            state = await self._link.call(ReadGripper(gripper=self.name))
+            creeps = abs(state.opening - opening) > STILL
+            if state.motion != "moving" and not (
+                creeps and state.motion == "at_target"
+            ):
+                return state
+            opening = state.opening
+            if state.motion == "moving":
+                self._object = ObjectStatus.MOVING
             await self._pass(POLL_PERIOD)
-
-    async def _read(self) -> GraspState:
-        return await self._link.call(ReadGripper(gripper=self.name))
 
     # ---- power and time -------------------------------------------------------------
 
