@@ -266,6 +266,11 @@ class Bringup:
             self._arrived.put(line.rstrip())
         self._arrived.put(None)
 
+    @property
+    def runtime_folder(self) -> str:
+        """The ``XDG_RUNTIME_DIR`` in which its socket is."""
+        return self._sockets.name
+
     def wait_for(self, words: str, timeout: float = TIMEOUT) -> str:
         """Return the first new line that contains ``words``."""
         deadline = time.monotonic() + timeout

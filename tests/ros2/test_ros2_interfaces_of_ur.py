@@ -9,6 +9,8 @@ from ros2_client import Client, Goal, Topic
 from ros2_rig import JTC, follow, trajectory
 from ur5_rig import ARM_JOINTS
 
+import tool0
+
 OPTIONS = ("--arm", "ur5e")
 BOX = "/io_and_status_controller"
 DASHBOARD = "/dashboard_client"
@@ -191,7 +193,7 @@ def test_a_stopped_program_ends_the_motion(client: Client, start: np.ndarray) ->
 def test_the_dashboard_refuses_what_there_is_not(
     client: Client, bringup: Bringup
 ) -> None:
-    for name in ("unlock_protective_stop", "power_off", "shutdown"):
+    for name in ("unlock_protective_stop", "shutdown"):
         reply = client.call(f"{DASHBOARD}/{name}", TRIGGER)
         assert not reply.success
         assert reply.message
@@ -205,3 +207,56 @@ def test_the_dashboard_refuses_what_there_is_not(
         f"{DASHBOARD}/load_program", "ur_dashboard_msgs/srv/Load", filename="a.urp"
     )
     assert not reply.success
+
+
+def test_the_arm_can_be_powered_off_and_on(
+    client: Client, bringup: Bringup, start: np.ndarray
+) -> None:
+    def call(name: str) -> bool:
+        return bool(client.call(f"{DASHBOARD}/{name}", TRIGGER).success)
+
+    modes = client.listening(
+        f"{BOX}/robot_mode", "ur_dashboard_msgs/msg/RobotMode", latched=True
+    )
+    goal = follow(client, trajectory([(4.0, start + 0.4)]))
+    until(lambda: speed(goal) > 0.02, "the arm to move")
+    with modes as mode:
+        assert call("power_off")
+        assert goal.outcome()[0] == "aborted"
+        mode.wait_for(lambda message: message.mode == 3)
+        assert not call("play")
+        assert not follow(client, trajectory([(1.0, start)])).is_accepted
+        assert call("power_on")
+        mode.wait_for(lambda message: message.mode == 5)
+        assert call("brake_release")
+        mode.wait_for(lambda message: message.mode == 7)
+    assert controllers(client)[JTC] == "inactive"
+    assert call("play")
+    assert controllers(client)[JTC] == "active"
+
+
+def test_a_protective_stop_is_shown_and_cleared(
+    client: Client, bringup: Bringup, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def call(name: str) -> bool:
+        return bool(client.call(f"{DASHBOARD}/{name}", TRIGGER).success)
+
+    monkeypatch.setenv("XDG_RUNTIME_DIR", bringup.runtime_folder)
+    kind = "ur_dashboard_msgs/msg/SafetyMode"
+    with (
+        client.listening(f"{BOX}/safety_mode", kind, latched=True) as mode,
+        client.listening(
+            f"{BOX}/robot_program_running", "std_msgs/msg/Bool", latched=True
+        ) as running,
+        tool0.connect() as robot,
+    ):
+        robot.arm.control_box.stop_protectively("a test")
+        mode.wait_for(lambda message: message.mode == 3)
+        running.wait_for(lambda message: not message.data)
+        assert not call("play")
+        assert not call("unlock_protective_stop")  # not within 5 s
+        assert call("restart_safety")
+        mode.wait_for(lambda message: message.mode == 1)
+        assert call("brake_release")
+        assert call("play")
+        until(lambda: running.last.data, "the program to run again")

@@ -6,6 +6,7 @@ from typing import final
 
 from tool0.control.config import ControllerConfig
 from tool0.control.controller import Controller, ControllerSpec
+from tool0.control.dialect import Stages
 from tool0.errors import ControlError
 from tool0.hardware.engine import JointState
 
@@ -14,16 +15,38 @@ from tool0.hardware.engine import JointState
 class LoadedController:
     """A controller's parameters once it is configured, and itself while it runs."""
 
-    def __init__(self, name: str, config: ControllerConfig) -> None:
+    def __init__(
+        self, name: str, type_name: str, stages: Stages, config: ControllerConfig | None
+    ) -> None:
         self.name = name
+        self.type = type_name
         self.config = config
-        self.type = config.type_of(name)
+        """None for one of tool0's own, which a request starts and stops."""
         self.spec: ControllerSpec | None = None
         self.indices: tuple[int, ...] = ()
         self.controller: Controller | None = None
-        self.state = config.dialect.stages.unconfigured
+        self.state = stages.unconfigured
         self.is_waiting = False
         """Whether the brakes hold its joints until its first command."""
+
+    @property
+    def is_own(self) -> bool:
+        """Whether it is one of tool0's own, without a YAML."""
+        return self.config is None
+
+    def require_config(self) -> ControllerConfig:
+        """Return the YAML that it is of; ControlError if it is one of tool0's own."""
+        if self.config is None:
+            raise ControlError(self.why_fixed)
+        return self.config
+
+    @property
+    def why_fixed(self) -> str:
+        """Why clients cannot start, stop or change one of tool0's own."""
+        return (
+            f"controller '{self.name}' is tool0's own: `take_arm` starts it, and "
+            "`return_arm` stops it"
+        )
 
     @property
     def claims(self) -> tuple[str, ...]:

@@ -189,6 +189,12 @@ class World(Protocol):
         An engine may start recording with the first call, which then returns none.
         """
 
+    def is_touched(self, links: frozenset[str]) -> bool:
+        """Return whether one of ``links`` touches anything, or is attached.
+
+        Quicker than ``contacts``; True may also mean: almost.
+        """
+
     def center_of_mass(self, name: str) -> Vector3:
         """Return where the body of a link or object has its centre of mass [m].
 

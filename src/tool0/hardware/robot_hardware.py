@@ -227,14 +227,35 @@ class RobotHardware:
             ClaimError: If a joint is commanded already.  Nothing has changed then.
         """
         for name in joints:
-            self._check_claim(name, interface)
+            offered = self.interfaces.get(name, ())
+            self._check_claim(name, interface, offered)
+        self._claim(joints, interface, state)
+
+    def claim_servos(self, joints: Sequence[str], state: JointState) -> None:
+        """Let ``joints`` follow positions, also if their drives offer efforts only.
+
+        Every drive has a servo: its brake uses it as well.
+
+        Raises:
+            ControlError: If a joint has no drive.
+            ClaimError: If a joint is commanded already.  Nothing has changed then.
+        """
+        for name in joints:
+            offered = (Interface.POSITION,) if name in self.interfaces else ()
+            self._check_claim(name, Interface.POSITION, offered)
+        self._claim(joints, Interface.POSITION, state)
+
+    def _claim(
+        self, joints: Sequence[str], interface: Interface, state: JointState
+    ) -> None:
         for name in joints:
             self._claimed[name] = interface
             self._limiter.set_drive_limits(self.index[name], None)
             self._hold(name, state)
 
-    def _check_claim(self, name: str, interface: Interface) -> None:
-        offered = self.interfaces.get(name, ())
+    def _check_claim(
+        self, name: str, interface: Interface, offered: Sequence[Interface]
+    ) -> None:
         if interface not in offered:
             names = quoted(item.value for item in offered) if offered else "none"
             raise ControlError(

@@ -9,6 +9,7 @@ on) do not occur.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from typing import Final, NamedTuple, final
 
@@ -27,6 +28,8 @@ from tool0.hardware.control_box import (
 from tool0.hardware.engine import JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.control_boxes import ControlBoxes
+
+logger = logging.getLogger(__name__)
 
 UNLOCK_AFTER: Final = 5.0
 """Simulated time from a protective stop until it can be unlocked [s]: dashboard server,
@@ -118,6 +121,7 @@ class ArmModes:
         state = self._boxes.find(arm)
         if self._modes[state.arm].safety is not SafetyMode.PROTECTIVE_STOP:
             self._stopped_at[state.arm] = now.time
+            logger.warning("arm '%s': protective stop: %s", state.arm, reason)
             state = self._boxes.change(state, protective_stop=reason)
             self._set(state, now, safety=SafetyMode.PROTECTIVE_STOP)
 
@@ -286,8 +290,8 @@ class ArmModes:
         handle = f"robot.arms['{arm}'].control_box"
         if safety is SafetyMode.PROTECTIVE_STOP:
             return (
-                f"the arm '{arm}' is in a protective stop ({state.protective_stop}); "
-                f"unlock it in the panel or with {handle}.unlock()"
+                f"the arm '{arm}' is in a protective stop; unlock it in the panel or "
+                f"with {handle}.unlock() (it stopped for: {state.protective_stop})"
             )
         if safety not in UNSTOPPED:
             return (

@@ -54,6 +54,8 @@ class ControlBoxes:
         """One for each arm: the same tuple until something changes."""
         self.is_steady = True
         """Whether no speed scaling factor is on its way to another value."""
+        self.has_limits = False
+        """Whether the safety limits of an arm are enabled."""
 
     def find(self, arm: str | None) -> ControlBoxState:
         """Return an arm's control box; the only one without a name.
@@ -73,6 +75,10 @@ class ControlBoxes:
         if found is None:
             raise ControlError(f"no arm '{arm}'{did_you_mean(arm, names)}")
         return found
+
+    def flange(self, arm: str) -> str:
+        """Return the link at the end of an arm, by the arm's name."""
+        return self._flanges[arm]
 
     # ---- the tick -------------------------------------------------------------------
 
@@ -156,6 +162,7 @@ class ControlBoxes:
             force=old.force if force is None else force,
         )
         self.change(state, safety_limits=limits)
+        self.has_limits = any(s.safety_limits.is_enabled for s in self.states)
 
     def report_ur(self, arm: str | None, report: UrReport) -> None:
         """Show what the interface of UR's protocols reports of itself."""

@@ -40,6 +40,9 @@ class ToyWorld:
     def contacts(self) -> tuple[Contact, ...]:
         return ()
 
+    def is_touched(self, links: frozenset[str]) -> bool:
+        return False
+
     def spawn(self, item: SceneObject) -> None:
         raise EngineError(f"no object '{item.name}' can be here")
 

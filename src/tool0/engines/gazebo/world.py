@@ -205,6 +205,9 @@ class GazeboServerWorld:
             n += n_here
         return unpack_contacts(packed, self._names, self._root)
 
+    def is_touched(self, links: frozenset[str]) -> bool:
+        return any(not links.isdisjoint((c.first, c.second)) for c in self.contacts())
+
     def center_of_mass(self, name: str) -> Vector3:
         answer = self._request(RequestKind.CENTER, self._packed_body(name))
         x, y, z = struct.unpack("=3d", answer)

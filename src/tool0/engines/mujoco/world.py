@@ -137,10 +137,14 @@ class MujocoWorld:
 
     def _is_of(self, link: str) -> NDArray[np.bool_]:
         """Return for each geom whether it is of ``link``."""
-        if link not in self._masks:
+        return self._are_of(frozenset((link,)))
+
+    def _are_of(self, links: frozenset[str]) -> NDArray[np.bool_]:
+        """Return for each geom whether it is of one of ``links``."""
+        if links not in self._masks:
             owners = self._geom_owners
-            self._masks[link] = np.array([owner == link for owner in owners])
-        return self._masks[link]
+            self._masks[links] = np.array([owner in links for owner in owners])
+        return self._masks[links]
 
     def contacts(self) -> tuple[Contact, ...]:
         model, data = self._model, self._data
@@ -151,6 +155,14 @@ class MujocoWorld:
             )
             self._contacts = (data.time, merge_by_pair(points))
         return self._contacts[1]
+
+    def is_touched(self, links: frozenset[str]) -> bool:
+        data = self._data
+        if self._attached and any(
+            item.link in links for item in self._attached.values()
+        ):
+            return True
+        return bool(data.ncon) and bool(self._are_of(links)[data.contact.geom].any())
 
     def center_of_mass(self, name: str) -> Vector3:
         body = self._body(name)
@@ -206,7 +218,7 @@ class MujocoWorld:
         }
         self._attached = attached
         self._geom_owners = geom_owners(model)
-        self._masks: dict[str, NDArray[np.bool_]] = {}
+        self._masks: dict[frozenset[str], NDArray[np.bool_]] = {}
         self.states = ObjectStates(model, self._data, scene)
         self._on_compiled(model, self._data)
 

@@ -8,7 +8,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Protocol, final
 
 from tool0.errors import ControlError, Tool0Error
-from tool0.requests.arm_motion import ReturnArm, TakeArm
+from tool0.requests.arm_motion import ReturnArm, StopArm, TakeArm
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box
@@ -48,6 +48,7 @@ class ProgramSlot:
     def __init__(self, box: Box) -> None:
         self._box = box
         self._task: asyncio.Task[None] | None = None
+        self._changing = asyncio.Lock()
         self._gate = asyncio.Event()
         self._gate.set()
         self.state = RuntimeState.STOPPED
@@ -59,27 +60,40 @@ class ProgramSlot:
         """Whether there is a program, running or paused."""
         return self._task is not None
 
+    @property
+    def is_paused(self) -> bool:
+        """Whether a program waits to be resumed."""
+        return self.state is RuntimeState.PAUSED
+
     async def start(self, program: Program) -> None:
-        """Stop the program that runs, and start another one.
+        """Start a program; it replaces the one that runs, whose motion stops.
 
         Raises:
             ControlError: If the arm may not move now.
         """
-        await self.stop()
-        await self._box.call(TakeArm(arm=self._box.arm, by=program.name))
-        self.name = program.name
-        self.state = RuntimeState.PLAYING
-        self._task = asyncio.create_task(self._run(program))
-        self._box.messages.program(program.name)
+        arm = self._box.arm
+        async with self._changing:
+            was_running = await self._cancel()
+            try:
+                if was_running:  # the arm stays taken
+                    self._box.messages.program("")
+                    await self._box.call(StopArm(arm=arm))
+                await self._box.call(TakeArm(arm=arm, by=program.name))
+            except Tool0Error:
+                await self._release()
+                raise
+            self.name = program.name
+            self.state = RuntimeState.PLAYING
+            self._gate.set()
+            self._box.messages.program(program.name)
+            self._task = asyncio.create_task(self._run(program))
 
     async def stop(self) -> None:
         """Stop the program and the arm; without a program, do nothing."""
-        task = self._task
-        if task is None or task is asyncio.current_task():
-            return
-        self.state = RuntimeState.STOPPING
-        task.cancel()
-        await asyncio.wait([task])
+        async with self._changing:
+            if await self._cancel():
+                await self._release()
+                self._box.messages.program("")
 
     def pause(self) -> None:
         """Hold the program at its next statement, and its motion.
@@ -110,22 +124,32 @@ class ProgramSlot:
     async def _run(self, program: Program) -> None:
         try:
             await program.run(self._box)
-        except asyncio.CancelledError:
-            pass  # stopped
         except Tool0Error as error:
             self._box.report(error)
         except Exception as error:
             logger.exception("the program '%s' failed", program.name)
             self._box.messages.error(f"{program.name}: {error!r}")
-        finally:
-            await asyncio.shield(self._end())
+        async with self._changing:
+            self._task = None  # it can no longer be cancelled
+            await self._release()
+            self._box.messages.program("")
 
-    async def _end(self) -> None:
+    async def _cancel(self) -> bool:
+        """End the program that runs; return whether there was one."""
+        task = self._task
+        if task is None or task is asyncio.current_task():
+            return False
+        self.state = RuntimeState.STOPPING
+        task.cancel()
+        await asyncio.wait([task])
+        self._task = None
+        return True
+
+    async def _release(self) -> None:
+        """Give the arm back."""
         try:
             await self._box.call(ReturnArm(arm=self._box.arm))
         except Tool0Error as error:
             self._box.report(error)
-        self._task = None
         self._gate.set()
         self.state = RuntimeState.STOPPED
-        self._box.messages.program("")

@@ -8,6 +8,7 @@ import time
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final, Protocol
 
+from tool0.api.address import folders
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error, TransportError
 from tool0.interfaces.ur.box import Box
@@ -33,8 +34,26 @@ class Interface(Protocol):
 
 def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     """Return what a control box presents."""
-    del box, options
-    return []
+    from tool0.interfaces.ur.client_interface.interface import ClientInterface
+    from tool0.interfaces.ur.dashboard import Dashboard
+    from tool0.interfaces.ur.rtde.server import RtdeServer
+    from tool0.interfaces.ur.safety_stop import SafetyStop
+
+    interfaces: list[Interface] = [
+        SafetyStop(box),
+        RtdeServer(box),
+        Dashboard(box, options.programs, allow_sockets=options.allow_sockets),
+        ClientInterface(box, allow_sockets=options.allow_sockets),
+    ]
+    if box.gripper is not None:
+        from tool0.interfaces.ur.robotiq.interface import (
+            RobotiqInterface,
+            serial_port_path,
+        )
+
+        port = serial_port_path(folders()[0], box.bringup, box.arm)
+        interfaces.append(RobotiqInterface(box.gripper, port))
+    return interfaces
 
 
 async def connected(name: str) -> SocketChannel:
@@ -57,7 +76,7 @@ async def serve(
     """Serve the arms of a bring-up until it ends; ``ready`` gets their addresses.
 
     Raises:
-        TransportError: If a port is in use.
+        TransportError: If there is no arm, or a port is in use.
     """
     loop = asyncio.get_running_loop()
     has_ended = asyncio.Event()
@@ -85,10 +104,14 @@ async def serve(
     channel.when_ended = in_loop(lambda failure: has_ended.set())
     channel.when_refused = in_loop(refuse)
     arms = [arm.name for arm in await asyncio.to_thread(channel.call, ListArms())]
+    if not arms:
+        raise TransportError("the robot has no arm that a UR's control box could drive")
     request = SubscribeUpdates(arms=tuple(arms))
     await asyncio.to_thread(channel.call, request)
     update = await first
-    boxes += [Box(channel, arm, update) for arm in arms]
+    boxes += [
+        Box(channel, arm, update, allow_sockets=options.allow_sockets) for arm in arms
+    ]
     async with contextlib.AsyncExitStack() as stack:
         addresses = {}
         for number, box in enumerate(boxes):

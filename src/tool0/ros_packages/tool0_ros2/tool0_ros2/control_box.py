@@ -5,6 +5,23 @@ from typing import Any
 from tool0_ros2.bridge import Context, ControllerContext, Update
 from tool0_ros2.connection import RequestFailedError
 
+NORMAL_MODES = (1, 2)
+"""Safety modes in which the arm may move: NORMAL and REDUCED."""
+ROBOT_EMERGENCY_STOP = 7
+"""A safety mode."""
+_POWERED_MODES = (6, 7)
+"""Robot modes with released brakes: BACKDRIVE and RUNNING."""
+
+
+def is_program_running(state: dict[str, Any]) -> bool:
+    """Return whether ROS can move the arm: the program plays, and nothing stops it."""
+    return (
+        state["program"] == "PLAYING"
+        and not state["taken_by"]
+        and state["robot_mode"] in _POWERED_MODES
+        and state["safety_mode"] in NORMAL_MODES
+    )
+
 
 class ControlBox:
     """The control box of the arm whose names have a prefix."""

@@ -12,19 +12,21 @@ from std_srvs.srv import Trigger
 
 from tool0_ros2.bridge import Context, Reporter, Update
 from tool0_ros2.connection import RequestFailedError
-from tool0_ros2.control_box import ControlBox, read_boxes
+from tool0_ros2.control_box import (
+    NORMAL_MODES,
+    ROBOT_EMERGENCY_STOP,
+    ControlBox,
+    is_program_running,
+    read_boxes,
+)
 from tool0_ros2.messages import fill, optional_module
 
 NODE_NAME = "dashboard_client"
-_NORMAL, _PLAYING = 1, "PLAYING"
 
 _REFUSED = {
     "clear_operational_mode": "the simulation has no operational modes",
-    "power_off": "the simulated arm is always powered; brake it with "
-    "`tool0 estop` or robot.emergency_stop()",
     "quit": "there is no dashboard server to disconnect from",
     "shutdown": "end the bring-up instead",
-    "unlock_protective_stop": "the arm is not in a protective stop",
 }
 _QUERIES_REFUSED = {
     "download_program": "DownloadProgram",
@@ -82,9 +84,13 @@ class _Dashboard:
             "connect": lambda: "connected to the simulation",
             "pause": partial(self._change_program, "pause_program", "paused"),
             "play": partial(self._change_program, "play_program", "playing"),
-            "power_on": self._release_brakes,
+            "power_off": partial(self._change, "power_off", "the arm is powered off"),
+            "power_on": partial(self._change, "power_on", "the arm is powered"),
             "restart_safety": self._restart_safety,
             "stop": partial(self._change_program, "stop_program", "stopped"),
+            "unlock_protective_stop": partial(
+                self._change, "unlock_protective_stop", "the arm is unlocked"
+            ),
         }
         for name, reason in _REFUSED.items():
             triggers[name] = partial(_refuse, reason)
@@ -123,18 +129,26 @@ class _Dashboard:
 
     # ---- what has an effect ---------------------------------------------------------
 
-    def _change_program(self, method: str, state: str) -> str:
+    def _change(self, method: str, effect: str) -> str:
         self._box.call(method)
-        return f"the program is {state}"
+        return effect
+
+    def _change_program(self, method: str, state: str) -> str:
+        return self._change(method, f"the program is {state}")
 
     def _release_brakes(self) -> str:
-        if self._box.read()["safety_mode"] != _NORMAL:
-            _refuse("the emergency stop is engaged; release it or restart the safety")
-        return "the arm is powered, and its brakes are released"
+        return self._change(
+            "release_brakes", "the arm is powered, and its brakes are released"
+        )
 
     def _restart_safety(self) -> str:
-        self._context.connection.call("emergency_stop", engaged=False)
-        return "the emergency stop is released"
+        mode = self._box.read()["safety_mode"]
+        if mode == ROBOT_EMERGENCY_STOP:
+            self._context.connection.call("emergency_stop", engaged=False)
+            return "the emergency stop is released"
+        if mode in NORMAL_MODES:
+            return "the safety system has stopped nothing"
+        return self._change("restart_safety", "the arm is powered off")
 
     def _add_to_log(self, request: Any, response: Any) -> str:
         self._node.get_logger().info(request.message)
@@ -151,9 +165,7 @@ class _Dashboard:
         return f"safety mode {mode}"
 
     def _program_running(self, request: Any, response: Any) -> str:
-        state = self._box.read()
-        is_running = state["program"] == _PLAYING and state["safety_mode"] == _NORMAL
-        response.program_running = is_running
+        response.program_running = is_running = is_program_running(self._box.read())
         return f"program running: {str(is_running).lower()}"
 
     def _program_state(self, request: Any, response: Any) -> str:

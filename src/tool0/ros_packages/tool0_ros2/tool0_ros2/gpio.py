@@ -10,10 +10,9 @@ from std_srvs.srv import Trigger
 
 from tool0_ros2.bridge import ControllerContext, Update
 from tool0_ros2.connection import RequestFailedError
-from tool0_ros2.control_box import ControlBox, is_running
+from tool0_ros2.control_box import ControlBox, is_program_running, is_running
 from tool0_ros2.messages import fill, optional_module
 
-_NORMAL, _PLAYING = 1, "PLAYING"
 _DEFAULT = QoSProfile(depth=10)
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -180,8 +179,7 @@ def _refused(reason: str) -> RequestFailedError:
 
 
 def _program(state: dict[str, Any]) -> Any:
-    is_playing = state["program"] == _PLAYING
-    return Bool(data=is_playing and state["safety_mode"] == _NORMAL)
+    return Bool(data=is_program_running(state))
 
 
 def _robot(state: dict[str, Any]) -> Any:
