@@ -76,8 +76,6 @@ class RobotiqGripper:
         name: str,
         geometry: ParallelGripper,
         joint_index: int,
-        *,
-        is_activated: bool = False,
     ) -> None:
         """Show a gripper that has just been powered on.
 
@@ -86,16 +84,15 @@ class RobotiqGripper:
             name: As ``Grip`` calls it.
             geometry: Its opening, speed and force.
             joint_index: Of its driven joint in the updates.
-            is_activated: Whether it has its activation behind it.  A real one has not.
         """
         self.name = name
         self.counts = Counts(geometry)
         self._geometry = geometry
         self._link = link
         self._index = joint_index
-        self.command = replace(POWER_ON, activate=is_activated)
+        self.command = POWER_ON
         """What clients request."""
-        self._activation = Activation.COMPLETE if is_activated else Activation.RESET
+        self._activation = Activation.RESET
         self._object = ObjectStatus.MOVING
         self._fault = Fault.NONE
         self._goal: float | None = None
@@ -104,6 +101,11 @@ class RobotiqGripper:
         self._changed = asyncio.Event()
         self._waits: list[tuple[Callable[[], bool], asyncio.Event]] = []
         link.when_updated.add(self._look_at_update)
+
+    def assume_activated(self) -> None:
+        """Have the activation behind it, as if somebody had done it at the pendant."""
+        self.command = replace(self.command, activate=True)
+        self._activation = Activation.COMPLETE
 
     async def close(self) -> None:
         """Follow the simulation no longer; the fingers go on with what they do."""
