@@ -1,9 +1,9 @@
 """The grammar of URScript, as lark reads it, and the parser made from it.
 
-Blocks end with ``end``; indentation means nothing.  A new line ends a statement except
+Blocks end with ``end``; indentation means nothing.  A new line ends a statement, except
 inside brackets.  Operators from the weakest: ``or``, ``xor``, ``and``, ``not``,
-comparisons, ``+ -``, ``* / %``, signs, indexes (URScript manual 5.x, "Numbers, Variables,
-and Types").
+comparisons, ``+ -``, ``* / %``, signs, indexes (URScript manual 5.x, section "Numbers,
+Variables, and Types").
 """
 
 from __future__ import annotations

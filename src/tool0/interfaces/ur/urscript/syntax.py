@@ -34,7 +34,7 @@ class Name:
 @final
 @dataclass(frozen=True, slots=True)
 class ListOf:
-    """``[a, b, …]``"""
+    """``[a, b, …]``."""
 
     at: Place
     items: tuple[Expression, ...]
@@ -43,7 +43,7 @@ class ListOf:
 @final
 @dataclass(frozen=True, slots=True)
 class PoseOf:
-    """``p[x, y, z, rx, ry, rz]``"""
+    """``p[x, y, z, rx, ry, rz]``."""
 
     at: Place
     items: tuple[Expression, ...]
@@ -52,7 +52,7 @@ class PoseOf:
 @final
 @dataclass(frozen=True, slots=True)
 class Index:
-    """``base[i][j]`` or ``base[i, j]``"""
+    """``base[i][j]`` or ``base[i, j]``."""
 
     at: Place
     base: Expression
@@ -62,7 +62,7 @@ class Index:
 @final
 @dataclass(frozen=True, slots=True)
 class Unary:
-    """``-a``, ``+a`` or ``not a``"""
+    """``-a``, ``+a`` or ``not a``."""
 
     at: Place
     operator: str
@@ -93,7 +93,7 @@ class Chain:
 @final
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """``value`` or ``name = value``"""
+    """``value`` or ``name = value``."""
 
     at: Place
     name: str | None
@@ -103,7 +103,7 @@ class Argument:
 @final
 @dataclass(frozen=True, slots=True)
 class Call:
-    """``name(arguments)``"""
+    """``name(arguments)``."""
 
     at: Place
     name: str
@@ -136,7 +136,7 @@ Expression: TypeAlias = (
 @final
 @dataclass(frozen=True, slots=True)
 class Assign:
-    """``[local | global] name[i] = value``"""
+    """``[local | global] name[i] = value``."""
 
     at: Place
     scope: Literal["local", "global"] | None
@@ -157,7 +157,7 @@ class Evaluate:
 @final
 @dataclass(frozen=True, slots=True)
 class If:
-    """``if … elif … else … end``"""
+    """``if … elif … else … end``."""
 
     at: Place
     branches: tuple[tuple[Expression, Block], ...]
@@ -167,7 +167,7 @@ class If:
 @final
 @dataclass(frozen=True, slots=True)
 class While:
-    """``while … end``"""
+    """``while … end``."""
 
     at: Place
     condition: Expression
@@ -177,7 +177,7 @@ class While:
 @final
 @dataclass(frozen=True, slots=True)
 class Return:
-    """``return [value]``"""
+    """``return [value]``."""
 
     at: Place
     value: Expression | None
@@ -186,7 +186,7 @@ class Return:
 @final
 @dataclass(frozen=True, slots=True)
 class Kill:
-    """``kill handle``"""
+    """``kill handle``."""
 
     at: Place
     handle: Expression
@@ -209,7 +209,7 @@ class Simple:
 @final
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """``name`` or ``name = default``"""
+    """``name`` or ``name = default``."""
 
     at: Place
     name: str
@@ -219,7 +219,7 @@ class Parameter:
 @final
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """``def``, ``sec`` or ``thread``"""
+    """``def``, ``sec`` or ``thread``."""
 
     at: Place
     kind: Literal["def", "sec", "thread"]

@@ -50,7 +50,8 @@ class Trees(Transformer[Token, s.Block]):
         at = base.at if scope is None else place(scope)
         if scope is not None and indexes:
             raise URScriptError(f"'{scope}' declares a variable, not an element", at)
-        return s.Assign(at, scope and str(scope), base.name, indexes, value)
+        declared = None if scope is None else cast("Any", str(scope))
+        return s.Assign(at, declared, base.name, indexes, value)
 
     def evaluate(self, children: Children) -> s.Evaluate:
         value = children[0]
