@@ -43,18 +43,18 @@ class Run:
 class _Slot:
     is_paused = False
 
-    def __init__(self) -> None:
-        self._gate = asyncio.Event()
+    def __init__(self, box: TimeBox) -> None:
+        self._box = box
 
     def pause(self) -> None:
         self.is_paused = True
 
     def resume(self) -> None:
         self.is_paused = False
-        self._gate.set()
 
     async def gate(self) -> None:
-        await self._gate.wait()
+        while self.is_paused:
+            await self._box.next_update()
 
 
 class TimeBox:
@@ -70,7 +70,7 @@ class TimeBox:
         self.ticks = 0
         self.messages = Messages()
         self.registers = Registers()
-        self.programs = _Slot()
+        self.programs = _Slot(self)
         self.when_updated: set[Callable[[], None]] = set()
         self.arm_update = ArmUpdate(
             target_position=ZEROS,
