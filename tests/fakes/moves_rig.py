@@ -8,7 +8,7 @@ from tool0.kinematics.chain import Array
 from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.move_planner import MovePlanner
 from tool0.kinematics.moves import Move, MovePlan
-from tool0.kinematics.rotation import pose_matrix, rotation_vector
+from tool0.kinematics.pose import matrix_of, rotation_vector
 from tool0.kinematics.segments import sampled
 
 HOME = np.array([0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0])
@@ -23,7 +23,7 @@ class MovesRig:
     def __init__(self, kinematics: InverseKinematics, start: Array = HOME) -> None:
         self.kinematics = kinematics
         self.start = start
-        self.T_tip_tool = pose_matrix(TCP)
+        self.T_tip_tool = matrix_of(TCP)
         self.planner = MovePlanner(kinematics, TCP)
         self.home = self.tool(start[None])[0]
 
@@ -33,7 +33,7 @@ class MovesRig:
 
     def pose(self, xyz: object, turn: object = (0.0, 0.0, 0.0)) -> list[float]:
         """Return a pose displaced from HOME, in the axes of the base."""
-        R = pose_matrix([0.0, 0.0, 0.0, *turn])[:3, :3] @ self.home[:3, :3]  # type: ignore[misc]
+        R = matrix_of([0.0, 0.0, 0.0, *turn])[:3, :3] @ self.home[:3, :3]  # type: ignore[misc]
         p = self.home[:3, 3] + np.asarray(xyz)
         return [*p.tolist(), *rotation_vector(R).tolist()]
 

@@ -15,7 +15,8 @@ import numpy as np
 
 from tool0.description.transform import from_matrix
 from tool0.kinematics.chain import Array
-from tool0.kinematics.rotation import left_jacobians, rotation_vector, rotations
+from tool0.kinematics.pose import rotation_vector
+from tool0.kinematics.rotation import left_jacobians, rotations
 
 TURN_RATIO = 4.0
 """Angular speed of a tool for each speed [rad/m]; see ``moves``."""

@@ -9,7 +9,8 @@ import numpy as np
 from tool0.description.transform import from_matrix
 from tool0.errors import UnreachableError
 from tool0.kinematics.chain import Array
-from tool0.kinematics.rotation import rotation_vector, rotations
+from tool0.kinematics.pose import rotation_vector
+from tool0.kinematics.rotation import rotations
 
 ArcMode = Literal[0, 1]
 """0: the orientation is interpolated from start to end, turning about one axis;

@@ -15,8 +15,8 @@ from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.legs import JointLimits, Leg, is_straight, timed_leg
 from tool0.kinematics.line import LinePath
 from tool0.kinematics.moves import Move, MovePlan, Tail
+from tool0.kinematics.pose import matrix_of
 from tool0.kinematics.profile import SpeedProfile, ramp
-from tool0.kinematics.rotation import pose_matrix
 from tool0.kinematics.segments import (
     JointSegment,
     Knots,
@@ -57,7 +57,7 @@ class MovePlanner:
                 link, if left out.
         """
         self._kinematics = kinematics
-        self._T_tip_tool = pose_matrix(tcp)
+        self._T_tip_tool = matrix_of(tcp)
         self._T_base_frame = np.eye(4) if T_base_frame is None else T_base_frame
         self._T_frame_base: Array = np.asarray(np.linalg.inv(self._T_base_frame))
         self._limits = JointLimits(kinematics.chain.joints)
@@ -97,9 +97,8 @@ class MovePlanner:
 
     def _planned(self, tail: Tail | None, q: Array, moves: Sequence[Move]) -> MovePlan:
         """Plan from rest at ``q``, or from the tail of a motion that ends there."""
-        start = q if tail is None else _braking(tail).q[0]
-        velocity = np.zeros(6) if tail is None else _braking(tail).qd[0]
-        record = _Record(Knots(np.zeros(1), start[None], velocity[None]))
+        at_rest = Knots(np.zeros(1), q[None], np.zeros((1, 6)))
+        record = _Record(at_rest if tail is None else _entry(tail))
         begins: list[float] = []
         zones: list[float] = []
         warnings: list[str] = []
@@ -210,7 +209,7 @@ class MovePlanner:
     def _pose(self, pose: Sequence[float] | None) -> Array:
         """Return a pose of the TCP in the link that carries the arm."""
         assert pose is not None  # ``Move`` checks it
-        return np.asarray(self._T_base_frame @ pose_matrix(pose))
+        return np.asarray(self._T_base_frame @ matrix_of(pose))
 
     # ---- from one move into the next ------------------------------------------------
 
@@ -252,7 +251,7 @@ class MovePlanner:
 
     def _joint_blend(self, tail: Tail, leg: Leg) -> Knots:
         """Return a cubic of the joints; its duration is that of the mean speed."""
-        start = _braking(tail)
+        start = _entry(tail)
         q, rate = leg.segment.at(np.array([leg.zone_in]))
         ends = np.stack([start.q[0], q[0]])
         speeds = np.stack([start.qd[0], rate[0] * leg.speed_in])
@@ -299,10 +298,8 @@ class MovePlanner:
         self, path: BlendPath, tail: Tail, leg: Leg, profile: SpeedProfile
     ) -> Knots:
         """Return the joints' motion along a blend."""
-        first = tail.segment
-        q, _ = first.at(np.array([first.length - tail.remaining]))
-        length = float(profile.distances[-1])
-        motion = knots(ToolSegment(self._kinematics, path, q[0], length), profile)
+        start, length = _entry(tail).q[0], float(profile.distances[-1])
+        motion = knots(ToolSegment(self._kinematics, path, start, length), profile)
         end, _ = leg.segment.at(np.array([leg.zone_in]))
         if np.abs(motion.q[-1] - end[0]).max() > _ROUNDING:
             raise UnreachableError("the blend ends in another posture")
@@ -329,6 +326,12 @@ class _Record:
         keep = np.append(np.diff(times) > _SAME_TIME, True)
         keep[0] = True
         return Knots(times[keep], q[keep], qd[keep])
+
+
+def _entry(tail: Tail) -> Knots:
+    """Return the motion where a tail begins."""
+    q, rate = tail.segment.at(np.array([tail.segment.length - tail.remaining]))
+    return Knots(np.zeros(1), q, rate * tail.speed)
 
 
 def _braking(tail: Tail) -> Knots:

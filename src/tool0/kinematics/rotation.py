@@ -1,12 +1,9 @@
-"""Rotation vectors: axis times angle [rad], as in UR's poses p[x, y, z, rx, ry, rz]."""
+"""Many rotation vectors at once: rotations, and the derivatives of rotations."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from tool0.description.transform import from_matrix
 from tool0.kinematics.chain import Array
 
 _SMALL = 1e-4
@@ -22,20 +19,6 @@ def rotations(vectors: Array) -> Array:
     )
 
 
-def rotation_vector(R: Array) -> Array:
-    """Return the rotation vector of a rotation, of length 0 … π [rad], shape (3,).
-
-    By the quaternion whose largest component is computed first: exact near 0 and π.
-    """
-    T = np.eye(4)
-    T[:3, :3] = R
-    w, *xyz = from_matrix(T).quat_wxyz
-    sine = float(np.linalg.norm(xyz))
-    if sine < 1e-12:
-        return np.asarray(2.0 * np.array(xyz))
-    return np.asarray(np.array(xyz) * (2.0 * np.arctan2(sine, w) / sine))
-
-
 def left_jacobians(vectors: Array) -> Array:
     """Return J with ω = J v̇ for R = exp(v), ω in the fixed axes, shape (n, 3, 3).
 
@@ -47,14 +30,6 @@ def left_jacobians(vectors: Array) -> Array:
     return np.asarray(
         np.eye(3) + second[:, None, None] * K + third[:, None, None] * (K @ K)
     )
-
-
-def pose_matrix(pose: Sequence[float]) -> Array:
-    """Return a pose p[x, y, z, rx, ry, rz] as a homogeneous matrix, shape (4, 4)."""
-    T = np.eye(4)
-    T[:3, 3] = pose[:3]
-    T[:3, :3] = rotations(np.array([pose[3:]], dtype=np.float64))[0]
-    return T
 
 
 def _crosses(vectors: Array) -> Array:

@@ -24,6 +24,8 @@ STEP_ANGLE = 0.025
 """The same for rotations of the tool [rad]."""
 MAX_STEPS = 20_000
 """Poses of the longest path: 80 m, which is far out of reach of any arm."""
+_LONG = 500
+"""Paths of more steps may be far out of reach: their end is solved first."""
 TOLERANCE = 2e-5
 """Largest distance of the tool from its path between two knots [m]."""
 _ROUNDS = 6
@@ -131,7 +133,8 @@ class ToolSegment:
         self._kinematics, self.path, self.length = kinematics, path, length
         self._follower = PathFollower(kinematics, path, REMEDY)
         steps = max(path.length / STEP, path.angle / STEP_ANGLE)
-        self._follower.check_end(start)
+        if steps > _LONG:
+            self._follower.check_end(start)
         if steps > MAX_STEPS:
             raise UnreachableError(f"a path of {path.length:.6g} m is too long")
         self._s = np.linspace(0.0, 1.0, max(math.ceil(steps), 4) + 1)

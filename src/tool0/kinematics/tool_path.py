@@ -84,9 +84,10 @@ class PathFollower:
         for k in range(1, len(poses)):
             turns = wrapped(every[k] - q)
             sizes = np.abs(turns).max(axis=1)
-            if np.isnan(sizes).all():
+            sizes[np.isnan(sizes)] = np.inf
+            nearest = int(sizes.argmin())
+            if np.isinf(sizes[nearest]):
                 raise self._no_solution(s[k], q)
-            nearest = int(np.nanargmin(sizes))
             if sizes[nearest] > MAX_JOINT_STEP:
                 joint = kinematics.chain.joints[int(np.abs(turns[nearest]).argmax())]
                 raise UnreachableError(

@@ -11,7 +11,7 @@ from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import find_chains
 from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.moves import Move
-from tool0.kinematics.rotation import rotation_vector
+from tool0.kinematics.pose import rotation_vector
 
 
 @pytest.fixture(scope="module")

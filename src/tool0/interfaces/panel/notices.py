@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.control.goal import Goal, GoalResult, GoalStatus, GripperResult
+from tool0.hardware.control_box import ControlBoxState, SafetyMode
 from tool0.interfaces.panel.protocol import Notice, NoticeCode, Severity
 from tool0.runtime.bus import Event, Faulted, GoalFinished, Overran, WasReset
 
@@ -173,6 +174,10 @@ def _changes(before: Snapshot, now: Snapshot) -> list[Notification]:
                 time=now.time,
             )
         )
+    if now.control_boxes is not before.control_boxes:
+        pairs = zip(before.control_boxes, now.control_boxes, strict=True)
+        for old_box, box in pairs:
+            found += _mode_changes(old_box, box, now)
     known = {stall.joint for stall in before.stalls}
     found += [
         Notification(severity="warning", code="stall", text=str(stall), time=now.time)
@@ -194,3 +199,27 @@ def _changes(before: Snapshot, now: Snapshot) -> list[Notification]:
                 )
             )
     return found
+
+
+def _mode_changes(
+    before: ControlBoxState, now: ControlBoxState, snapshot: Snapshot
+) -> list[Notification]:
+    """Return what was stopped, powered or taken; the emergency stop is no such."""
+    arm, time = f"arm '{now.arm}'", snapshot.time
+    found: list[tuple[Severity, NoticeCode, str]] = []
+    if now.protective_stop and now.protective_stop != before.protective_stop:
+        text = f"{arm}: protective stop: {now.protective_stop}"
+        found.append(("warning", "protective_stop", text))
+    elif before.protective_stop and not now.protective_stop:
+        found.append(("info", "protective_stop", f"{arm}: protective stop unlocked"))
+    if now.taken_by != before.taken_by:
+        text = f"is moved by '{now.taken_by}'" if now.taken_by else "is given back"
+        found.append(("info", "arm_modes", f"{arm} {text}"))
+    is_hidden = SafetyMode.ROBOT_EMERGENCY_STOP in (now.safety_mode, before.safety_mode)
+    if now.robot_mode is not before.robot_mode and not is_hidden:
+        words = now.robot_mode.name.lower().replace("_", " ")
+        found.append(("info", "arm_modes", f"{arm}: {words}"))
+    return [
+        Notification(severity=severity, code=code, text=text, time=time)
+        for severity, code, text in found
+    ]

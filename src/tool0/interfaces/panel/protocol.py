@@ -14,6 +14,7 @@ from msgspec import Struct
 
 from tool0.control.controller import Role
 from tool0.description.catalogue import DisplayName
+from tool0.hardware.control_box import ControlBoxState
 from tool0.requests.codec import Mode
 from tool0.requests.table import RGBA, Quaternion, Vector3
 
@@ -28,6 +29,8 @@ NoticeCode = Literal[
     "fault",
     "reset",
     "emergency_stop",
+    "protective_stop",
+    "arm_modes",
     "controllers",
     "refused",
     "log",
@@ -235,6 +238,8 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     stalls: list[StallInfo]
     targets: dict[str, float]
     """Joint → target of its controller's motion; the page draws it as a ghost."""
+    control_boxes: list[ControlBoxState]
+    """Of each arm: modes, program, pins, speed slider; empty without physics."""
 
 
 class Frame(Struct, frozen=True, kw_only=True, tag="frame"):

@@ -122,6 +122,7 @@ class SimulationView:
                 joint: _rounded(setpoint.target)
                 for joint, setpoint in snapshot.setpoints().items()
             },
+            control_boxes=list(snapshot.control_boxes),
         )
 
     def notifications(self) -> Sequence[Notification]:
@@ -230,7 +231,8 @@ def _obstacle(
     if status is None:
         return "It is not loaded: load and start it."
     if not status.is_running:
-        return f"It is {status.state}: start it."
+        remedy = status.blocked or "start it"
+        return f"It is {status.state}: {remedy}."
     for joint in joints:
         is_limited = math.isfinite(joint.limits.upper - joint.limits.lower)
         if joint.type is not JointType.CONTINUOUS and not is_limited:

@@ -108,6 +108,7 @@ class RobotView:
             poses=pose_infos(self._book, self._report),
             stalls=[],
             targets={},
+            control_boxes=[],
         )
 
     def notifications(self) -> Sequence[Notification]:

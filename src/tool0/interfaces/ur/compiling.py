@@ -3,23 +3,35 @@
 from __future__ import annotations
 
 import asyncio
+from typing import TYPE_CHECKING
 
 from tool0.interfaces.ur.programs import Program
 
+if TYPE_CHECKING:
+    from tool0.interfaces.ur.box import Box
 
-async def compiled(text: str, name: str) -> Program:
+
+async def compiled(text: str, name: str, *, allow_sockets: bool) -> Program[Box]:
     """Return a program; its text is read in another thread, as that takes a while.
 
     The program that ur_rtde uploads is recognised and executed natively.
 
+    Args:
+        text: The program.
+        name: Its name, for messages.
+        allow_sockets: Whether it may connect to other machines.
+
     Raises:
-        URScriptError: If it is not valid, with line and column.
+        Tool0Error: If it is not valid, with line and column.
     """
+    return await asyncio.to_thread(_compile, text, name, allow_sockets)
+
+
+def _compile(text: str, name: str, allow_sockets: bool) -> Program[Box]:
     from tool0.interfaces.ur.rtde_control.program import recognise
+    from tool0.interfaces.ur.urscript.program import compile_program
 
     known = recognise(text)
     if known is not None:
         return known
-    from tool0.interfaces.ur.urscript.program import compile_program
-
-    return await asyncio.to_thread(compile_program, text, name)
+    return compile_program(text, name, allow_sockets=allow_sockets)

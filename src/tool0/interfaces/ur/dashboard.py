@@ -12,6 +12,7 @@ import logging
 import zlib
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.errors import ControlError, Tool0Error
@@ -32,6 +33,7 @@ from tool0.requests.table import Request
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.programs import Program
 
 logger = logging.getLogger(__name__)
 
@@ -68,12 +70,21 @@ class Command:
 class Dashboard:
     """The dashboard server of one control box."""
 
-    def __init__(self, box: Box, files: ProgramFiles) -> None:
-        self._box, self._files = box, files
+    def __init__(
+        self, box: Box, programs: Path | None = None, *, allow_sockets: bool = False
+    ) -> None:
+        """Serve ``box``.
+
+        Args:
+            box: The control box.
+            programs: The folder with the programs that can be loaded.
+            allow_sockets: Whether they may connect to other machines.
+        """
+        self._box, self._allow_sockets = box, allow_sockets
+        self._files = ProgramFiles(programs)
         self._port = Port("dashboard server", self._serve)
         self._loaded: ProgramFile | None = None
-        self._mode = "NONE"
-        self._role = "PROGRAMMER"
+        self._mode, self._role = "NONE", "PROGRAMMER"
         series = E_SERIES if box.is_e_series else CB3
         known = (c for c in self._commands() if series in c.boxes)
         self._table = {command.words.lower(): command for command in known}
@@ -173,12 +184,15 @@ class Dashboard:
         if found is None:
             return f"File not found: {name}"
         try:
-            await compiled(found.text, found.name)
+            await self._compiled(found)
         except Tool0Error as error:
             self._box.report(error)
             return f"Error while loading program: {name}"
         self._loaded = found
         return f"Loading program: {name}"
+
+    async def _compiled(self, file: ProgramFile) -> Program[Box]:
+        return await compiled(file.text, file.name, allow_sockets=self._allow_sockets)
 
     async def _play(self, _: str) -> str:
         box = self._box
@@ -188,8 +202,7 @@ class Dashboard:
             elif self._loaded is None or box.programs.is_running:
                 raise ControlError("no program is loaded, or one is running already")
             else:
-                loaded = self._loaded
-                await box.programs.start(await compiled(loaded.text, loaded.name))
+                await box.programs.start(await self._compiled(self._loaded))
         except Tool0Error as error:
             logger.warning("%s: play: %s", box.arm, error)
             return "Failed to execute: play"

@@ -35,11 +35,15 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 T = TypeVar("T")
 
-LEAD: Final = 0.02
-"""How long before a blend a move returns [s]: time to plan and send the next one."""
-_MARGIN: Final = 0.012
+LEAD: Final = (0.012, 0.03, 0.1)
+"""How long before a blend a move returns [s], so that there is time to plan and send
+the next one: at least, at first, and at most.  It follows the time that this takes."""
+_MARGIN: Final = 0.01
 """How far ahead of the last update a path is replaced [s]; more where that failed."""
+_LEAD_FACTOR: Final = 1.5
+_LEAD_DECAY: Final = 0.8
 _ATTEMPTS: Final = 4
+_ROUNDING: Final = 1e-9
 STOP: Final = 4.0
 """Of the leading joint, when a motion is cancelled or replaced [rad/s²]."""
 
@@ -61,51 +65,56 @@ class Moves:
     def __init__(self, box: Box) -> None:
         self._box = box
         self._running: _Running | None = None
+        self._lead = LEAD[1]
 
     # ---- moves ----------------------------------------------------------------------
 
-    async def move(self, moves: Sequence[Move], *, wait: bool = True) -> None:
+    async def execute(
+        self,
+        moves: Sequence[Move],
+        *,
+        when_begun: Callable[[int], None] = lambda index: None,
+    ) -> None:
         """Execute moves one after another, with their blends.
 
         After a move with a blend radius, they are blended with it; any other motion
-        ends first.
+        ends first.  If this is cancelled, the arm slows down to rest.
 
         Args:
             moves: At least one; nothing moves if one of them is impossible.
-            wait: Whether to return when the last move has ended, or is about to be
-                blended; otherwise as soon as the motion is accepted.
+            when_begun: Called with the index of each move that begins.
 
         Raises:
             UnreachableError: If a move cannot be done, with its number and the reason.
             ControlError: If the arm may not move now.
         """
         self._running = running = await self._start(tuple(moves))
-        for warning in running.plan.warnings:
+        plan = running.plan
+        for warning in plan.warnings:
             logger.warning("%s: %s", self._box.arm, warning)
             self._box.messages.text(warning)
-        if wait:
-            end = running.plan.zones[-1] - (LEAD if running.plan.tail else 0.0)
-            await self._until(running, end)
+        end = plan.zones[-1] - (self._lead if plan.tail else 0.0)
+        await self._until(running, end, when_begun)
 
     async def movej(
         self, q: Sequence[float], a: float, v: float, t: float = 0.0, r: float = 0.0
     ) -> None:
         """Turn all joints in proportion, to positions [rad]."""
-        await self.move([Move(kind="joint", q=q, a=a, v=v, t=t, r=r)])
+        await self.execute([Move(kind="joint", q=q, a=a, v=v, t=t, r=r)])
 
     async def movel(
         self, pose: Sequence[float], a: float, v: float, t: float = 0.0, r: float = 0.0
     ) -> None:
         """Move the TCP on a line."""
-        await self.move([Move(kind="linear", pose=pose, a=a, v=v, t=t, r=r)])
+        await self.execute([Move(kind="linear", pose=pose, a=a, v=v, t=t, r=r)])
 
     async def movep(
         self, pose: Sequence[float], a: float, v: float, r: float = 0.0
     ) -> None:
         """Move the TCP on a line, with arcs at constant speed as blends."""
-        await self.move([Move(kind="process", pose=pose, a=a, v=v, r=r)])
+        await self.execute([Move(kind="process", pose=pose, a=a, v=v, r=r)])
 
-    async def movec(
+    async def movec(  # noqa: PLR0917 (URScript's)
         self,
         pose_via: Sequence[float],
         pose_to: Sequence[float],
@@ -115,7 +124,7 @@ class Moves:
         mode: ArcMode = 0,
     ) -> None:
         """Move the TCP on an arc."""
-        await self.move(
+        await self.execute(
             [
                 Move(
                     kind="circular",
@@ -133,22 +142,7 @@ class Moves:
         self, pose: Sequence[float], a: float, v: float, r: float = 0.0
     ) -> None:
         """Move the TCP as ``movep`` does."""
-        await self.move([Move(kind="servo_circular", pose=pose, a=a, v=v, r=r)])
-
-    @property
-    def progress(self) -> int:
-        """The index of the move that is executed, of the last ones; -1 without."""
-        running, update = self._running, self._box.arm_update
-        if running is None or self._has_ended(running):
-            return -1
-        if update.path < running.number:
-            return 0
-        return running.plan.move_at(update.path_time)
-
-    async def wait_until_done(self) -> None:
-        """Wait until the moves have ended, with a radius, too: the arm is at rest."""
-        if self._running is not None:
-            await self._until(self._running, self._running.plan.duration)
+        await self.execute([Move(kind="servo_circular", pose=pose, a=a, v=v, r=r)])
 
     # ---- streams and stops ----------------------------------------------------------
 
@@ -209,7 +203,7 @@ class Moves:
             blended = await self._blend(self._running, moves)
             if blended is not None:
                 return blended
-            await self.wait_until_done()
+            await self._until(self._running, self._running.plan.duration)
         box = self._box
         while True:
             if not box.arm_update.is_done:
@@ -232,7 +226,7 @@ class Moves:
     ) -> _Running | None:
         """Replace the end of a path; None if it is too late, or has no radius."""
         box, plan, planner = self._box, running.plan, self._planner()
-        margin = _MARGIN
+        margin, start = _MARGIN, self._box.time
         for _ in range(_ATTEMPTS):
             if plan.tail is None or self._has_ended(running):
                 return None
@@ -248,6 +242,8 @@ class Moves:
                 logger.debug("%s: %s", box.arm, error)
                 margin = max(2.0 * margin, 1.5 * (box.time - before))
             else:
+                taken = _LEAD_FACTOR * (box.time - start) + _MARGIN
+                self._lead = max(min(taken, LEAD[2]), _LEAD_DECAY * self._lead, LEAD[0])
                 return _Running(rest, number, box.time)
         return None
 
@@ -272,17 +268,24 @@ class Moves:
 
     # ---- waiting --------------------------------------------------------------------
 
-    async def _until(self, running: _Running, time: float) -> None:
+    async def _until(
+        self,
+        running: _Running,
+        time: float,
+        when_begun: Callable[[int], None] = lambda index: None,
+    ) -> None:
         """Wait until a path is at a time; or until it ended, or was left."""
-        box = self._box
-
-        def is_reached() -> bool:
-            update = box.arm_update
-            here = update.path == running.number and update.path_time >= time - 1e-9
-            return here or self._has_ended(running)
-
+        box, begun = self._box, -1
         try:
-            await box.until(is_reached)
+            while True:
+                update = box.arm_update
+                here = update.path_time if update.path == running.number else 0.0
+                while begun < running.plan.move_at(here):
+                    begun += 1
+                    when_begun(begun)
+                if here >= time - _ROUNDING or self._has_ended(running):
+                    return
+                await box.next_update()
         except asyncio.CancelledError:
             if not self._has_ended(running):
                 box.send(StopArm(arm=box.arm, deceleration=STOP))

@@ -36,13 +36,14 @@ def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     """Return what a control box presents."""
     from tool0.interfaces.ur.client_interface.interface import ClientInterface
     from tool0.interfaces.ur.dashboard import Dashboard
-    from tool0.interfaces.ur.program_files import ProgramFiles
+    from tool0.interfaces.ur.program_watch import ProgramWatch
     from tool0.interfaces.ur.rtde.server import RtdeServer
 
     interfaces: list[Interface] = [
+        ProgramWatch(box),
         RtdeServer(box),
-        Dashboard(box, ProgramFiles(options.programs)),
-        ClientInterface(box),
+        Dashboard(box, options.programs, allow_sockets=options.allow_sockets),
+        ClientInterface(box, allow_sockets=options.allow_sockets),
     ]
     if box.gripper is not None:
         from tool0.interfaces.ur.robotiq.interface import (
@@ -75,7 +76,7 @@ async def serve(
     """Serve the arms of a bring-up until it ends; ``ready`` gets their addresses.
 
     Raises:
-        TransportError: If a port is in use.
+        TransportError: If there is no arm, or a port is in use.
     """
     loop = asyncio.get_running_loop()
     has_ended = asyncio.Event()
@@ -103,6 +104,8 @@ async def serve(
     channel.when_ended = in_loop(lambda failure: has_ended.set())
     channel.when_refused = in_loop(refuse)
     arms = [arm.name for arm in await asyncio.to_thread(channel.call, ListArms())]
+    if not arms:
+        raise TransportError("the robot has no arm that a UR's control box could drive")
     request = SubscribeUpdates(arms=tuple(arms))
     await asyncio.to_thread(channel.call, request)
     update = await first

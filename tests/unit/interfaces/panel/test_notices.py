@@ -52,6 +52,18 @@ def test_every_event_is_described_once(
     assert codes(watcher) == [("warning", "emergency_stop")]
     robot.emergency_stop(False)
     assert codes(watcher) == [("info", "emergency_stop")]
+    box = robot.arm.control_box
+    box.stop_protectively("a test")
+    assert seen(watcher) == [
+        ("warning", "protective_stop", "arm 'arm': protective stop: a test"),
+        ("info", "controllers", f"{ARM} stopped"),
+    ]
+    box.restart_safety()
+    assert codes(watcher) == [("info", "protective_stop"), ("info", "arm_modes")]
+    box.release_brakes()
+    assert seen(watcher) == [("info", "arm_modes", "arm 'arm': running")]
+    box.play()
+    assert seen(watcher) == [("info", "controllers", f"{ARM} running")]
     robot.switch(stop=[ARM])
     assert seen(watcher) == [("info", "controllers", f"{ARM} stopped")]
     robot.unload(ARM)

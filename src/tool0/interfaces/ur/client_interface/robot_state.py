@@ -1,4 +1,4 @@
-"""The robot's state as the primary and secondary interfaces send it, ten times a second.
+"""The state of the robot as the primary and secondary interfaces send it at 10 Hz.
 
 A packet of type 16 consists of sub-packages, each with its size and type.  Source of
 the layouts, for 5.9 and later and, where they differ, for a CB3 with 3.5 and later:

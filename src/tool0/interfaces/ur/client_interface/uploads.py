@@ -31,10 +31,10 @@ MAX_SECONDARY: Final = 16
 
 @final
 class Uploads:
-    """Executes scripts: a program replaces the running one, a secondary one does not."""
+    """Executes scripts: a program replaces the one that runs, a secondary does not."""
 
-    def __init__(self, box: Box) -> None:
-        self._box = box
+    def __init__(self, box: Box, *, allow_sockets: bool) -> None:
+        self._box, self._allow_sockets = box, allow_sockets
         self._queue: asyncio.Queue[Script] = asyncio.Queue(MAX_WAITING)
         self._secondary: set[asyncio.Task[None]] = set()
         self._task = asyncio.create_task(self._execute_all())
@@ -78,7 +78,9 @@ class Uploads:
             if command is not None:
                 await command()
                 return
-        program = await compiled(script.text, script.name)
+        program = await compiled(
+            script.text, script.name, allow_sockets=self._allow_sockets
+        )
         if not script.is_secondary:
             await self._box.programs.start(program)
             return
@@ -90,7 +92,7 @@ class Uploads:
         self._secondary.add(task)
         task.add_done_callback(self._secondary.discard)
 
-    async def _run_beside(self, program: Program) -> None:
+    async def _run_beside(self, program: Program[Box]) -> None:
         """Run a secondary program, which does not get the arm."""
         try:
             await program.run(self._box)

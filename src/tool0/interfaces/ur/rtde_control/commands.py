@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Final, final
 import numpy as np
 
 from tool0.errors import ControlError
+from tool0.interfaces.ur.moves import Moves
 from tool0.interfaces.ur.pose import matrix_of, pose_of
+from tool0.interfaces.ur.rtde_control.compliance import Compliance
 from tool0.interfaces.ur.rtde_control.exchange import Exchange
 from tool0.interfaces.ur.rtde_control.motions import Motions
 from tool0.kinematics.moves import Move
@@ -53,14 +55,18 @@ class Commands:
     ) -> None:
         """Serve ``path`` as command 45; ``wake`` lets the server look for contacts."""
         self._box, self._exchange, self._history = box, exchange, history
-        self._motions = motions = Motions(box, exchange, history, path, wake)
+        moves = Moves(box)
+        self._motions = motions = Motions(
+            box, exchange, history, moves, path=path, wake=wake
+        )
+        compliance = Compliance(box, exchange, moves)
         self._actions: dict[int, Action] = {
             1: motions.move_joints,
             2: motions.move_joints_to_pose,
             3: motions.move_tool,
             4: motions.move_tool_to_joints,
-            6: motions.force_mode,
-            7: motions.end_force_mode,
+            6: compliance.force_mode,
+            7: compliance.end_force_mode,
             8: self._zero_wrench,
             9: motions.speed_joints,
             10: motions.speed_tool,
@@ -69,10 +75,10 @@ class Commands:
             15: motions.end_speed,
             16: motions.end_servo,
             17: self._set_payload,
-            18: motions.start_teaching,
-            19: motions.end_freedrive,
-            20: motions.set_damping,
-            21: motions.set_gain_scaling,
+            18: compliance.start_teaching,
+            19: compliance.end_freedrive,
+            20: compliance.set_damping,
+            21: compliance.set_gain_scaling,
             24: motions.servo_tool,
             25: self._tool_contact,
             26: lambda: exchange.answer([1.0 / box.rate]),
@@ -97,8 +103,8 @@ class Commands:
             46: lambda: exchange.answer(box.inverse(exchange.six(0))),
             47: lambda: exchange.answer_integer(history.is_steady()),
             51: motions.move_until_contact,
-            52: motions.start_freedrive,
-            53: motions.end_freedrive,
+            52: compliance.start_freedrive,
+            53: compliance.end_freedrive,
             54: lambda: exchange.answer_integer(0),  # not at a limit
             55: lambda: None,  # the wrist's own sensor counts
             58: lambda: exchange.answer(box.forward(box.q, NO_OFFSET)),

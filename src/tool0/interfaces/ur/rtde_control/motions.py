@@ -4,31 +4,27 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Coroutine, Sequence
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 import numpy as np
-from msgspec import structs
 
 from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.ur.moves import Moves
+from tool0.interfaces.ur.pose import rotation_of
 from tool0.interfaces.ur.rtde_control.exchange import Exchange
 from tool0.kinematics.chain import Array
 from tool0.kinematics.moves import Move, MoveKind
-from tool0.requests.arm_motion import (
-    StartForceMode,
-)
+from tool0.requests.arm_motion import ServoJoints, SpeedJoints, SpeedTool
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box
     from tool0.interfaces.ur.tool_contact import ToolHistory
     from tool0.requests.updates import Six
 
-JOG_STOP, CONTACT_STOP, FORCE_STOP = 1.2, 3.0, 10.0
-"""How the program slows the tool down after jogging, a contact, force mode [m/s²]."""
+JOG_STOP, CONTACT_STOP = 1.2, 3.0
+"""How the program slows the tool down after jogging and at a contact [m/s²]."""
 RETURN_ACCELERATION, RETURN_SPEED = 1.2, 0.25
 """On the way back to a contact: URScript's defaults [m/s², m/s]."""
-DAMPING, GAIN_SCALING = 0.025, 0.5
-"""Of force mode, as the program begins."""
 BASE, TOOL, CUSTOM = 0, 1, 2
 """The frames of jogging."""
 ASYNCHRONOUS: Final = 1
@@ -46,18 +42,19 @@ class Motions:
         box: Box,
         exchange: Exchange,
         history: ToolHistory,
+        moves: Moves,
+        *,
         path: Sequence[Move],
         wake: Callable[[], None],
     ) -> None:
         self._box, self._exchange, self._history = box, exchange, history
-        self._path, self._wake = path, wake
-        self._moves = Moves(box)
+        self._moves, self._path, self._wake = moves, path, wake
         self._task: asyncio.Task[None] | None = None
         """An asynchronous motion."""
         self._failure: BaseException | None = None
         self._is_tool_speed = False
-        self._force: StartForceMode | None = None
-        self._damping, self._gain_scaling = DAMPING, GAIN_SCALING
+        self._circular: Move | None = None
+        """What servoc moves to."""
         self._jog_frame = np.eye(3)
         self._is_jogging = False
         self._detection: asyncio.Task[None] | None = None
@@ -105,13 +102,22 @@ class Motions:
     async def _run(self, moves: Sequence[Move]) -> None:
         """Execute moves to their end, or start them, as the client wants."""
         await self._cancel()
-        motion = self._moves.execute(moves, when_begun=self._exchange.show_progress)
-        if self._exchange.integer(1) != ASYNCHRONOUS:
-            await motion
-            self._exchange.show_progress(None)
-            return
+        if self._is_asynchronous():
+            self._start(self._follow(moves))
+        else:
+            await self._follow(moves)
+
+    async def _follow(self, moves: Sequence[Move]) -> None:
+        """Execute moves, and show which one is executed."""
         self._exchange.show_progress(0)
-        self._start(motion)
+        await self._moves.move(moves, wait=False)
+        shown = 0
+        while (current := self._moves.progress) >= 0:
+            if current > shown:
+                shown = current
+                self._exchange.show_progress(current)
+            await self._box.next_update()
+        self._exchange.show_progress(None)
 
     # ---- streams --------------------------------------------------------------------
 
@@ -137,14 +143,32 @@ class Motions:
         )
 
     async def servo_circular(self) -> None:
-        """Move to a pose at constant speed, in an arc out of the last one: servoc."""
+        """Move to a pose at constant speed, blended with the last one: servoc."""
         exchange = self._exchange
-        await self._moves.servoc(
-            exchange.six(0),
+        target = Move(
+            kind="servo_circular",
+            pose=exchange.six(0),
             a=exchange.number(7),
             v=exchange.number(6),
             r=exchange.number(8),
         )
+        if self._circular is None:
+            await self._cancel()
+            self._circular = target
+            self._start(self._servo_circular())
+        elif target != self._circular:
+            self._circular = target
+
+    async def _servo_circular(self) -> None:
+        """Follow the last target, for ever."""
+        try:
+            while self._circular is not None:
+                target = self._circular
+                await self._moves.move([target])
+                while self._circular is target:
+                    await self._box.next_update()
+        finally:
+            self._circular = None
 
     async def speed_joints(self) -> None:
         """Turn the joints at velocities until the client stops them: speedj."""
@@ -226,11 +250,15 @@ class Motions:
     async def _stop(self, stop: Callable[[float], Coroutine[Any, Any, None]]) -> None:
         deceleration = self._exchange.number(0)
         await self._abandon()
-        if self._exchange.integer(1) != ASYNCHRONOUS:
+        if not self._is_asynchronous():
             await stop(deceleration)
             return
         self._exchange.show_progress(0)
-        self._start(stop(deceleration))
+        self._start(self._shown(stop(deceleration)))
+
+    async def _shown(self, motion: Coroutine[Any, Any, None]) -> None:
+        await motion
+        self._exchange.show_progress(None)
 
     # ---- contacts -------------------------------------------------------------------
 
@@ -285,66 +313,7 @@ class Motions:
         await self._abandon()
         await self._moves.stopl(CONTACT_STOP)
         move = Move(kind="linear", q=q, a=RETURN_ACCELERATION, v=RETURN_SPEED)
-        await self._moves.execute([move])
-
-    # ---- compliance -----------------------------------------------------------------
-
-    async def force_mode(self) -> None:
-        """Be compliant along some axes of a frame, and press there: force_mode."""
-        exchange = self._exchange
-        a, b, c, d, e, f = (exchange.integer(k) != 0 for k in range(2, 8))
-        self._force = StartForceMode(
-            arm=self._box.arm,
-            frame=exchange.six(0),
-            selection=(a, b, c, d, e, f),
-            wrench=exchange.six(6),
-            kind=exchange.integer(1),
-            limits=exchange.six(12),
-            tcp=self._box.tcp,
-            damping=self._damping,
-            gain_scaling=self._gain_scaling,
-        )
-        self._box.send(self._force)
-
-    async def end_force_mode(self) -> None:
-        """Be stiff again: end_force_mode."""
-        self._force = None
-        await self._box.call(EndForceMode(arm=self._box.arm))
-        await self._moves.stopl(FORCE_STOP)
-
-    def set_damping(self) -> None:
-        """Set the damping of force mode, 0 … 1."""
-        self._damping = self._exchange.number(0)
-        self._renew_force_mode()
-
-    def set_gain_scaling(self) -> None:
-        """Set the gain of force mode, 0 … 2."""
-        self._gain_scaling = self._exchange.number(0)
-        self._renew_force_mode()
-
-    def _renew_force_mode(self) -> None:
-        if self._force is not None:
-            self._force = structs.replace(
-                self._force, damping=self._damping, gain_scaling=self._gain_scaling
-            )
-            self._box.send(self._force)
-
-    async def start_teaching(self) -> None:
-        """Let people guide the arm by hand: teach_mode."""
-        await self._box.call(StartFreedrive(arm=self._box.arm))
-
-    async def start_freedrive(self) -> None:
-        """Let people guide the arm along some axes of a frame: freedrive_mode."""
-        exchange = self._exchange
-        a, b, c, d, e, f = (exchange.integer(k) != 0 for k in range(1, 7))
-        request = StartFreedrive(
-            arm=self._box.arm, axes=(a, b, c, d, e, f), frame=exchange.six(0)
-        )
-        await self._box.call(request)
-
-    async def end_freedrive(self) -> None:
-        """Hold still again: end_freedrive_mode, end_teach_mode."""
-        await self._box.call(EndFreedrive(arm=self._box.arm))
+        await self._moves.move([move])
 
     # ---- asynchronous motions -------------------------------------------------------
 
@@ -368,8 +337,9 @@ class Motions:
         except Tool0Error as error:
             self._failure = error
             self._wake()
-        else:
-            self._exchange.show_progress(None)
+
+    def _is_asynchronous(self) -> bool:
+        return self._exchange.integer(1) == ASYNCHRONOUS
 
     async def _abandon(self) -> None:
         """Wait no longer for the end of an asynchronous motion."""
