@@ -19,10 +19,6 @@ _REASONS: Final = (
     (r"(end_)?screw_driving", "screw driving is not supported; use force_mode"),
     (r"tool_wrench_limit_.*", "limits of the tool's wrench are not supported"),
     (r"rtde_set_watchdog", "the RTDE watchdog is not supported in programs"),
-    (
-        r"set_tool_communication|set_tool_.*_mode",
-        "the tool's serial line is not simulated",
-    ),
     (r"powerdown", "use the dashboard server's 'shutdown'"),
     (r"(get|set|update)_world_model.*", "the world model is not supported"),
     (r"get_(joint|tool|controller)_temp", "temperatures are not simulated"),
