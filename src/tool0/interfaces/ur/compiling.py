@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+from typing import TYPE_CHECKING
 
 from tool0.interfaces.ur.programs import Program
 
+if TYPE_CHECKING:
+    from tool0.interfaces.ur.box import Box
 
-async def compiled(text: str, name: str, *, allow_sockets: bool) -> Program:
+
+async def compiled(text: str, name: str, *, allow_sockets: bool) -> Program[Box]:
     """Return a program; its text is read in another thread, as that takes a while.
 
     The program that ur_rtde uploads is recognised and executed natively.
@@ -23,7 +27,7 @@ async def compiled(text: str, name: str, *, allow_sockets: bool) -> Program:
     return await asyncio.to_thread(_compile, text, name, allow_sockets)
 
 
-def _compile(text: str, name: str, allow_sockets: bool) -> Program:
+def _compile(text: str, name: str, allow_sockets: bool) -> Program[Box]:
     from tool0.interfaces.ur.rtde_control.program import recognise
     from tool0.interfaces.ur.urscript.program import compile_program
 

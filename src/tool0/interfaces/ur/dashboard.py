@@ -191,7 +191,7 @@ class Dashboard:
         self._loaded = found
         return f"Loading program: {name}"
 
-    async def _compiled(self, file: ProgramFile) -> Program:
+    async def _compiled(self, file: ProgramFile) -> Program[Box]:
         return await compiled(file.text, file.name, allow_sockets=self._allow_sockets)
 
     async def _play(self, _: str) -> str:

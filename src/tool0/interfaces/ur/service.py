@@ -36,11 +36,11 @@ def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     """Return what a control box presents."""
     from tool0.interfaces.ur.client_interface.interface import ClientInterface
     from tool0.interfaces.ur.dashboard import Dashboard
+    from tool0.interfaces.ur.program_watch import ProgramWatch
     from tool0.interfaces.ur.rtde.server import RtdeServer
-    from tool0.interfaces.ur.safety_stop import SafetyStop
 
     interfaces: list[Interface] = [
-        SafetyStop(box),
+        ProgramWatch(box),
         RtdeServer(box),
         Dashboard(box, options.programs, allow_sockets=options.allow_sockets),
         ClientInterface(box, allow_sockets=options.allow_sockets),

@@ -92,7 +92,7 @@ class Uploads:
         self._secondary.add(task)
         task.add_done_callback(self._secondary.discard)
 
-    async def _run_beside(self, program: Program) -> None:
+    async def _run_beside(self, program: Program[Box]) -> None:
         """Run a secondary program, which does not get the arm."""
         try:
             await program.run(self._box)

@@ -1,4 +1,4 @@
-"""Stops the program of a control box whose arm may no longer move."""
+"""Lets the program of a control box follow what others do with the arm."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ if TYPE_CHECKING:
 
 
 @final
-class SafetyStop:
-    """Ends the program at a stop of the safety system, or without power.
+class ProgramWatch:
+    """Pauses the program with its arm, and ends it when it has lost the arm.
 
     A program of a real UR is paused by a protective stop, and may continue after it.
     Here, it ends: it has to be started anew, from the beginning.
@@ -34,7 +34,10 @@ class SafetyStop:
 
     def _look(self) -> None:
         box = self._box
-        if not box.state.may_move and box.programs.is_running and self._task is None:
+        has_lost = box.programs.follow(box.state)
+        if box.programs.is_running and not box.state.may_move:
+            has_lost = True
+        if has_lost and self._task is None:
             self._task = asyncio.create_task(self._stop())
 
     async def _stop(self) -> None:
