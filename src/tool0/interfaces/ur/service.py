@@ -8,7 +8,6 @@ import time
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final, Protocol
 
-from tool0.api.address import folders
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error, TransportError
 from tool0.interfaces.ur.box import Box
@@ -51,7 +50,9 @@ def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
             serial_port_path,
         )
 
-        port = serial_port_path(folders()[0], box.bringup, box.arm)
+        if options.active_gripper:
+            box.gripper.assume_activated()
+        port = serial_port_path(box.bringup, box.arm)
         interfaces.append(RobotiqInterface(box.gripper, port))
     return interfaces
 
