@@ -22,6 +22,7 @@ TITLES = {
     "motion": "Motion, goals, named poses and controllers",
     "gripper": "Gripper",
     "arm": "Arm",
+    "arm_motion": "Arm: paths and streams of a program that has taken it",
     "objects": "Objects and contacts",
     "control_box": "Control box: pins, payload, program, power and stops",
     "hardware": "Hardware components",

@@ -70,6 +70,8 @@ if TYPE_CHECKING:
     from tool0.interfaces.ros1.options import Ros1Options
     from tool0.interfaces.ros2.node import Ros2Node
     from tool0.interfaces.ros2.options import Ros2Options
+    from tool0.interfaces.ur.options import UrOptions
+    from tool0.interfaces.ur.process import UrController
     from tool0.kinematics.chain import ArmChain
     from tool0.kinematics.inverse import Branch, InverseKinematics, Solution
     from tool0.lint.check import CheckReport, check
@@ -170,6 +172,8 @@ __all__ = [
     "Transform",
     "TransportError",
     "UnreachableError",
+    "UrController",
+    "UrOptions",
     "VideoWriter",
     "WasReset",
     "WrenchReading",
@@ -269,6 +273,8 @@ _HOMES = {
     "Transform": "tool0.description.transform",
     "TransportError": "tool0.errors",
     "UnreachableError": "tool0.errors",
+    "UrController": "tool0.interfaces.ur.process",
+    "UrOptions": "tool0.interfaces.ur.options",
     "VideoWriter": "tool0.sensing.video",
     "WasReset": "tool0.runtime.bus",
     "WrenchReading": "tool0.sensing.force_torque",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import importlib.util
 import os
 from typing import NoReturn
 
@@ -23,7 +24,7 @@ ROS2 = find_ros2()
 def absent(part: str, why: str) -> NoReturn:
     """Skip visibly, or fail if this run promised ``part``.
 
-    Parts are browser, gazebo, gl, kernel, ros1 and ros2.
+    Parts are browser, gazebo, gl, kernel, ros1, ros2 and ur_rtde.
     """
     if part in os.environ.get("TOOL0_REQUIRE", "").split():
         pytest.fail(f"{why}, which this run promised")
@@ -65,3 +66,9 @@ def require_ros2() -> Ros2:
     if ROS2 is None:
         absent("ros2", "no ROS 2 is here")
     return ROS2
+
+
+def require_ur_rtde() -> None:
+    """Skip visibly, or fail if this run promised it, without the clients of ur_rtde."""
+    if importlib.util.find_spec("rtde_control") is None:
+        absent("ur_rtde", "PyPI has no wheel of ur-rtde for this Python and machine")

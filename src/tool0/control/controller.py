@@ -25,6 +25,8 @@ class Role(enum.Enum):
     """It moves one joint and squeezes: ``GripperDriver``."""
     COMMAND = "command"
     """It takes a number for each joint: ``CommandTaker``."""
+    MOTION = "motion"
+    """It is tool0's own, and moves an arm: ``requests/arm_motion.py``."""
     READER = "reader"
     """It moves nothing."""
 

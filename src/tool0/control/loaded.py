@@ -6,24 +6,58 @@ from typing import final
 
 from tool0.control.config import ControllerConfig
 from tool0.control.controller import Controller, ControllerSpec
+from tool0.control.dialect import Stages
+from tool0.description.model import Interface
 from tool0.errors import ControlError
 from tool0.hardware.engine import JointState
+from tool0.hardware.robot_hardware import EffortLaw
 
 
 @final
 class LoadedController:
     """A controller's parameters once it is configured, and itself while it runs."""
 
-    def __init__(self, name: str, config: ControllerConfig) -> None:
+    def __init__(
+        self, name: str, type_name: str, stages: Stages, config: ControllerConfig | None
+    ) -> None:
         self.name = name
+        self.type = type_name
         self.config = config
-        self.type = config.type_of(name)
+        """None for one of tool0's own, which a request starts and stops."""
         self.spec: ControllerSpec | None = None
         self.indices: tuple[int, ...] = ()
         self.controller: Controller | None = None
-        self.state = config.dialect.stages.unconfigured
+        self.state = stages.unconfigured
         self.is_waiting = False
         """Whether the brakes hold its joints until its first command."""
+        self.effort_law: EffortLaw | None = None
+        """What drives the joints of one of tool0's own, if its positions do not."""
+
+    @property
+    def interface(self) -> Interface | None:
+        """The interface through which it commands its joints."""
+        if self.effort_law is not None:
+            return Interface.EFFORT
+        return None if self.spec is None else self.spec.interface
+
+    @property
+    def is_own(self) -> bool:
+        """Whether it is one of tool0's own, without a YAML."""
+        return self.config is None
+
+    def require_config(self) -> ControllerConfig:
+        """Return the YAML that it is of; ControlError if it is one of tool0's own."""
+        if self.config is None:
+            raise ControlError(self.why_fixed)
+        return self.config
+
+    @property
+    def why_fixed(self) -> str:
+        """Why clients cannot start, stop or change one of tool0's own."""
+        return (
+            f"controller '{self.name}' is tool0's own: `take_arm` starts it, and "
+            "`return_arm` stops it"
+        )
 
     @property
     def claims(self) -> tuple[str, ...]:
@@ -37,9 +71,9 @@ class LoadedController:
         spec = self.spec
         if spec is None:
             return ()
-        if spec.interface is None:
+        if self.interface is None:
             return spec.further_interfaces
-        kind = spec.interface.name.lower()
+        kind = self.interface.name.lower()
         names = (f"{joint}/{kind}" for joint in spec.joints)
         return (*names, *spec.further_interfaces)
 

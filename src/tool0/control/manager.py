@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Final, final
 
 from tool0.control.config import ControllerConfig, ControllerParameters
-from tool0.control.controller import Adjustable, Controller, ControllerSpec
+from tool0.control.controller import Adjustable, Controller, ControllerSpec, Role
 from tool0.control.loaded import LoadedController
 from tool0.control.parameters import Gains, RobotJoints
 from tool0.control.status import ControllerStatus, start_command
@@ -23,7 +23,7 @@ from tool0.errors import (
     did_you_mean,
 )
 from tool0.hardware.engine import JointState, as_slice
-from tool0.hardware.robot_hardware import RobotHardware
+from tool0.hardware.robot_hardware import EffortLaw, RobotHardware
 
 _KIND: Final[Mapping[type, str]] = {
     bool: "bool",
@@ -154,7 +154,7 @@ class ControllerManager:
                 f"'{name}' is a controller of {config.dialect.title}, but those of "
                 f"this bring-up are of {self.dialect.title}"
             )
-        item = LoadedController(name, config)
+        item = LoadedController(name, config.type_of(name), self._stages, config)
         if configure:
             self._configure(item)
         self._loaded[name] = item
@@ -177,7 +177,9 @@ class ControllerManager:
         self._refresh()
 
     def _configure(self, item: LoadedController) -> None:
-        spec = item.config.spec(item.name, self._robot)
+        self._use(item, item.require_config().spec(item.name, self._robot))
+
+    def _use(self, item: LoadedController, spec: ControllerSpec) -> None:
         item.indices = tuple(self._hardware.index[joint] for joint in spec.joints)
         item.spec, item.state = spec, self._stages.configured
 
@@ -201,6 +203,56 @@ class ControllerManager:
             )
         del self._loaded[name]
         self._refresh()
+
+    # ---- tool0's own controllers ----------------------------------------------------
+
+    def start_own(self, spec: ControllerSpec, state: JointState) -> None:
+        """Load and start one of tool0's own controllers, which is of no YAML.
+
+        Its joints follow positions through their servos, whichever interfaces the
+        drives offer.
+
+        Raises:
+            ControlError: If a controller of this name is loaded.
+            ClaimError: If another running controller claims one of the joints.
+        """
+        if spec.name in self._loaded:
+            raise ControlError(
+                f"a controller named '{spec.name}' is loaded already; unload it first"
+            )
+        item = LoadedController(spec.name, spec.type, self._stages, None)
+        self._use(item, spec)
+        self._loaded[spec.name] = item
+        try:
+            self._check_claims([*self._names_running(), spec.name])
+        except ClaimError:
+            del self._loaded[spec.name]
+            raise
+        item.controller, item.state = item.started(state), self._stages.running
+        self._engage(item, state)
+        self._refresh()
+
+    def stop_own(self, name: str, state: JointState) -> None:
+        """Stop and forget one of tool0's own controllers; the brakes then hold."""
+        self._stop([name], state)
+        del self._loaded[name]
+        self._refresh()
+
+    def drive_efforts(
+        self, name: str, law: EffortLaw | None, state: JointState
+    ) -> None:
+        """Let a law drive the joints of one of tool0's own controllers.
+
+        None lets them follow the controller's positions again.
+        """
+        item = self._find(name)
+        self._disengage(item, state)
+        item.effort_law = law
+        self._engage(item, state)
+        self._refresh()
+
+    def _names_running(self) -> list[str]:
+        return [n for n, item in self._loaded.items() if item.controller is not None]
 
     # ---- switching ----------------------------------------------------------------
 
@@ -265,6 +317,10 @@ class ControllerManager:
         for name in self._loaded:
             item = self._loaded[name]
             is_running = item.controller is not None
+            if item.is_own and name in (*plans["start"], *plans["stop"]):
+                refuse(item.why_fixed)
+                plans = {k: [n for n in v if n != name] for k, v in plans.items()}
+                continue
             if is_running and name in plans["start"] and name in plans["stop"]:
                 raise ControlError(
                     f"Controller '{name}' is to be both started and stopped; a running "
@@ -340,7 +396,11 @@ class ControllerManager:
 
     def _claim(self, item: LoadedController, state: JointState) -> None:
         interface = item.configured.interface
-        if interface is not None:
+        if item.effort_law is not None:
+            self._hardware.claim_efforts(item.claims, item.effort_law, state)
+        elif item.is_own:
+            self._hardware.claim_servos(item.claims, state)
+        elif interface is not None:
             self._hardware.claim(item.claims, interface, state)
 
     def _disengage(self, item: LoadedController, state: JointState) -> None:
@@ -367,15 +427,13 @@ class ControllerManager:
             item.controller = item.started(state)
             old.stop()
             self._disengage(item, state)
+            item.effort_law = None
             self._engage(item, state)
         self._refresh()
 
     def stop_all(self, state: JointState) -> None:
         """Stop every running controller; the brake holds all joints."""
-        self._stop(
-            [n for n, item in self._loaded.items() if item.controller is not None],
-            state,
-        )
+        self._stop(self._names_running(), state)
         self._refresh()
 
     # ---- queries ------------------------------------------------------------------
@@ -400,11 +458,11 @@ class ControllerManager:
         """Return the state of a loaded controller."""
         item = self._find(name)
         spec = item.spec
-        interface = None if spec is None else spec.interface
+        interface = item.interface
         return ControllerStatus(
             name=name,
             type=item.type,
-            role=self.dialect.role(item.type),
+            role=Role.MOTION if item.is_own else self.dialect.role(item.type),
             state=item.state,
             is_running=item.controller is not None,
             claimed=() if interface is None else ((interface.value, item.claims),),
@@ -456,8 +514,8 @@ class ControllerManager:
 
     def parameters(self, name: str) -> Mapping[str, Value]:
         """Return every parameter of a loaded controller by dotted name."""
-        item = self._find(name)
-        return item.config.parameters_of(name, self._robot).values
+        config = self._find(name).config
+        return {} if config is None else config.parameters_of(name, self._robot).values
 
     def set_parameters(self, name: str, changes: Mapping[str, Value]) -> None:
         """Change adjustable parameters of a loaded controller, by dotted name.
@@ -469,10 +527,11 @@ class ControllerManager:
                 change; nothing has changed then.
         """
         item = self._find(name)
-        current = item.config.parameters_of(name, self._robot)
+        given = item.require_config()
+        current = given.parameters_of(name, self._robot)
         for parameter, value in changes.items():
             _check_change(name, current, parameter, value)
-        config = item.config.with_parameters(name, changes)
+        config = given.with_parameters(name, changes)
         if item.spec is not None:
             old = item.spec
             try:

@@ -35,7 +35,7 @@ class Payload(Struct, frozen=True):
 
 def modelled_payload(model: RobotModel, flange: str) -> Payload:
     """Return what the description has beyond the link ``flange``, grippers open."""
-    tool = _tool(model, flange)
+    tool = tool_inertia(model, flange)
     x, y, z = tool.center.tolist()
     return Payload(tool.mass, (x, y, z))
 
@@ -45,7 +45,7 @@ def replaced_tools(
 ) -> dict[str, tuple[BodyInertia, ...]]:
     """Return what to add to each flange so that its tool becomes the payload."""
     return {
-        flange: (payload_inertia(payload), _negative(_tool(model, flange)))
+        flange: (payload_inertia(payload), _negative(tool_inertia(model, flange)))
         for flange, payload in payloads.items()
     }
 
@@ -58,7 +58,8 @@ def payload_inertia(payload: Payload) -> BodyInertia:
     return BodyInertia(mass, np.array(payload.center_of_gravity), tensor)
 
 
-def _tool(model: RobotModel, flange: str) -> BodyInertia:
+def tool_inertia(model: RobotModel, flange: str) -> BodyInertia:
+    """Return all that the description has beyond ``flange``, in the flange's frame."""
     poses = link_poses(model, {})
     from_root = poses[flange].inverse()
     links = [

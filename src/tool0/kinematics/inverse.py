@@ -96,8 +96,9 @@ class InverseKinematics:
         self.geometry = ArmGeometry(chain)
         limits = [joint.limits for joint in chain.joints]
         endless = [joint.type is JointType.CONTINUOUS for joint in chain.joints]
-        self._lower = np.where(endless, -np.inf, [item.lower for item in limits])
-        self._upper = np.where(endless, np.inf, [item.upper for item in limits])
+        self.lower = np.where(endless, -np.inf, [item.lower for item in limits])
+        self.upper = np.where(endless, np.inf, [item.upper for item in limits])
+        """Limits of the positions [rad], infinite without, shape (6,) each."""
         self.fastest = np.array([joint.max_velocity for joint in chain.joints])
         """Largest velocities of the joints [rad/s], shape (6,)."""
 
@@ -189,13 +190,13 @@ class InverseKinematics:
         """Return ``q`` with the whole turns nearest to ``near``; NaN beyond limits."""
         nearest = near + wrapped(q - near)
         turn = 2 * np.pi
-        lower, upper = self._lower - _LIMIT_ROUNDING, self._upper + _LIMIT_ROUNDING
+        lower, upper = self.lower - _LIMIT_ROUNDING, self.upper + _LIMIT_ROUNDING
         with np.errstate(invalid="ignore"):
             below = np.where(nearest < lower, np.ceil((lower - nearest) / turn), 0.0)
             above = np.where(nearest > upper, np.ceil((nearest - upper) / turn), 0.0)
         nearest = nearest + turn * (below - above)
         outside = (nearest < lower) | (nearest > upper)
-        clipped = np.clip(nearest, self._lower, self._upper)
+        clipped = np.clip(nearest, self.lower, self.upper)
         return np.where(outside, np.nan, clipped)
 
     def _as_solutions(self, q: Array, near: Array) -> list[Solution]:
@@ -235,7 +236,7 @@ class InverseKinematics:
 
     def _why_not_allowed(self, q: Array) -> str:
         bad = []
-        outside = ~np.isfinite(self._turned(q, np.clip(0.0, self._lower, self._upper)))
+        outside = ~np.isfinite(self._turned(q, np.clip(0.0, self.lower, self.upper)))
         for k in np.flatnonzero(outside.any(axis=0)):
             joint = self.chain.joints[k]
             where = ", ".join(f"{value:.3f}" for value in wrapped(q[outside[:, k], k]))

@@ -28,6 +28,8 @@ class LinePath:
     Poses are in the link that carries the arm; the path parameter s goes from 0 to 1.
     """
 
+    noun = "line"
+
     def __init__(
         self,
         start: Array,

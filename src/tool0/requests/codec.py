@@ -330,8 +330,8 @@ def encode(message: Struct) -> bytes:
     return _encoder.encode(message)
 
 
-def encode_request(ident: int, request: Request[Any]) -> bytes:
-    """Return a request as JSON, without a newline.
+def encode_request(ident: int | None, request: Request[Any]) -> bytes:
+    """Return a request as JSON, without a newline; it has no reply without ``ident``.
 
     Raises:
         RequestError: If one of its values cannot be sent.

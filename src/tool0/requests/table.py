@@ -62,6 +62,9 @@ class Entry:
     """Whether a snapshot follows, so that the next reader sees the effect."""
     is_urgent: bool
     """Whether it overtakes the waiting requests of its connection."""
+    is_streamed: bool
+    """Whether many of them follow each other without replies: each is executed at the
+    next tick, without a detour through other threads."""
     is_local: bool
     """Whether the response only makes sense inside the process."""
 
@@ -81,6 +84,7 @@ def handles(
     in_tick: bool = False,
     publishes: bool | None = None,
     urgent: bool = False,
+    streamed: bool = False,
     local: bool = False,
 ) -> Callable[[Callable[[Simulation, RequestType], Any]], Handler]:
     """Register the decorated function as the handler of ``request``, with a new name.
@@ -99,6 +103,7 @@ def handles(
             in_tick=in_tick,
             publishes=in_tick if publishes is None else publishes,
             is_urgent=urgent,
+            is_streamed=streamed,
             is_local=local,
         )
         return handler
@@ -126,6 +131,7 @@ def entries() -> Mapping[str, Entry]:
 _MODULES = (
     *(
         "arm",
+        "arm_motion",
         "control_box",
         "gripper",
         "hardware",
@@ -259,3 +265,17 @@ def answer(simulation: Simulation, request: Request[Response]) -> Response:
         return response
     response = entry.handler(simulation, request)
     return response
+
+
+def post(
+    simulation: Simulation,
+    request: Request[Any],
+    when_failed: Callable[[Exception], None],
+) -> None:
+    """Let the next tick carry out a request of a stream; return at once.
+
+    ``when_failed`` is called with an exception of its handler, in the thread of the
+    tick.
+    """
+    handler = entry_of(type(request)).handler
+    simulation.loop.post(lambda: handler(simulation, request), when_failed)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Annotated, Any, Literal, final
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
+from tool0.control.arm_setpoint import ArmSetpoint
 from tool0.control.status import ControllerStatus
 from tool0.errors import ControlError
 from tool0.hardware.control_box import ControlBoxState
 from tool0.requests.table import Name, Request, handles
 from tool0.runtime.simulation import MAX_SNAPSHOT_RATE, MIN_SNAPSHOT_RATE, Simulation
-from tool0.sensing.snapshot import Snapshot
+from tool0.sensing.snapshot import ArmSample, MotionMode, Snapshot
 
 
 class SubscribeUpdates(Request[None], frozen=True):
@@ -30,7 +31,6 @@ class SubscribeUpdates(Request[None], frozen=True):
     """Updates per simulated second [Hz]."""
     motions: Annotated[tuple[Name, ...], Meta(max_length=100)] = ()
     """The trajectory controllers whose motion is sent."""
-
     arms: Annotated[tuple[Name, ...], Meta(max_length=100)] = ()
     """The arms whose setpoint and wrench are sent."""
 
@@ -53,10 +53,6 @@ class Motion(Struct, frozen=True, kw_only=True):
     """[s]"""
     speed_scaling: float
     """Trajectory time per simulated time."""
-
-
-MotionMode = Literal["free", "hold", "path", "servo", "speed", "stop", "freedrive"]
-"""What moves an arm: ``free`` is a controller of ROS, or nothing."""
 
 
 class ArmUpdate(Struct, frozen=True, kw_only=True):
@@ -121,9 +117,15 @@ class LogMessage(Struct, frozen=True, kw_only=True, tag="log"):
 
 
 def update_message(
-    snapshot: Snapshot, before: Snapshot | None, motions: Collection[str]
+    snapshot: Snapshot,
+    before: Snapshot | None,
+    motions: Collection[str],
+    arms: Collection[str] = (),
 ) -> UpdateMessage:
-    """Return a snapshot as it is sent, after ``before`` in a stream."""
+    """Return a snapshot as it is sent, after ``before`` in a stream.
+
+    ``motions`` names the controllers whose motions are sent, ``arms`` the arms.
+    """
     more: dict[str, Any] = {}
     if before is None:
         more["joint_names"] = snapshot.joint_names
@@ -137,6 +139,10 @@ def update_message(
             name: _motion(snapshot, name)
             for name in motions
             if name in snapshot.controller_setpoints
+        }
+    if arms:
+        more["arms"] = {
+            name: arm_update(snapshot, snapshot.arms[name]) for name in arms
         }
     return UpdateMessage(
         time=snapshot.time,
@@ -160,6 +166,51 @@ def _motion(snapshot: Snapshot, controller: str) -> Motion:
         time_from_start=actual.time_from_start,
         speed_scaling=state.speed_scaling,
     )
+
+
+def arm_update(snapshot: Snapshot, sample: ArmSample) -> ArmUpdate:
+    """Return an arm as its control box reports it."""
+    q, qd, qdd = sample.setpoint or _setpoint(snapshot, sample.joint_names)
+    return ArmUpdate(
+        target_position=_six(q),
+        target_velocity=_six(qd),
+        target_acceleration=_six(qdd),
+        mode=sample.mode,
+        path=sample.path,
+        path_time=sample.path_time,
+        is_done=sample.is_done,
+        force_mode=sample.force_mode,
+        wrench=sample.wrench,
+    )
+
+
+def _setpoint(snapshot: Snapshot, joints: tuple[str, ...]) -> ArmSetpoint:
+    """Return the motion that a controller desires of these joints, or the measured."""
+    for setpoint in snapshot.controller_setpoints.values():
+        names = setpoint.joint_names
+        if not set(joints).issubset(names):
+            continue
+        scale = setpoint.speed_scaling
+        time = setpoint.time + (snapshot.time - setpoint.measured.time) * scale
+        samples = [
+            setpoint.splines[names.index(joint)].sample(time) for joint in joints
+        ]
+        return ArmSetpoint(
+            tuple(sample.position for sample in samples),
+            tuple(scale * sample.velocity for sample in samples),
+            tuple(scale * scale * sample.acceleration for sample in samples),
+        )
+    index = snapshot.joint_names.index
+    return ArmSetpoint(
+        tuple(snapshot.position[index(joint)] for joint in joints),
+        tuple(snapshot.velocity[index(joint)] for joint in joints),
+        (0.0,) * len(joints),
+    )
+
+
+def _six(values: Sequence[float]) -> Six:
+    a, b, c, d, e, f = values
+    return a, b, c, d, e, f
 
 
 @handles(SubscribeUpdates)

@@ -87,12 +87,15 @@ class Subscription:
         *,
         keep_all: bool = False,
         with_commands: bool = False,
+        with_arms: bool = False,
         latest_only: bool = False,
         when_published: Callable[[], None] | None = None,
     ) -> None:
         self._period = period
         self._with_commands = with_commands
         """Whether the snapshots need the commands of the joints."""
+        self._with_arms = with_arms
+        """Whether they need what moves each arm, and the wrench on its tool."""
         self._latest_only = latest_only
         """Whether it takes events and the newest snapshot only: the bus need not keep
         older ones."""
@@ -180,6 +183,8 @@ class Bus:
         self._wakers: tuple[Callable[[], None], ...] = ()
         self.wants_commands = False
         """Whether a subscriber needs the commands of the joints."""
+        self.wants_arms = False
+        """Whether a subscriber needs what moves each arm."""
 
     def history(self) -> tuple[Snapshot, ...]:
         """Return the last half second of simulated time, the newest at the end."""
@@ -194,6 +199,7 @@ class Bus:
         *,
         keep_all: bool = False,
         with_commands: bool = False,
+        with_arms: bool = False,
         latest_only: bool = False,
         when_published: Callable[[], None] | None = None,
     ) -> Subscription:
@@ -207,6 +213,7 @@ class Bus:
             when_closed,
             keep_all=keep_all,
             with_commands=with_commands,
+            with_arms=with_arms,
             latest_only=latest_only,
             when_published=when_published,
         )
@@ -235,6 +242,7 @@ class Bus:
         wakers = (subscription._when_published for subscription in self._subscriptions)
         self._wakers = tuple(waker for waker in wakers if waker is not None)
         self.wants_commands = any(s._with_commands for s in self._subscriptions)
+        self.wants_arms = any(s._with_arms for s in self._subscriptions)
         self._keeps_recent = not all(s._latest_only for s in self._subscriptions)
         if not self._keeps_recent:
             self._recent.clear()

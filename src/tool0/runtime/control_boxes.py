@@ -76,6 +76,10 @@ class ControlBoxes:
             raise ControlError(f"no arm '{arm}'{did_you_mean(arm, names)}")
         return found
 
+    def flange(self, arm: str) -> str:
+        """Return the link at the end of an arm, by the arm's name."""
+        return self._flanges[arm]
+
     # ---- the tick -------------------------------------------------------------------
 
     def tick(self, period: float) -> None:

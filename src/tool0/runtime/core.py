@@ -31,6 +31,7 @@ from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.kernel import Kernel
 from tool0.kernel.program import Ended, Program
 from tool0.runtime.arm_modes import ArmModes
+from tool0.runtime.arm_motions import ArmMotions
 from tool0.runtime.control_boxes import ControlBoxes
 from tool0.runtime.joint_motion import (
     joints_by_controller,
@@ -42,7 +43,9 @@ from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp import GraspAssist
 from tool0.sensing.grip_contacts import GripContacts
+from tool0.sensing.snapshot import ArmSample
 from tool0.sensing.stalls import StallMonitor, contacts_text, external_contacts
+from tool0.sensing.tool_wrench import ToolWrench
 
 
 @final
@@ -74,6 +77,9 @@ class Core:
         self.scene = SceneObjects(model, engine, scene or Scene())
         self.control_boxes = ControlBoxes(model, hardware)
         self.arm_modes = ArmModes(model, self.control_boxes, hardware, manager)
+        self.arm_motions = ArmMotions(
+            model, hardware, manager, self.control_boxes, self.arm_modes
+        )
         self.protective_stops = ProtectiveStops(model, hardware, manager, engine.world)
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
@@ -88,6 +94,8 @@ class Core:
         self._watch_drift()
         self.when_goal_starts: Callable[[Goal], None] = lambda goal: None
         self._sensors: tuple[ForceTorqueSensor, ...] = ()
+        self._wrenches: dict[str, ToolWrench] = {}
+        """On the tools of arms whose updates are sent, by arm."""
         self.grasp_assist = GraspAssist(model, engine) if grasp_assist else None
         self.stall_monitor = StallMonitor(model, hardware)
         self.grip_contacts = GripContacts(model, engine.joint_names)
@@ -114,6 +122,8 @@ class Core:
         self.scene.wrenches.tick(self.time)
         if not self.control_boxes.is_steady:
             self.control_boxes.tick(self.control_period)
+        if not self.arm_motions.is_idle:
+            self.arm_motions.tick(state)
         self.manager.update(state, self.control_period)
         self._finish_tick(state, self._steps_per_tick)
 
@@ -150,6 +160,7 @@ class Core:
             self._program is None
             and self.scene.wrenches.is_idle
             and self.control_boxes.is_steady
+            and self.arm_motions.is_idle
         ):
             self._program = self._kernel.load(self.state)
         return self._program
@@ -349,6 +360,10 @@ class Core:
         self._note_command(controller)
         self.manager.release_brakes(controller, self.state)
 
+    def take_arm(self, arm: str | None, by: str) -> None:
+        """Let a program move an arm in place of its controllers."""
+        self._note_command(self.arm_motions.take(arm, by, self.state))
+
     def cancel(self, goal: Goal) -> None:
         """Stop the motion of an active goal; one that has ended is left alone."""
         if goal.status.is_terminal:
@@ -380,6 +395,30 @@ class Core:
         """Stop sampling; a sensor that is not running is left alone."""
         self._sensors = tuple(s for s in self._sensors if s is not sensor)
 
+    def arm_samples(self) -> Mapping[str, ArmSample]:
+        """Return what moves each arm, and the wrench on its tool, between two ticks."""
+        return {arm: self._arm_sample(arm) for arm in self.arm_motions.specs}
+
+    def _arm_sample(self, arm: str) -> ArmSample:
+        program = self._program
+        before = self._before if program is None else program.step_start()
+        wrench = self._wrench(arm).read(before, self.state, self._forces())
+        return self.arm_motions.sample(arm, self.time, wrench)
+
+    def zero_wrench(self, arm: str | None) -> None:
+        """Let the wrench on an arm's tool be 0 now, in samples from now on."""
+        name = self.control_boxes.find(arm).arm
+        self._arm_sample(name)
+        self._wrench(name).zero()
+
+    def _wrench(self, arm: str) -> ToolWrench:
+        found = self._wrenches.get(arm)
+        if found is None:
+            flange = self.control_boxes.flange(arm)
+            self._wrenches[arm] = found = ToolWrench(self._model, flange, self.engine)
+            found.subtract(self.hardware.payloads.get(flange))
+        return found
+
     def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
         """Return to the initial pose changed by ``position``, objects to their start.
 
@@ -399,6 +438,7 @@ class Core:
         self.protective_stops.forget()
         self.hardware.restart(self.state)
         self.manager.restart(self.state)
+        self.arm_motions.note_restart(self.state)
         for sensor in self._sensors:
             sensor.restart(self._before, self.state, self._forces)
 
@@ -410,6 +450,9 @@ class Core:
         self.control_boxes.set_payload(arm, payload)
         for sensor in self._sensors:
             sensor.subtract(self.hardware.payloads)
+        for name, wrench in self._wrenches.items():
+            flange = self.control_boxes.flange(name)
+            wrench.subtract(self.hardware.payloads.get(flange))
 
     def set_stopped(self, engaged: bool) -> None:
         """Brake every joint, or release the brakes; controllers then hold still."""
@@ -417,6 +460,7 @@ class Core:
             return
         self.hardware.set_stopped(engaged, self.state)
         self.manager.restart(self.state)
+        self.arm_motions.note_restart(self.state)
         self.arm_modes.note_emergency_stop()
 
     def drift(self, at_least: float = 0.0) -> float:

@@ -13,9 +13,9 @@ import numpy as np
 from tool0.control.trajectory import TrajectoryPoint
 from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import Array
-from tool0.kinematics.geometry import wrapped
 from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.line import MIN_PATH_SPEED, LinePath, PathSegment, PathTiming
+from tool0.kinematics.tool_path import PathFollower
 from tool0.runtime.joint_motion import TIME_TO_FULL_ACCELERATION
 
 STEP = 0.002
@@ -24,9 +24,6 @@ STEP_ANGLE = 0.01
 """The same for rotations of the tool [rad]."""
 MAX_STEPS = 20_000
 """Poses of the longest line: 40 m, which is far out of reach of any arm."""
-MAX_JOINT_STEP = 0.3
-"""A joint that turns more in a step [rad] jumps: at 2 mm a step, that is 150 rad/m,
-so that a line at 20 mm/s would take the joint to its largest velocity."""
 PERIOD = 0.008
 """Time between points at least [s]: the rate of a UR's own interface, 125 Hz."""
 MIN_POINTS = 300
@@ -36,7 +33,6 @@ _LEVEL = 0.7
 _SHARE = 0.5
 """Part of a joint's acceleration for each of the two that add up: by the acceleration
 along the line, and by the curvature of the joint path at steady speed."""
-_DIFFERENCE = 1e-5
 _REMEDY = "choose another line, start in another branch, or use move_to"
 
 
@@ -85,19 +81,20 @@ class LinearMotion:
         """
         self._kinematics = kinematics
         self._line = line
+        self._follower = PathFollower(kinematics, line, _REMEDY)
         self._limits = limits
         self._strongest = np.asarray(joint_accelerations)
         steps = max(line.length / STEP, line.angle / STEP_ANGLE)
         if steps < 1e-6:
             raise ControlError("the tool is already there: the line has no length")
-        self._check_end(start)
+        self._follower.check_end(start)
         if steps > MAX_STEPS:
             raise UnreachableError(
                 f"a line of {line.length:.6g} m is too long; the longest is "
                 f"{MAX_STEPS * STEP:g} m"
             )
         self._s = np.linspace(0.0, 1.0, max(math.ceil(steps), 8) + 1)
-        self._q = self._follow(start)
+        self._q = self._follower.follow(self._s, start)
         self._timing = PathTiming(self._segments())
         self.duration = self._timing.duration
         """[s]"""
@@ -114,71 +111,16 @@ class LinearMotion:
         q = self._kinematics.refined(guess, line.tip(s))
         if len(q) != len(guess):
             raise UnreachableError("lost the line between two of its points")
-        rate, curvature = self._rates(s, q)
+        rate, curvature = self._follower.rates(s, q)
         qd = rate * sd[:, None]
         qdd = rate * sdd[:, None] + curvature * sd[:, None] ** 2
         qd[-1] = qdd[-1] = 0.0
         rows = zip(q.tolist(), qd.tolist(), qdd.tolist(), times.tolist(), strict=True)
         return [TrajectoryPoint(*row) for row in rows]
 
-    def _follow(self, start: Array) -> Array:
-        """Return joint positions at every s, each nearest to the ones before."""
-        kinematics, line = self._kinematics, self._line
-        poses = line.tip(self._s)
-        every = kinematics.geometry.solve(poses)
-        found = np.empty((len(poses), 6))
-        found[0] = q = start
-        for k in range(1, len(poses)):
-            turns = wrapped(every[k] - q)
-            sizes = np.abs(turns).max(axis=1)
-            if np.isnan(sizes).all():
-                raise self._no_solution(self._s[k], q)
-            nearest = int(np.nanargmin(sizes))
-            if sizes[nearest] > MAX_JOINT_STEP:
-                joint = kinematics.chain.joints[int(np.abs(turns[nearest]).argmax())]
-                raise UnreachableError(
-                    "the line passes a singularity, or the reach of "
-                    f"'{kinematics.branch(q)}' ends: joint '{joint.name}' would have "
-                    f"to jump by {sizes[nearest]:.2f} rad {line.at(self._s[k])}; "
-                    f"{_REMEDY}"
-                )
-            found[k] = q = q + turns[nearest]
-        refined = kinematics.refined(found, poses)
-        if len(refined) != len(found):
-            raise UnreachableError(
-                f"the line passes too close to a singularity; {_REMEDY}"
-            )
-        self._check_limits(refined)
-        return refined
-
-    def _check_end(self, start: Array) -> None:
-        """Raise UnreachableError, before solving a long line, if its end is too far."""
-        end = self._line.tip(np.ones(1))[0]
-        if not len(self._kinematics.postures(end, start)):
-            raise self._no_solution(1.0, start)
-
-    def _no_solution(self, s: float, q: Array) -> UnreachableError:
-        place = self._line.at(s)
-        try:
-            self._kinematics.solutions(self._line.tip(np.array([s]))[0], q)
-        except UnreachableError as error:
-            return UnreachableError(f"the line cannot be followed: {error}; {place}")
-        return UnreachableError(f"the line cannot be followed {place}")
-
-    def _check_limits(self, q: Array) -> None:
-        for k, joint in enumerate(self._kinematics.chain.joints):
-            lower, upper = joint.limits.lower, joint.limits.upper
-            outside = (q[:, k] < lower - 1e-6) | (q[:, k] > upper + 1e-6)
-            if outside.any():
-                raise UnreachableError(
-                    f"joint '{joint.name}' would leave its limits "
-                    f"[{lower:.3f}, {upper:.3f}] rad "
-                    f"{self._line.at(self._s[outside.argmax()])}"
-                )
-
     def _segments(self) -> list[PathSegment]:
         """Return the limits of tool and joints along the line."""
-        rate, curvature = self._rates(self._s, self._q)
+        rate, curvature = self._follower.rates(self._s, self._q)
         rate, curvature = np.abs(rate), np.abs(curvature)
         fastest = self._kinematics.fastest
         strongest = self._strongest
@@ -214,22 +156,3 @@ class LinearMotion:
                 )
             )
         return segments
-
-    def _rates(self, s: Array, q: Array) -> tuple[Array, Array]:
-        """Return dq/ds and d²q/ds², shape (n, 6) each."""
-        rate = self._rate(s, q)
-        h = _DIFFERENCE
-        ahead = self._rate(s + h, q + h * rate)
-        behind = self._rate(s - h, q - h * rate)
-        return rate, (ahead - behind) / (2 * h)
-
-    def _rate(self, s: Array, q: Array) -> Array:
-        posture = self._kinematics.chain.forward(q)
-        twist = self._line.twist(s, posture.T_base_tip)
-        try:
-            solved = np.linalg.solve(posture.jacobian, twist[..., None])
-        except np.linalg.LinAlgError:
-            raise UnreachableError(
-                f"the line starts or passes where the arm is singular; {_REMEDY}"
-            ) from None
-        return np.asarray(solved[..., 0], dtype=np.float64)

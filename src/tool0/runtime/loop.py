@@ -131,6 +131,28 @@ class Loop:
                 if self._closing:
                     raise ControlError("the simulation was closed") from None
 
+    def post(
+        self, operation: Callable[[], object], when_failed: Callable[[Exception], None]
+    ) -> None:
+        """Carry out ``operation`` before the next tick, without waiting for it.
+
+        ``when_failed`` is called with its exception, in the thread of the tick.
+
+        Raises:
+            ControlError: If the simulation is closed.
+        """
+        if self._closing:
+            raise ControlError("the simulation is closed")
+
+        def note(future: Future[object]) -> None:
+            error = future.exception()
+            if isinstance(error, Exception):
+                when_failed(error)
+
+        future: Future[object] = Future()
+        future.add_done_callback(note)
+        self._mailbox.put(_Operation(operation, future, publishes=False))
+
     def run(self, duration: float, until: Callable[[], bool] = lambda: False) -> None:
         """Let ``duration`` simulated seconds pass, or fewer if ``until`` returns True.
 
@@ -346,7 +368,22 @@ class Loop:
         self._pacer.overruns = overruns
         self._meter.restart(self._core.time, overruns)
 
-    def _publish(self) -> None:
+    def snapshot_with_arms(self) -> Snapshot:
+        """Publish a snapshot that has what moves each arm, and return it.
+
+        Raises:
+            ControlError: If the simulation is closed.
+        """
+
+        def publish() -> Snapshot:
+            self._publish(with_arms=True)
+            snapshot = self._bus.latest
+            assert snapshot is not None  # it was just published
+            return snapshot
+
+        return self.call(publish, publishes=False)
+
+    def _publish(self, *, with_arms: bool = False) -> None:
         core, meter, overruns = self._core, self._meter, self._pacer.overruns
         self.max_drift = core.drift(self.max_drift)
         time = core.time
@@ -378,6 +415,7 @@ class Loop:
                 core.grip_contacts.gripping,
                 core.control_boxes.states,
                 core.command if self._bus.wants_commands else (),
+                core.arm_samples() if self._bus.wants_arms or with_arms else {},
             )
         )
 

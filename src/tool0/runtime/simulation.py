@@ -101,6 +101,7 @@ class Simulation:
         *,
         keep_all: bool = False,
         with_commands: bool = False,
+        with_arms: bool = False,
         latest_only: bool = False,
         when_published: Callable[[], None] | None = None,
     ) -> Subscription:
@@ -110,6 +111,7 @@ class Simulation:
             rate: Snapshots per simulated second [Hz]; the default rate if left out.
             keep_all: Miss no snapshot, however late they are taken.
             with_commands: Let the snapshots have the commands of the joints.
+            with_arms: Let them have what moves each arm, and the wrench on its tool.
             latest_only: Deliver events, and the newest snapshot only.
             when_published: Called for every snapshot, in the thread of the tick.
         """
@@ -125,6 +127,7 @@ class Simulation:
             self._update_snapshot_period,
             keep_all=keep_all,
             with_commands=with_commands,
+            with_arms=with_arms,
             latest_only=latest_only,
             when_published=when_published,
         )

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple, final
+from typing import Literal, NamedTuple, final
 
 from msgspec import Struct, field
 
+from tool0.control.arm_setpoint import ArmSetpoint
 from tool0.control.status import ControllerStatus
 from tool0.control.trajectory import Setpoint
 from tool0.description.scene import SceneObject
 from tool0.hardware.control_box import ControlBoxState
 from tool0.hardware.engine import ObjectState
+from tool0.hardware.tool_dynamics import Wrench
 from tool0.sensing.stalls import Stall
+
+MotionMode = Literal["free", "hold", "path", "servo", "speed", "stop", "freedrive"]
+"""What moves an arm: ``free`` is a controller of ROS, or nothing."""
 
 SNAPSHOT_PERIOD = 0.008
 """Default simulated time between snapshots [s]: 125 Hz, the rate of the UR's own
@@ -39,6 +44,26 @@ class JointSetpoint(NamedTuple):
     """At this instant [rad/s | m/s]."""
     target: float
     """The end of the motion [rad | m]."""
+
+
+@final
+class ArmSample(Struct, frozen=True):
+    """What moves an arm, and what pushes its tool."""
+
+    joint_names: tuple[str, ...]
+    """From base to flange."""
+    mode: MotionMode
+    setpoint: ArmSetpoint | None
+    """Of a stream; otherwise a controller's setpoint has it."""
+    path: int
+    """Number of the last path; 0 before the first."""
+    path_time: float
+    """On that path [s]."""
+    is_done: bool
+    """Whether the path or the stop has ended."""
+    force_mode: bool
+    wrench: Wrench
+    """At the flange, in its axes [N, N·m], less payload and tare."""
 
 
 @final
@@ -95,6 +120,8 @@ class Snapshot(Struct, frozen=True):
     command: tuple[float, ...] = ()
     """The last command of each joint, in the unit of its interface; empty unless a
     subscriber needs it."""
+    arms: Mapping[str, ArmSample] = field(default_factory=dict)
+    """Arm → what moves it; empty unless a subscriber needs it."""
 
     @property
     def positions(self) -> dict[str, float]:

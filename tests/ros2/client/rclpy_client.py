@@ -15,6 +15,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 from typing import Any
 
 import rclpy
@@ -23,6 +24,8 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+SEND_TIMEOUT = 30.0
+"""For the executor's thread to be free [s]."""
 POLL_PERIOD = 0.005
 """Between two looks for a peer [s]."""
 DEPTH = 10_000
@@ -85,13 +88,53 @@ def plain(value: Any) -> Any:
 # --- the client ---
 
 
+class Worker:
+    """An executor in a thread of its own.
+
+    Entities are made, and requests are sent, in this thread: no response is looked at
+    before its request is noted.  In another thread, rclpy's ActionClient drops a
+    response that comes while it notes the request (github.com/ros2/rclpy/issues/1123;
+    in rclpy 9.1.2 without a warning, see pull request 1532).
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(node)
+        self._thread = threading.Thread(target=self._spin, daemon=True)
+        self._thread.start()
+
+    def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Return what ``function`` returns in the thread."""
+        done: Future[Any] = Future()
+
+        def run() -> None:
+            try:
+                done.set_result(function(*arguments))
+            except Exception as error:
+                done.set_exception(error)
+
+        self._executor.create_task(run)
+        return done.result(SEND_TIMEOUT)
+
+    def join(self) -> None:
+        """Wait for its end, after that of rclpy."""
+        self._thread.join(5.0)
+
+    def _spin(self) -> None:
+        with contextlib.suppress(ExternalShutdownException):
+            self._executor.spin()
+
+
 class Goal:
     """One goal of an action, from its response on."""
 
-    def __init__(self, client: ActionClient, message: Message) -> None:
+    def __init__(self, worker: Worker, client: ActionClient, message: Message) -> None:
+        self._worker = worker
         self.feedback: list[Message] = []
-        self._future = client.send_goal_async(
-            message, lambda one: self.feedback.append(one.feedback)
+        self._future = worker.call(
+            client.send_goal_async,
+            message,
+            lambda one: self.feedback.append(one.feedback),
         )
         self._result: Any = None
 
@@ -99,8 +142,13 @@ class Goal:
         """Return whether it was accepted."""
         self.handle = finished(self._future, timeout, "a response to the goal")
         if self.handle.accepted:
-            self._result = self.handle.get_result_async()
+            self._result = self._worker.call(self.handle.get_result_async)
         return bool(self.handle.accepted)
+
+    def cancel(self, timeout: float) -> Any:
+        """Ask for its cancellation; return the response."""
+        future = self._worker.call(self.handle.cancel_goal_async)
+        return finished(future, timeout, "a response to the cancellation")
 
     def result(self, timeout: float) -> Any:
         return finished(self._result, timeout, "the result of the goal")
@@ -113,8 +161,8 @@ class Goal:
 class Client:
     """The operations: each public method is one."""
 
-    def __init__(self, node: Node) -> None:
-        self._node = node
+    def __init__(self, node: Node, worker: Worker) -> None:
+        self._node, self._worker = node, worker
         self._goals: list[Goal] = []
         self._received: list[list[Message]] = []
         self._subscriptions: list[Any] = []
@@ -122,7 +170,7 @@ class Client:
 
     def _once(self, *key: str, make: Callable[[], Any]) -> Any:
         if key not in self._made:
-            self._made[key] = make()
+            self._made[key] = self._worker.call(make)
         return self._made[key]
 
     def send_goal(self, action: str, kind: str, goal: Any, timeout: float) -> Any:
@@ -134,14 +182,13 @@ class Client:
         )
         if not client.wait_for_server(timeout_sec=timeout):
             raise TimeoutError(f"no action server {action}")
-        sent = Goal(client, build(find(kind).Goal, goal))
+        sent = Goal(self._worker, client, build(find(kind).Goal, goal))
         self._goals.append(sent)
         return {"goal": len(self._goals) - 1, "accepted": sent.response(timeout)}
 
     def cancel_goal(self, goal: int, timeout: float) -> Any:
         """Ask for its cancellation; return the response."""
-        future = self._goals[goal].handle.cancel_goal_async()
-        return plain(finished(future, timeout, "a response to the cancellation"))
+        return plain(self._goals[goal].cancel(timeout))
 
     def has_ended(self, goal: int) -> bool:
         """Return whether the goal has a result."""
@@ -166,15 +213,19 @@ class Client:
             if reliable
             else ReliabilityPolicy.BEST_EFFORT,
         )
-        self._subscriptions.append(
-            self._node.create_subscription(find(kind), topic, received.append, profile)
+        subscription = self._worker.call(
+            self._node.create_subscription,
+            *(find(kind), topic, received.append, profile),
         )
+        self._subscriptions.append(subscription)
         self._received.append(received)
         return len(self._received) - 1
 
     def unsubscribe(self, subscription: int) -> None:
         """Receive no more."""
-        self._node.destroy_subscription(self._subscriptions[subscription])
+        self._worker.call(
+            self._node.destroy_subscription, self._subscriptions[subscription]
+        )
 
     def count(self, subscription: int) -> int:
         """Return how many messages have come."""
@@ -204,7 +255,8 @@ class Client:
         )
         if not client.wait_for_service(timeout_sec=timeout):
             raise TimeoutError(f"no service {service}")
-        future = client.call_async(build(find(kind).Request, request))
+        message = build(find(kind).Request, request)
+        future = self._worker.call(client.call_async, message)
         return plain(finished(future, timeout, f"a response of {service}"))
 
     def nodes(self) -> list[str]:
@@ -258,19 +310,12 @@ def finished(future: Any, timeout: float, what: str) -> Any:
     return future.result()
 
 
-def spin(executor: SingleThreadedExecutor) -> None:
-    with contextlib.suppress(ExternalShutdownException):
-        executor.spin()
-
-
 def main() -> None:
     """Execute requests until standard input ends."""
     rclpy.init()
     node = Node("client")
-    client, executor = Client(node), SingleThreadedExecutor()
-    executor.add_node(node)
-    thread = threading.Thread(target=spin, args=(executor,), daemon=True)
-    thread.start()
+    worker = Worker(node)
+    client = Client(node, worker)
     print("{}", flush=True)
     for line in sys.stdin:
         operation, arguments = json.loads(line)
@@ -280,7 +325,7 @@ def main() -> None:
             reply = {"error": f"{type(error).__name__}: {error}"}
         print(json.dumps(reply), flush=True)
     rclpy.shutdown()
-    thread.join(5.0)
+    worker.join()
 
 
 if __name__ == "__main__":

@@ -6,13 +6,12 @@ It runs in ROS 2's Python, and prints what went through.
 import json
 import os
 import threading
-import time
 
 import rclpy
 from control_msgs.action import FollowJointTrajectory
 from control_msgs.srv import QueryTrajectoryState
 from rclpy.action import ActionClient, ActionServer
-from rclpy.executors import MultiThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectoryPoint
 
@@ -48,21 +47,25 @@ def on_feedback(message):
 
 
 def wait(future):
-    """Return the result of what the executor's threads work on."""
-    deadline = time.monotonic() + TIMEOUT
-    while not future.done() and time.monotonic() < deadline:
-        time.sleep(0.002)
+    """Return the result of a request that this thread has sent.
+
+    The thread that sends also receives: rclpy's ActionClient may drop a response that
+    another thread receives (github.com/ros2/rclpy/issues/1123).
+    """
+    client_executor.spin_until_future_complete(future, TIMEOUT)
     return future.result()
 
 
 rclpy.init()
 node = Node("round_trip")
+client_node = Node("client", namespace="round_trip")
 server = ActionServer(node, FollowJointTrajectory, "~/follow", execute)
 service = node.create_service(QueryTrajectoryState, "~/query", answer)
-action = ActionClient(node, FollowJointTrajectory, "~/follow")
-query = node.create_client(QueryTrajectoryState, "~/query")
-executor = MultiThreadedExecutor(3)
+action = ActionClient(client_node, FollowJointTrajectory, "/round_trip/follow")
+query = client_node.create_client(QueryTrajectoryState, "/round_trip/query")
+executor, client_executor = SingleThreadedExecutor(), SingleThreadedExecutor()
 executor.add_node(node)
+client_executor.add_node(client_node)
 threading.Thread(target=executor.spin, daemon=True).start()
 
 action.wait_for_server(TIMEOUT)

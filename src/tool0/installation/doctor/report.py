@@ -37,6 +37,7 @@ PROBES: Final = {
     "gazebo": "tool0.installation.doctor.probes",
     "ros1": "tool0.installation.doctor.probes",
     "ros2": "tool0.installation.doctor.probes",
+    "ur": "tool0.interfaces.ur.probes",
     "workspace": "tool0.installation.doctor.probes",
 }
 """Function → the module that defines it, in the order of the report."""

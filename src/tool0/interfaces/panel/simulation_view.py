@@ -197,7 +197,7 @@ def controller_infos(
     infos = []
     for name, kind in types.items():
         status = status_of.get(name)
-        role = role_of(kind)
+        role = role_of(kind) if status is None else status.role
         claims = () if status is None else status.claimed
         claimed = [joint for _, names in claims for joint in names]
         infos.append(

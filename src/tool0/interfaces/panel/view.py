@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, Final, final
 
 from tool0.description.model import Joint, JointType, RobotModel
@@ -114,6 +114,11 @@ class RobotView:
     def notifications(self) -> Sequence[Notification]:
         found, self._notifications = self._notifications, []
         return found
+
+    def post(
+        self, request: Request[Any], when_failed: Callable[[Exception], None]
+    ) -> None:
+        raise _no_physics(request)
 
     def check_setpoint(self, request: Request[Any]) -> None:
         if not isinstance(request, PoseJoints):

@@ -112,8 +112,9 @@ class ControllerManagerBridge:
             for bridge in closed:
                 bridge.close()
             for name, (controller, spec) in loaded.items():
-                if name not in bridges and not self._is_closing:
-                    bridge = _BRIDGES[type(spec)](self._ros, spec, controller)
+                kind = _BRIDGES.get(type(spec))  # tool0's own have no topics
+                if name not in bridges and not self._is_closing and kind is not None:
+                    bridge = kind(self._ros, spec, controller)
                     bridges[name] = spec, bridge
             self._bridges = bridges
 

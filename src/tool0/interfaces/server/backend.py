@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, Any, Final, Protocol, final
 
 from tool0.description.parts import find_grippers
@@ -18,7 +18,7 @@ from tool0.requests.motion import (
     SwitchControllers,
 )
 from tool0.requests.state import EmergencyStop, Reset
-from tool0.requests.table import Request, answer
+from tool0.requests.table import Request, answer, post
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -42,6 +42,14 @@ class Backend(Protocol):
     def carry_out(self, request: Request[Any]) -> Any:
         """Return the response, or raise Tool0Error."""
 
+    def post(
+        self, request: Request[Any], when_failed: Callable[[Exception], None]
+    ) -> None:
+        """Let the next tick carry out a request of a stream, or raise Tool0Error.
+
+        ``when_failed`` may be called in any thread.
+        """
+
     def check_setpoint(self, request: Request[Any]) -> None:
         """Raise Tool0Error for a streamed setpoint that can never be carried out."""
 
@@ -60,6 +68,11 @@ class SimulationBackend:
 
     def carry_out(self, request: Request[Any]) -> Any:
         return answer(self.simulation, request)
+
+    def post(
+        self, request: Request[Any], when_failed: Callable[[Exception], None]
+    ) -> None:
+        post(self.simulation, request, when_failed)
 
     def check_setpoint(self, request: Request[Any]) -> None:
         if not isinstance(request, SteerJoints):

@@ -151,7 +151,11 @@ class Hub:
             else:
                 self._setpoints.submit(StreamedSetpoint(session, request))
             return True
-        if not entry_of(type(request)).is_urgent:
+        entry = entry_of(type(request))
+        if ident is None and entry.is_streamed and not session.is_busy:
+            self._post(session, request)
+            return True
+        if not entry.is_urgent:
             return False
         self._setpoints.drop(self.backend.superseded(request))
         answer = self._carry_out(session, ident, request, self._urgent_worker)
@@ -159,6 +163,20 @@ class Hub:
         self._urgent.add(task)
         task.add_done_callback(self._urgent.discard)
         return True
+
+    def _post(self, session: Session, request: Request[Any]) -> None:
+        """Hand a request to the thread of the tick, without waiting for it."""
+        loop = asyncio.get_running_loop()
+
+        def refuse(error: Exception) -> None:
+            text = encode_error(None, _logged(error))
+            with contextlib.suppress(RuntimeError):  # the server has ended
+                loop.call_soon_threadsafe(session.send, text)
+
+        try:
+            self.backend.post(request, refuse)
+        except Tool0Error as error:
+            session.send(encode_error(None, error))
 
     async def _answer(
         self, session: Session, ident: Ident, request: Request[Any]
@@ -195,7 +213,10 @@ class Hub:
             if isinstance(request, Subscribe):
                 await self._snapshots.add(session, request.rate)
             elif isinstance(request, SubscribeUpdates):
-                self._updates.add(session, request)
+                try:
+                    self._updates.add(session, request)
+                except ControlError as refused:
+                    reply = encode_error(ident, refused)
             session.send(reply)
 
     def _remove_streams(self, session: Session) -> None:

@@ -96,6 +96,11 @@ class Session:
         self._is_gone = False
         """Whether it can neither send nor receive any more."""
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether requests wait or are carried out; later ones must not overtake."""
+        return self._backlog > 0
+
     def is_stuck(self) -> bool:
         """Return whether it has not read for too long."""
         since = self._sending_since

@@ -53,6 +53,8 @@ class UpdateStream:
         """Whether the event loop is about to send."""
         self._wall_period = 0.0
         """Wall time between updates [s]; 0 sends every one."""
+        self._polled: Snapshot | None = None
+        """The newest one with arms, if they are sent while time runs fast."""
         self._period = 0.0
         """Shortest simulated time between updates [s]."""
 
@@ -67,6 +69,9 @@ class UpdateStream:
             try:
                 while self._simulation.snapshot.speed == self._speed:
                     await asyncio.sleep(self._wall_period or _FLUSH_PERIOD)
+                    if self._wall_period and self._request.arms:
+                        read = self._simulation.loop.snapshot_with_arms
+                        self._polled = await asyncio.to_thread(read)
                     self._deliver()
             finally:
                 self._close(self._subscription)
@@ -106,6 +111,7 @@ class UpdateStream:
         return self._simulation.subscribe(
             suitable,
             with_commands=bool(self._request.motions),
+            with_arms=bool(self._request.arms) and not is_fast,
             latest_only=is_fast,
             when_published=None if is_fast else self._wake,
         )
@@ -134,12 +140,15 @@ class UpdateStream:
             if isinstance(event, Faulted | WasReset):
                 self._session.send(encode(event_message(self._simulation, event)))
         is_polled = bool(self._wall_period)
-        newest = [self._simulation.snapshot]
+        newest = [self._polled or self._simulation.snapshot]
+        request = self._request
         for snapshot in newest if is_polled else subscription.pending():
             before = self._last
+            if request.arms and not snapshot.arms:
+                continue  # from before the subscription
             if before is not None and not self._is_due(before, snapshot):
                 continue
-            message = update_message(snapshot, before, self._request.motions)
+            message = update_message(snapshot, before, request.motions, request.arms)
             self._last = snapshot
             self._session.send_snapshot(encode(message))
 
@@ -196,7 +205,13 @@ class UpdateStreams:
         self._log: LogForwarder | None = None
 
     def add(self, session: Session, request: SubscribeUpdates) -> None:
-        """Let ``session`` receive updates, in place of those it has received."""
+        """Let ``session`` receive updates, in place of those it has received.
+
+        Raises:
+            ControlError: If there is no arm of a requested name.
+        """
+        for arm in request.arms:
+            self._simulation.core.control_boxes.find(arm)
         self.remove(session)
         if self._log is None:
             self._log = LogForwarder(self._send)

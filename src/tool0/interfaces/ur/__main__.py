@@ -32,6 +32,7 @@ def main() -> int:
             port_base=arguments.port_base,
             programs=arguments.programs,
             allow_sockets=arguments.allow_sockets,
+            active_gripper=arguments.active_gripper,
         )
         asyncio.run(_run(arguments.name, options))
     except Tool0Error as error:
@@ -71,6 +72,7 @@ def _arguments() -> argparse.Namespace:
     add("--port-base", type=int, default=0, help="added to the numbers of the ports")
     add("--programs", type=Path, help="folder with programs for the dashboard server")
     add("--allow-sockets", action="store_true", help="connect to other machines")
+    add("--active-gripper", action="store_true", help="start with it activated")
     return parser.parse_args()
 
 

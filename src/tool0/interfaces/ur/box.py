@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, TypeVar, final
 
 import numpy as np
@@ -15,12 +15,14 @@ from msgspec import UnsetType
 
 from tool0.api.connect import SocketChannel
 from tool0.description.model import FLANGE
+from tool0.description.parts import find_grippers, gripper_of
 from tool0.errors import Tool0Error, UnreachableError
 from tool0.hardware.control_box import ControlBoxState
 from tool0.interfaces.ur.messages import Messages
 from tool0.interfaces.ur.pose import matrix_of, pose_of
 from tool0.interfaces.ur.programs import ProgramSlot
 from tool0.interfaces.ur.registers import Registers
+from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
 from tool0.kinematics.chain import (
     ArmChain,
     Array,
@@ -44,11 +46,23 @@ CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
 class Box:
     """One arm and what its control box knows about it."""
 
-    def __init__(self, channel: SocketChannel, arm: str, first: UpdateMessage) -> None:
-        """Show an ``arm`` of the bring-up, as ``first`` has it.
+    def __init__(
+        self,
+        channel: SocketChannel,
+        arm: str,
+        first: UpdateMessage,
+        *,
+        allow_sockets: bool = False,
+    ) -> None:
+        """Show an arm of the bring-up.
 
-        ``first`` is the first update: it has everything.
+        Args:
+            channel: The connection to the bring-up.
+            arm: As ``list_arms`` names it.
+            first: The first update, which has everything.
+            allow_sockets: Whether programs may connect to other machines.
         """
+        self.allow_sockets = allow_sockets
         self._channel = channel
         self._event_loop = asyncio.get_running_loop()
         model = channel.description.model
@@ -82,8 +96,28 @@ class Box:
         index = {name: k for k, name in enumerate(first.joint_names)}
         self._indices = [index[name] for name in self.chain.joint_names]
         self._waiting: list[asyncio.Future[None]] = []
-        self._postures: dict[str, Posture] = {}
+        self._postures: Posture | None = None
+        self._T_base_chain = np.linalg.inv(self.T_chain_base)
+        self._known: dict[tuple[str, bool], Six] = {}
+        """What has been computed from this update."""
+        self.update: UpdateMessage
+        """The newest update."""
         self._take(first)
+        self.gripper = self._gripper(index)
+        """The gripper that the arm carries, if there is one."""
+
+    def _gripper(self, index: Mapping[str, int]) -> RobotiqGripper | None:
+        model = self._channel.description.model
+        name = gripper_of(model, self.arm)
+        if name is None:
+            return None
+        geometry = find_grippers(model)[name]
+        return RobotiqGripper(self, name, geometry, index[geometry.joint])
+
+    @property
+    def bringup(self) -> str:
+        """The name of the bring-up."""
+        return self._channel.name
 
     # ---- updates --------------------------------------------------------------------
 
@@ -108,7 +142,8 @@ class Box:
             self.state: ControlBoxState = next(
                 box for box in update.control_boxes if box.arm == self.arm
             )
-        self._postures.clear()
+        self._postures = None
+        self._known.clear()
 
     async def next_update(self) -> None:
         """Wait for the next update."""
@@ -187,31 +222,15 @@ class Box:
 
     def tcp_pose(self, *, target: bool = False) -> Six:
         """Return the measured pose of the TCP in the base frame, or the setpoint's."""
-        return self._tcp_pose(self._posture(target=target), matrix_of(self.tcp))
+        return self._once("pose", target, self._compute_pose)
 
     def tcp_speed(self, *, target: bool = False) -> Six:
         """Return the velocity of the TCP in the base frame's axes [m/s, rad/s]."""
-        posture = self._posture(target=target)
-        R = self.T_chain_base[:3, :3].T
-        T_chain_tip = posture.T_base_tip[0]
-        qd = self.arm_update.target_velocity if target else self.qd
-        twist = posture.jacobian[0] @ np.asarray(qd)
-        lever = T_chain_tip[:3, :3] @ np.asarray(self.tcp[:3])
-        linear = twist[:3] + np.cross(twist[3:], lever)
-        x, y, z = (R @ linear).tolist()
-        rx, ry, rz = (R @ twist[3:]).tolist()
-        return (x, y, z, rx, ry, rz)
+        return self._once("speed", target, self._compute_speed)
 
     def tcp_wrench(self) -> Six:
         """Return the external wrench at the TCP in the base frame's axes [N, N·m]."""
-        T_chain_tip = self._posture(target=False).T_base_tip[0]
-        R = self.T_chain_base[:3, :3].T @ T_chain_tip[:3, :3]
-        wrench = np.asarray(self.arm_update.wrench)
-        force = wrench[:3]
-        torque = wrench[3:] - np.cross(self.tcp[:3], force)
-        fx, fy, fz = (R @ force).tolist()
-        tx, ty, tz = (R @ torque).tolist()
-        return (fx, fy, fz, tx, ty, tz)
+        return self._once("wrench", False, self._compute_wrench)
 
     def forward(self, q: Sequence[float], tcp: Sequence[float] | None = None) -> Six:
         """Return the pose of the TCP at joint positions ``q`` [rad]."""
@@ -258,14 +277,53 @@ class Box:
         a, b, c, d, e, f = (values[k] for k in self._indices)
         return (a, b, c, d, e, f)
 
-    def _posture(self, *, target: bool) -> Posture:
-        """Return the measured posture, or that of the setpoint, computed once."""
-        key = "target" if target else "actual"
-        if key not in self._postures:
-            q = self.arm_update.target_position if target else self.q
-            self._postures[key] = self.chain.forward(np.asarray([q]))
-        return self._postures[key]
+    def posture(self, *, target: bool = False) -> Posture:
+        """Return the measured posture, or that of the setpoint."""
+        if self._postures is None:
+            rows = np.array([self.q, self.arm_update.target_position])
+            self._postures = self.chain.forward(rows)
+        row = slice(1, 2) if target else slice(0, 1)
+        T_base_tip, axes, points = self._postures
+        return Posture(T_base_tip[row], axes[row], points[row])
+
+    def _once(self, what: str, target: bool, compute: Callable[[bool], Six]) -> Six:
+        """Return a quantity of this update, computed by whoever needs it first."""
+        key = (what, target)
+        if key not in self._known:
+            self._known[key] = compute(target)
+        return self._known[key]
+
+    def _compute_pose(self, target: bool) -> Six:
+        return self._tcp_pose(self.posture(target=target), matrix_of(self.tcp))
+
+    def _compute_speed(self, target: bool) -> Six:
+        T_base_tip, axes, points = (rows[0] for rows in self.posture(target=target))
+        qd = self.arm_update.target_velocity if target else self.qd
+        turns = axes * np.array(qd)[:, None]
+        tcp = T_base_tip[:3, 3] + T_base_tip[:3, :3] @ self.tcp[:3]
+        linear = _cross(turns, tcp - points).sum(axis=0)
+        R = self._T_base_chain[:3, :3]
+        x, y, z = (R @ linear).tolist()
+        rx, ry, rz = (R @ turns.sum(axis=0)).tolist()
+        return (x, y, z, rx, ry, rz)
+
+    def _compute_wrench(self, target: bool) -> Six:
+        R = (
+            self._T_base_chain[:3, :3]
+            @ self.posture(target=target).T_base_tip[0, :3, :3]
+        )
+        wrench = np.array(self.arm_update.wrench)
+        force = wrench[:3]
+        torque = wrench[3:] - _cross(np.array(self.tcp[:3]), force)
+        fx, fy, fz = (R @ force).tolist()
+        tx, ty, tz = (R @ torque).tolist()
+        return (fx, fy, fz, tx, ty, tz)
 
     def _tcp_pose(self, posture: Posture, T_tip_tcp: Array) -> Six:
-        T_base_chain = np.linalg.inv(self.T_chain_base)
-        return pose_of(T_base_chain @ posture.T_base_tip[0] @ T_tip_tcp)
+        return pose_of(self._T_base_chain @ posture.T_base_tip[0] @ T_tip_tcp)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Return the cross products of rows; a quarter of the time of numpy's."""
+    ahead, behind = [1, 2, 0], [2, 0, 1]
+    return a[..., ahead] * b[..., behind] - a[..., behind] * b[..., ahead]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import os
 import socket
 from collections.abc import Awaitable, Callable
 from typing import Final, final
@@ -92,8 +93,11 @@ class Port:
                 self._accept, host, port, limit=self._limit, reuse_address=True
             )
         except OSError as error:
+            # asyncio's own text repeats the address
+            reason = os.strerror(error.errno) if error.errno else str(error)
             raise TransportError(
-                f"cannot listen on {host}:{port} ({self.name}): {error.strerror}"
+                f"cannot listen on {host}:{port} ({self.name}): {reason}; "
+                "choose another address (--ur-host) or other ports (--ur-port-base)"
             ) from None
         self.number = self._server.sockets[0].getsockname()[1]
 

@@ -27,6 +27,8 @@ class UrOptions:
     """Folder with the programs that the dashboard server can load."""
     allow_sockets: bool = False
     """Whether URScript programs may connect to other machines."""
+    active_gripper: bool = False
+    """Whether grippers start activated, as if somebody had done it at the pendant."""
 
     def __post_init__(self) -> None:
         try:

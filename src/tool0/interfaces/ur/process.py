@@ -83,4 +83,6 @@ def _command(name: str, options: UrOptions) -> list[str]:
         command += ["--programs", str(options.programs)]
     if options.allow_sockets:
         command.append("--allow-sockets")
+    if options.active_gripper:
+        command.append("--active-gripper")
     return command

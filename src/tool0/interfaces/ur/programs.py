@@ -5,13 +5,14 @@ from __future__ import annotations
 import asyncio
 import logging
 from enum import IntEnum
-from typing import TYPE_CHECKING, Protocol, final
+from typing import Any, Generic, Protocol, TypeVar, final
 
 from tool0.errors import ControlError, Tool0Error
-from tool0.requests.arm_motion import ReturnArm, TakeArm
-
-if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+from tool0.hardware.control_box import ControlBoxState, ProgramState
+from tool0.interfaces.ur.messages import Messages
+from tool0.requests.arm_motion import ReturnArm, StopArm, TakeArm
+from tool0.requests.control_box import PauseProgram, PlayProgram
+from tool0.requests.table import Request
 
 logger = logging.getLogger(__name__)
 
@@ -27,13 +28,33 @@ class RuntimeState(IntEnum):
     RESUMING = 5
 
 
-class Program(Protocol):
-    """A program that can run."""
+class Holder(Protocol):
+    """What the slot needs of its control box."""
+
+    arm: str
+    messages: Messages
+
+    async def call(self, request: Request[Any]) -> Any:
+        """Return the response, or raise the error."""
+
+    def send(self, request: Request[Any]) -> None:
+        """Send a request of which no answer is needed."""
+
+    def report(self, error: Tool0Error) -> None:
+        """Tell clients and the log about an error."""
+
+
+BoxT = TypeVar("BoxT", bound=Holder)
+Box_contra = TypeVar("Box_contra", contravariant=True)
+
+
+class Program(Protocol[Box_contra]):
+    """A program that can run on a control box."""
 
     @property
     def name(self) -> str: ...
 
-    async def run(self, box: Box) -> None:
+    async def run(self, box: Box_contra) -> None:
         """Run to the end; it is cancelled to be stopped.
 
         Raises:
@@ -42,14 +63,17 @@ class Program(Protocol):
 
 
 @final
-class ProgramSlot:
+class ProgramSlot(Generic[BoxT]):
     """Starts, pauses and stops the program of one control box."""
 
-    def __init__(self, box: Box) -> None:
+    def __init__(self, box: BoxT) -> None:
         self._box = box
         self._task: asyncio.Task[None] | None = None
+        self._changing = asyncio.Lock()
         self._gate = asyncio.Event()
         self._gate.set()
+        self._has_arm = False
+        """Whether updates have shown that the program has the arm."""
         self.state = RuntimeState.STOPPED
         self.name = ""
         """Of the program that runs, or ran last."""
@@ -59,27 +83,40 @@ class ProgramSlot:
         """Whether there is a program, running or paused."""
         return self._task is not None
 
-    async def start(self, program: Program) -> None:
-        """Stop the program that runs, and start another one.
+    @property
+    def is_paused(self) -> bool:
+        """Whether a program waits to be resumed."""
+        return self.state in {RuntimeState.PAUSING, RuntimeState.PAUSED}
+
+    async def start(self, program: Program[BoxT]) -> None:
+        """Start a program; it replaces the one that runs, whose motion stops.
 
         Raises:
             ControlError: If the arm may not move now.
         """
-        await self.stop()
-        await self._box.call(TakeArm(arm=self._box.arm, by=program.name))
-        self.name = program.name
-        self.state = RuntimeState.PLAYING
-        self._task = asyncio.create_task(self._run(program))
-        self._box.messages.program(program.name)
+        arm = self._box.arm
+        async with self._changing:
+            was_running = await self._cancel()
+            try:
+                if was_running:  # the arm stays taken
+                    self._box.messages.program("")
+                    await self._box.call(StopArm(arm=arm))
+                await self._box.call(TakeArm(arm=arm, by=program.name))
+            except Tool0Error:
+                await self._release()
+                raise
+            self.name = program.name
+            self.state = RuntimeState.PLAYING
+            self._gate.set()
+            self._box.messages.program(program.name)
+            self._task = asyncio.create_task(self._run(program))
 
     async def stop(self) -> None:
         """Stop the program and the arm; without a program, do nothing."""
-        task = self._task
-        if task is None or task is asyncio.current_task():
-            return
-        self.state = RuntimeState.STOPPING
-        task.cancel()
-        await asyncio.wait([task])
+        async with self._changing:
+            if await self._cancel():
+                await self._release()
+                self._box.messages.program("")
 
     def pause(self) -> None:
         """Hold the program at its next statement, and its motion.
@@ -90,7 +127,8 @@ class ProgramSlot:
         if self.state is not RuntimeState.PLAYING:
             raise ControlError("no program is running")
         self._gate.clear()
-        self.state = RuntimeState.PAUSED
+        self.state = RuntimeState.PAUSING
+        self._box.send(PauseProgram(arm=self._box.arm))
 
     def resume(self) -> None:
         """Continue a paused program.
@@ -98,34 +136,65 @@ class ProgramSlot:
         Raises:
             ControlError: If none is paused.
         """
-        if self.state is not RuntimeState.PAUSED:
+        if not self.is_paused:
             raise ControlError("no program is paused")
-        self._gate.set()
-        self.state = RuntimeState.PLAYING
+        self.state = RuntimeState.RESUMING
+        self._box.send(PlayProgram(arm=self._box.arm))
+
+    def follow(self, state: ControlBoxState) -> bool:
+        """Follow what others did with the control box: pause and resume.
+
+        Return whether the program has lost the arm, and must end.
+        """
+        if not self.is_running:
+            self._has_arm = False
+            return False
+        if state.taken_by:
+            self._has_arm = True
+        elif self._has_arm:
+            return True
+        if state.program is ProgramState.PAUSED:
+            if self.state in {RuntimeState.PLAYING, RuntimeState.PAUSING}:
+                self._gate.clear()
+                self.state = RuntimeState.PAUSED
+        elif self.state in {RuntimeState.PAUSED, RuntimeState.RESUMING}:
+            self._gate.set()
+            self.state = RuntimeState.PLAYING
+        return False
 
     async def gate(self) -> None:
         """Return at once while the program runs, and later while it is paused."""
         await self._gate.wait()
 
-    async def _run(self, program: Program) -> None:
+    async def _run(self, program: Program[BoxT]) -> None:
         try:
             await program.run(self._box)
-        except asyncio.CancelledError:
-            pass  # stopped
         except Tool0Error as error:
             self._box.report(error)
         except Exception as error:
             logger.exception("the program '%s' failed", program.name)
             self._box.messages.error(f"{program.name}: {error!r}")
-        finally:
-            await asyncio.shield(self._end())
+        async with self._changing:
+            self._task = None  # it can no longer be cancelled
+            await self._release()
+            self._box.messages.program("")
 
-    async def _end(self) -> None:
+    async def _cancel(self) -> bool:
+        """End the program that runs; return whether there was one."""
+        task = self._task
+        if task is None or task is asyncio.current_task():
+            return False
+        self.state = RuntimeState.STOPPING
+        task.cancel()
+        await asyncio.wait([task])
+        self._task = None
+        return True
+
+    async def _release(self) -> None:
+        """Give the arm back."""
         try:
             await self._box.call(ReturnArm(arm=self._box.arm))
         except Tool0Error as error:
             self._box.report(error)
-        self._task = None
         self._gate.set()
         self.state = RuntimeState.STOPPED
-        self._box.messages.program("")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import Final, final
 
@@ -31,3 +32,10 @@ class Registers:
     """Written by clients, read by programs."""
     outputs: RegisterBank = field(default_factory=RegisterBank)
     """Written by programs, read by clients."""
+    when_written: set[Callable[[Collection[str]], None]] = field(default_factory=set)
+    """Called after a client has written inputs, with their names in RTDE."""
+
+    def written(self, names: Collection[str]) -> None:
+        """Tell everyone which inputs a client has written."""
+        for callback in tuple(self.when_written):
+            callback(names)

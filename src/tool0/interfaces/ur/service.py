@@ -33,8 +33,28 @@ class Interface(Protocol):
 
 def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     """Return what a control box presents."""
-    del box, options
-    return []
+    from tool0.interfaces.ur.client_interface.interface import ClientInterface
+    from tool0.interfaces.ur.dashboard import Dashboard
+    from tool0.interfaces.ur.program_watch import ProgramWatch
+    from tool0.interfaces.ur.rtde.server import RtdeServer
+
+    interfaces: list[Interface] = [
+        ProgramWatch(box),
+        RtdeServer(box),
+        Dashboard(box, options.programs, allow_sockets=options.allow_sockets),
+        ClientInterface(box, allow_sockets=options.allow_sockets),
+    ]
+    if box.gripper is not None:
+        from tool0.interfaces.ur.robotiq.interface import (
+            RobotiqInterface,
+            serial_port_path,
+        )
+
+        if options.active_gripper:
+            box.gripper.assume_activated()
+        port = serial_port_path(box.bringup, box.arm)
+        interfaces.append(RobotiqInterface(box.gripper, port))
+    return interfaces
 
 
 async def connected(name: str) -> SocketChannel:
@@ -57,7 +77,7 @@ async def serve(
     """Serve the arms of a bring-up until it ends; ``ready`` gets their addresses.
 
     Raises:
-        TransportError: If a port is in use.
+        TransportError: If there is no arm, or a port is in use.
     """
     loop = asyncio.get_running_loop()
     has_ended = asyncio.Event()
@@ -85,10 +105,14 @@ async def serve(
     channel.when_ended = in_loop(lambda failure: has_ended.set())
     channel.when_refused = in_loop(refuse)
     arms = [arm.name for arm in await asyncio.to_thread(channel.call, ListArms())]
+    if not arms:
+        raise TransportError("the robot has no arm that a UR's control box could drive")
     request = SubscribeUpdates(arms=tuple(arms))
     await asyncio.to_thread(channel.call, request)
     update = await first
-    boxes += [Box(channel, arm, update) for arm in arms]
+    boxes += [
+        Box(channel, arm, update, allow_sockets=options.allow_sockets) for arm in arms
+    ]
     async with contextlib.AsyncExitStack() as stack:
         addresses = {}
         for number, box in enumerate(boxes):

@@ -1,0 +1,315 @@
+"""ArmMotionController: moves an arm for programs that plan elsewhere.
+
+One setpoint, of position, velocity and acceleration, is continuous from mode to mode:
+a path, a stream of targets (servo), velocities, a ramp to rest, or holding still.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Literal, final
+
+from tool0.control.arm_compliance import Compliance, ComplianceTask
+from tool0.control.arm_model import ArmModel
+from tool0.control.arm_path import CONTINUITY, ArmPath, SplineMotion
+from tool0.control.arm_setpoint import ArmSetpoint, StreamedMotion
+from tool0.control.arm_stream import ServoStream, SpeedStream
+from tool0.control.law import TrajectoryLaw
+from tool0.control.parameters import Gains
+from tool0.control.spline import JointSpline, Segment, along
+from tool0.control.trajectory import Setpoint
+from tool0.description.model import Interface, Joint
+from tool0.errors import ControlError
+from tool0.hardware.engine import JointState, joint_selector
+from tool0.hardware.robot_hardware import EffortLaw
+
+Mode = Literal["hold", "path", "servo", "speed", "stop", "freedrive"]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ArmMotionSpec:
+    """What an ArmMotionController is made of."""
+
+    name: str
+    joint_models: tuple[Joint, ...]
+    """From base to flange."""
+    speed_scaling: Callable[[], float]
+    """Returns the factor of the arm's control box, 0 … 1."""
+    model: ArmModel
+
+    type: ClassVar[str] = "tool0/ArmMotionController"
+    interface: ClassVar[Interface] = Interface.POSITION
+    gains: ClassVar[tuple[Gains, ...]] = ()
+    further_interfaces: ClassVar[tuple[str, ...]] = ()
+    state_interfaces: ClassVar[tuple[str, ...]] = ()
+    waits_for_command: ClassVar[bool] = False
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        return tuple(joint.name for joint in self.joint_models)
+
+    def start(self, indices: Sequence[int], state: JointState) -> ArmMotionController:
+        return ArmMotionController(self, indices, state)
+
+
+@final
+class ArmMotionController:
+    """Commands the positions of an arm's joints at the end of each tick.
+
+    Requests come between ticks, with ``now`` the simulated time of the coming one [s].
+    Holding, paths and ramps to rest have a law, so that the kernel executes them;
+    Python executes streams.
+    """
+
+    pid: ClassVar[None] = None
+
+    def __init__(
+        self, spec: ArmMotionSpec, indices: Sequence[int], state: JointState
+    ) -> None:
+        self.spec = spec
+        self._select = joint_selector(indices)
+        self._state = state
+        self._period = 0.0
+        self._splines = SplineMotion.holding(self._select(state.position), state.time)
+        self._stream: StreamedMotion | None = None
+        """What moves the arm in place of the splines."""
+        self._stream_mode: Mode = "servo"
+        self._compliance: Compliance | None = None
+        """What turns the motion into efforts, in each step of the physics."""
+        self._no_efforts = (0.0,) * len(indices)
+        self._last: tuple[int, float] = (0, 0.0)
+        """Number of the last path, and the time on it when it was left [s]."""
+
+    # ---- the tick -----------------------------------------------------------------
+
+    def update(self, state: JointState, period: float) -> Sequence[float]:
+        self._state, self._period = state, period
+        compliance = self._compliance
+        if compliance is None:
+            return self._positions(state, period)
+        compliance.follow(self._nominal(state.time), state.time)
+        self._positions(state, period)
+        return self._no_efforts
+
+    def _positions(self, state: JointState, period: float) -> Sequence[float]:
+        """Return the nominal positions at the end of a tick."""
+        factor, stream = self.spec.speed_scaling(), self._stream
+        if stream is not None:
+            stream.advance(state.time, period, factor)
+            return stream.setpoint.positions
+        splines = self._splines
+        command = splines.update(state.time, period, factor)
+        if splines.has_braked:
+            self._leave_path(state.time)
+            self._splines = SplineMotion.holding(command, state.time)
+        return command
+
+    def law(self) -> TrajectoryLaw | None:
+        is_streamed = self._stream is not None or self._compliance is not None
+        if is_streamed or not self._period:
+            return None
+        return self._splines.law(self._period, self.spec.speed_scaling())
+
+    def observe(self, state: JointState) -> None:
+        self._state = state
+
+    def setpoint(self) -> Setpoint:
+        stream, splines = self._stream, self._splines
+        joints, state = self.spec.joint_models, self._state
+        if stream is None and self._compliance is None:
+            return Setpoint(
+                joints,
+                splines.splines,
+                self._select,
+                state,
+                splines.lag(state.time),
+                splines.speed_scaling,
+            )
+        now = self._measured()
+        if stream is not None and self._compliance is None:
+            now = stream.setpoint
+        return Setpoint(joints, _tangents(now, state.time), self._select, state)
+
+    def stop(self) -> None:
+        pass
+
+    # ---- requests, between ticks --------------------------------------------------
+
+    @property
+    def mode(self) -> Mode:
+        """What it does."""
+        if self.is_guided:
+            return "freedrive"
+        return self._splines.mode if self._stream is None else self._stream_mode
+
+    @property
+    def is_guided(self) -> bool:
+        """Whether it is in freedrive."""
+        return self._compliance is not None and self._compliance.task.is_freedrive
+
+    @property
+    def is_in_force_mode(self) -> bool:
+        """Whether it pushes with a force."""
+        return self._compliance is not None and not self.is_guided
+
+    def motion(self, now: float) -> ArmSetpoint:
+        """Return the setpoint ``now`` [s]; in force mode, that without forces."""
+        return self._measured() if self.is_guided else self._nominal(now)
+
+    def _nominal(self, now: float) -> ArmSetpoint:
+        stream = self._stream
+        return self._splines.setpoint(now) if stream is None else stream.setpoint
+
+    def _measured(self) -> ArmSetpoint:
+        state = self._state
+        position = tuple(self._select(state.position))
+        zeros = (0.0,) * len(position)
+        return ArmSetpoint(position, tuple(self._select(state.velocity)), zeros)
+
+    def unknown_setpoint(self, now: float) -> ArmSetpoint | None:
+        """Return the setpoint ``now`` [s] if ``setpoint()`` does not tell it."""
+        if self._stream is None and self._compliance is None:
+            return None
+        return self.motion(now)
+
+    def is_done(self, now: float) -> bool:
+        """Return whether the path or the ramp to rest has ended."""
+        is_moved = self._stream is not None or self.is_guided
+        return not is_moved and self._splines.is_done(now)
+
+    def progress(self, now: float) -> tuple[int, float]:
+        """Return the number of the last path, and the time on it [s]; 0 before it."""
+        progress = None if self._stream is not None else self._splines.progress(now)
+        return self._last if progress is None else progress
+
+    def execute(self, path: ArmPath, number: int, now: float) -> None:
+        """Follow a path from ``now`` [s] on.
+
+        Raises:
+            ControlError: If it does not begin with the setpoint.
+        """
+        factor = self.spec.speed_scaling()
+        start = self.motion(now)
+        self._use(SplineMotion.along(path, number, start, now, factor), now)
+
+    def replace(
+        self, path: ArmPath, number: int, *, after: int, at: float, now: float
+    ) -> None:
+        """Let a path replace another one, from that one's time ``at`` [s] on.
+
+        Raises:
+            ControlError: If that is not possible; nothing has changed then.
+        """
+        if self._stream is not None:
+            raise ControlError(
+                f"path {after} is not executed, so none can follow it: the arm is in "
+                f"mode '{self._stream_mode}'"
+            )
+        self._splines.replaced(path, number, after=after, at=at, now=now)
+
+    def stop_motion(self, deceleration: float, now: float, *, along_path: bool) -> None:
+        """Ramp down to rest, from any mode.
+
+        Args:
+            deceleration: Of the leading joint [rad/s²]; of the path's clock [1/s], if
+                the arm is to stay on the path.
+            now: [s]
+            along_path: Whether it does, if it is on one.
+        """
+        splines = self._splines
+        if along_path and self._stream is None and splines.mode == "path":
+            if splines.is_done(now):
+                self.hold(now)
+            else:
+                splines.brake(deceleration)
+            return
+        start = self.motion(now)
+        self._use(SplineMotion.stopping(start, now, deceleration), now)
+
+    def hold(self, now: float) -> None:
+        """Rest at the setpoint: it must be at rest."""
+        self._use(SplineMotion.holding(self.motion(now).positions, now), now)
+
+    def require_positions(self, positions: Sequence[float]) -> None:
+        """Raise ControlError if one is beyond the limits of its joint [rad]."""
+        for joint, q in zip(self.spec.joint_models, positions, strict=True):
+            lower, upper = joint.limits.lower, joint.limits.upper
+            if not lower - CONTINUITY <= q <= upper + CONTINUITY:
+                raise ControlError(
+                    f"the position {q:.6g} rad of '{joint.name}' is beyond its limits "
+                    f"[{lower:.6g}, {upper:.6g}]"
+                )
+
+    def require_velocities(self, velocities: Sequence[float]) -> None:
+        """Raise ControlError if one is beyond the limit of its joint [rad/s]."""
+        for joint, v in zip(self.spec.joint_models, velocities, strict=True):
+            if not abs(v) <= joint.max_velocity + CONTINUITY:
+                raise ControlError(
+                    f"the velocity {v:.6g} rad/s of '{joint.name}' is beyond its "
+                    f"limits ±{joint.max_velocity:.6g}"
+                )
+
+    def servo(self, now: float) -> ServoStream:
+        """Return what follows targets from ``now`` [s] on."""
+        current = self._stream
+        if isinstance(current, ServoStream):
+            return current
+        made = ServoStream(self.motion(now), self.spec.joint_models)
+        self._start("servo", made, now)
+        return made
+
+    def speed(self, now: float) -> SpeedStream:
+        """Return what moves with velocities from ``now`` [s] on."""
+        current = self._stream
+        if isinstance(current, SpeedStream):
+            return current
+        spec = self.spec
+        made = SpeedStream(self.motion(now), spec.joint_models, spec.model)
+        self._start("speed", made, now)
+        return made
+
+    def comply(self, task: ComplianceTask, state: JointState) -> EffortLaw:
+        """Give way as a task demands, in ``state`` now; return what drives the joints.
+
+        The commands do not count from then on.
+        """
+        self._state = state
+        if task.is_freedrive:
+            self._use(
+                SplineMotion.holding(self._select(state.position), state.time),
+                state.time,
+            )
+        compliance = Compliance(self.spec.model, task, self._select)
+        self._compliance = compliance
+        return compliance.efforts
+
+    def stiffen(self, state: JointState, deceleration: float) -> None:
+        """Command positions again: a ramp to rest from the measured motion."""
+        self._state = state
+        start, now = self._measured(), state.time
+        self._compliance = None
+        self._use(SplineMotion.stopping(start, now, deceleration), now)
+
+    def _start(self, mode: Mode, stream: StreamedMotion, now: float) -> None:
+        self._leave_path(now)
+        self._stream, self._stream_mode = stream, mode
+
+    def _use(self, splines: SplineMotion, now: float) -> None:
+        self._leave_path(now)
+        self._splines, self._stream = splines, None
+
+    def _leave_path(self, now: float) -> None:
+        self._last = self.progress(now)
+
+
+def _tangents(setpoint: ArmSetpoint, time: float) -> tuple[JointSpline, ...]:
+    """Return splines with this motion at ``time`` [s]."""
+    return tuple(
+        along(
+            Segment.of(time, math.nextafter(time, math.inf), (q, v, 0.5 * a, 0, 0, 0))
+        )
+        for q, v, a in zip(*setpoint, strict=True)
+    )

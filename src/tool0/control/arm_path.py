@@ -1,0 +1,392 @@
+"""Motions of an arm that are known in advance: paths, ramps to rest, and holding."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, NamedTuple, final
+
+from tool0.control.arm_setpoint import ArmSetpoint
+from tool0.control.law import REAL_CLOCK, TrajectoryClock, TrajectoryLaw
+from tool0.control.sampler import TrajectorySampler
+from tool0.control.spline import (
+    JointSpline,
+    Knots,
+    Motion,
+    Sample,
+    Segment,
+    SplineSection,
+    along,
+    hold,
+    section_through,
+)
+from tool0.description.model import Joint
+from tool0.errors import ControlError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    FloatArray = NDArray[np.float64]
+
+CONTINUITY = 1e-6
+"""Largest jump of a path from the setpoint [rad, rad/s]."""
+_ROUNDING = 1e-9
+"""[s]"""
+
+Row = Sequence[float]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArmPath:
+    """Motions of the joints at times after a path's start, shape (n_knots, n_joints).
+
+    Between two knots is the cubic that meets both, or the quintic if they have
+    accelerations.
+    """
+
+    times: Sequence[float]
+    """[s], increasing; the first may be 0."""
+    positions: Sequence[Row]
+    """[rad]"""
+    velocities: Sequence[Row]
+    """[rad/s]"""
+    accelerations: Sequence[Row] = ()
+    """[rad/s²]; empty without."""
+
+    @property
+    def duration(self) -> float:
+        """When the last knot is [s]."""
+        return self.times[-1]
+
+    def motion(self, joint: int, number: int) -> Motion:
+        """Return the motion of a joint at a knot, both by number."""
+        rows = self.accelerations
+        acceleration = rows[number][joint] if rows else None
+        return Motion(
+            self.positions[number][joint], self.velocities[number][joint], acceleration
+        )
+
+    @staticmethod
+    def of(
+        joints: Sequence[Joint],
+        times: ArrayLike,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        accelerations: ArrayLike = (),
+    ) -> ArmPath:
+        """Return a path that these joints can follow, or raise ControlError.
+
+        Positions and velocities are compared with the joints' limits, and so is the
+        mean velocity between two knots.
+        """
+        import numpy as np
+
+        given = times, positions, velocities, accelerations
+        try:
+            T, q, qd, qdd = (np.asarray(item, dtype=np.float64) for item in given)
+        except (TypeError, ValueError) as error:
+            raise ControlError(f"the numbers of a path: {error}") from None
+        shape = (T.size, len(joints))
+        if not T.size or T.ndim != 1 or not q.shape == qd.shape == shape:
+            raise ControlError(
+                "a path needs at least one knot, and for each of them a time, and "
+                f"{len(joints)} positions and velocities; got arrays of shape "
+                f"{T.shape}, {q.shape} and {qd.shape}"
+            )
+        if qdd.size and qdd.shape != shape:
+            raise ControlError(
+                f"the accelerations of a path must have shape {shape}, got {qdd.shape}"
+            )
+        _check(joints, T, q, qd, qdd)
+        return ArmPath(
+            times=T.tolist(),
+            positions=q.tolist(),
+            velocities=qd.tolist(),
+            accelerations=qdd.tolist(),
+        )
+
+
+def _check(
+    joints: Sequence[Joint],
+    times: FloatArray,
+    q: FloatArray,
+    qd: FloatArray,
+    qdd: FloatArray,
+) -> None:
+    import numpy as np
+
+    finite = all(np.isfinite(item).all() for item in (times, q, qd, qdd))
+    increasing = (np.diff(times) > 0.0).all()
+    if not (finite and increasing and times[0] >= 0.0 and times[-1] > 0.0):
+        raise ControlError(
+            "the times of a path must increase from 0 s or later, and all numbers "
+            "be finite"
+        )
+    if np.any(qd[-1]):
+        raise ControlError(
+            f"a path must end at rest, its last velocities are {qd[-1].tolist()}"
+        )
+    limits = [joint.limits for joint in joints]
+    lower, upper = (
+        np.array([getattr(limit, name) for limit in limits])
+        for name in ("lower", "upper")
+    )
+    fastest = np.array([joint.max_velocity for joint in joints]) * (1.0 + 1e-6)
+    mean = np.diff(q, axis=0) / np.diff(times)[:, None]
+    for what, unit, values, is_wrong in (
+        ("position", "rad", q, (q < lower - CONTINUITY) | (q > upper + CONTINUITY)),
+        ("velocity", "rad/s", qd, np.abs(qd) > fastest),
+        ("mean velocity to the next knot", "rad/s", mean, np.abs(mean) > fastest),
+    ):
+        if is_wrong.any():
+            knot, k = np.argwhere(is_wrong)[0].tolist()
+            raise ControlError(
+                f"knot {knot} of the path, at {times[knot]:g} s: the {what} of "
+                f"'{joints[k].name}' is {values[knot, k]:.6g} {unit}, beyond its "
+                f"limits {_limits_text(joints[k], what)}"
+            )
+
+
+def _limits_text(joint: Joint, what: str) -> str:
+    limits = joint.limits
+    if what == "position":
+        return f"[{limits.lower:.6g}, {limits.upper:.6g}]"
+    return f"±{joint.max_velocity:.6g}"
+
+
+class _Course(NamedTuple):
+    """A path and when it starts."""
+
+    number: int
+    start: float
+    """In the clock's time [s]."""
+    duration: float
+    """[s]"""
+
+
+@final
+class SplineMotion:
+    """Joints that follow splines: the kernel executes them as well.
+
+    Times of splines are those of a clock, which passes more slowly than simulated time
+    while the speed is scaled.
+    """
+
+    def __init__(
+        self,
+        mode: Literal["hold", "path", "stop"],
+        splines: Sequence[JointSpline],
+        *,
+        end: float,
+        clock: TrajectoryClock = REAL_CLOCK,
+        speed_scaling: float = 1.0,
+        courses: tuple[_Course, ...] = (),
+    ) -> None:
+        self.mode = mode
+        self._splines = tuple(splines)
+        self._end = end
+        """When it is at rest, in the clock's time [s]."""
+        self._clock = clock
+        self.speed_scaling = speed_scaling
+        """Time of the clock per simulated time."""
+        self._courses = courses
+        self._braking = 0.0
+        """Change of the clock's factor per simulated second; 0 while it does not
+        stop."""
+        self._brake_factor = 1.0
+        self._follow(self._splines)
+
+    @staticmethod
+    def holding(positions: Sequence[float], now: float) -> SplineMotion:
+        """Rest at ``positions`` [rad]."""
+        return SplineMotion("hold", [hold(now, q) for q in positions], end=now)
+
+    @staticmethod
+    def stopping(start: ArmSetpoint, now: float, deceleration: float) -> SplineMotion:
+        """Ramp down at a constant rate: all joints come to rest together.
+
+        ``deceleration`` is that of the leading joint [rad/s²].
+        """
+        duration = max(map(abs, start.velocities)) / deceleration
+        splines = []
+        for q, qd in zip(start.positions, start.velocities, strict=True):
+            if duration > 0.0 and qd != 0.0:
+                terms = (q, qd, -0.5 * qd / duration, 0.0, 0.0, 0.0)
+                splines.append(along(Segment.of(now, now + duration, terms)))
+            else:
+                splines.append(hold(now, q))
+        return SplineMotion("stop", splines, end=now + duration)
+
+    @staticmethod
+    def along(
+        path: ArmPath, number: int, start: ArmSetpoint, now: float, factor: float
+    ) -> SplineMotion:
+        """Follow a path from the setpoint ``start`` on.
+
+        ``factor`` scales its speed from ``now`` [s] on.
+
+        Raises:
+            ControlError: If it does not begin there.
+        """
+        scale = factor or 1.0
+        origins = [
+            Motion(q, qd / scale, qdd / scale / scale)
+            for q, qd, qdd in zip(*start, strict=True)
+        ]
+        splines = [
+            JointSpline((_section(path, k, origin, now),))
+            for k, origin in enumerate(origins)
+        ]
+        return SplineMotion(
+            "path",
+            splines,
+            end=now + path.duration,
+            clock=TrajectoryClock(now, 0.0, 1.0 - factor),
+            speed_scaling=factor,
+            courses=(_Course(number, now, path.duration),),
+        )
+
+    def replaced(
+        self, path: ArmPath, number: int, *, after: int, at: float, now: float
+    ) -> None:
+        """Let a path replace path number ``after`` from that one's time ``at`` [s] on.
+
+        Raises:
+            ControlError: If that has passed, or the path is not executed, or the new
+                one does not begin with the motion of the old one then.
+        """
+        time = self._clock.at(now)
+        k = next((k for k, c in enumerate(self._courses) if c.number == after), None)
+        if k is None:
+            numbers = ", ".join(str(course.number) for course in self._courses)
+            raise ControlError(
+                f"path {after} is not executed, so none can follow it; executed: "
+                f"{numbers or 'none'}"
+            )
+        leave = self._courses[k].start + at
+        if leave < time or self._braking:
+            passed = time - self._courses[k].start
+            raise ControlError(
+                f"path {after} is at {passed:.6f} s already"
+                f"{' and stops' if self._braking else ''}; it cannot be replaced from "
+                f"{at:.6f} s on"
+            )
+        if k + 1 < len(self._courses) and leave > self._courses[k + 1].start:
+            following = self._courses[k + 1]
+            raise ControlError(
+                f"path {following.number} replaces path {after} from "
+                f"{following.start - self._courses[k].start:.6f} s on; give `after` "
+                f"{following.number}, or an earlier time"
+            )
+        splines = []
+        for joint, old in enumerate(self._splines):
+            section = _section(path, joint, Motion(*old.sample(leave)), leave)
+            splines.append(old.followed_by(section, time, leave))
+        kept = self._courses[self._active(time) : k + 1]
+        self._courses = (*kept, _Course(number, leave, path.duration))
+        self._end = leave + path.duration
+        self._splines = tuple(splines)
+        self._follow(self._splines)
+
+    def brake(self, rate: float) -> None:
+        """Slow its clock down to a standstill by ``rate`` [1/s], on the path."""
+        self._braking = rate
+
+    @property
+    def has_braked(self) -> bool:
+        """Whether its clock stands still for good."""
+        return self._brake_factor == 0.0
+
+    # ---- the tick -------------------------------------------------------------------
+
+    def update(self, time: float, period: float, factor: float) -> Sequence[float]:
+        """Return the positions at the end of the tick that starts at ``time`` [s].
+
+        ``factor`` is the control box's; ramps to rest do not scale.
+        """
+        if self._braking:
+            self._brake_factor = max(0.0, self._brake_factor - self._braking * period)
+        if self.mode == "path":
+            used = factor * self._brake_factor
+            if used != self.speed_scaling:
+                self._clock = self._clock.scaled(used, time)
+                self.speed_scaling = used
+        ahead = self._clock.at(time) + period * self.speed_scaling
+        sampler = self._sampler
+        if ahead >= sampler.next_change:
+            sampler.advance(ahead)
+        return sampler.desired(ahead)[0]
+
+    def law(self, period: float, factor: float) -> TrajectoryLaw | None:
+        """Return what ``update`` does; None while the speed changes."""
+        if self._braking or (self.mode == "path" and factor != self.speed_scaling):
+            return None
+        lead = period * self.speed_scaling
+        return TrajectoryLaw(
+            self._sampler, None, None, (), (), lead=lead, clock=self._clock
+        )
+
+    def _follow(self, splines: Sequence[JointSpline]) -> None:
+        self._sampler = TrajectorySampler(splines, -math.inf)
+
+    # ---- between ticks --------------------------------------------------------------
+
+    @property
+    def splines(self) -> tuple[JointSpline, ...]:
+        """One per joint, in the clock's time."""
+        return self._splines
+
+    def lag(self, now: float) -> float:
+        """Return how far the clock is behind simulated time ``now`` [s]."""
+        return self._clock.lag_at(now)
+
+    def setpoint(self, now: float) -> ArmSetpoint:
+        """Return the motion at simulated time ``now`` [s]."""
+        time, scale = self._clock.at(now), self.speed_scaling
+        samples: list[Sample] = [spline.sample(time) for spline in self._splines]
+        return ArmSetpoint(
+            tuple(sample.position for sample in samples),
+            tuple(scale * sample.velocity for sample in samples),
+            tuple(scale * scale * sample.acceleration for sample in samples),
+        )
+
+    def is_done(self, now: float) -> bool:
+        """Return whether the end is commanded at simulated time ``now`` [s]."""
+        return self.has_braked or self._clock.at(now) >= self._end - _ROUNDING
+
+    def progress(self, now: float) -> tuple[int, float] | None:
+        """Return the path's number, and the time on it [s]; None without a path."""
+        if not self._courses:
+            return None
+        time = self._clock.at(now)
+        course = self._courses[self._active(time)]
+        return course.number, min(time - course.start, course.duration)
+
+    def _active(self, time: float) -> int:
+        """Return which of the courses is executed at the clock's ``time`` [s]."""
+        started = [k for k, c in enumerate(self._courses) if c.start <= time]
+        return started[-1] if started else 0
+
+
+def _section(path: ArmPath, joint: int, origin: Motion, start: float) -> SplineSection:
+    """Return a joint's motion along a path that starts at ``start`` [s].
+
+    ``origin`` is the motion then; a knot at time 0 replaces it within ``CONTINUITY``.
+    """
+    first = 0
+    if path.times[0] == 0.0:
+        knot = path.motion(joint, 0)
+        before, at = origin.velocity or 0.0, knot.velocity or 0.0
+        jump = abs(knot.position - origin.position)
+        if not (jump <= CONTINUITY and abs(at - before) <= CONTINUITY):
+            raise ControlError(
+                f"a path must begin with the setpoint: joint {joint} is at "
+                f"{origin.position:.9f} rad with {before:.9f} rad/s, and its first "
+                f"knot at {knot.position:.9f} rad with {at:.9f} rad/s"
+            )
+        origin, first = knot, 1
+    knots = Knots(path.times, lambda number: path.motion(joint, number))
+    return section_through(start, knots, (start, origin), first=first, suspects=())

@@ -1,0 +1,236 @@
+"""Streams of an arm: targets that it follows (servo), and velocities.
+
+Within a tick every joint has a constant acceleration, so that position and velocity are
+continuous and a ramp is exact at any control rate.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final, final
+
+from tool0.control.arm_model import ArmModel
+from tool0.control.arm_setpoint import ArmSetpoint
+from tool0.description.model import Joint
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+MAX_ACCELERATION: Final = 40.0
+"""Of a joint that follows a stream [rad/s²]: the largest that ur_rtde accepts
+(JOINT_ACCELERATION_MAX, https://sdurobotics.gitlab.io/ur_rtde/)."""
+SINGULAR: Final = 0.02
+"""Below this smallest singular value of the Jacobian, joint velocities are damped: a
+UR5e is there 2 cm from its reach, or with its fifth joint within 2 degrees of 0."""
+_ROUNDING = 1e-9
+"""[s]"""
+
+
+@final
+class JointBounds:
+    """What the joints of an arm can do in one tick."""
+
+    def __init__(self, joints: Sequence[Joint]) -> None:
+        self._joints = [
+            (
+                joint.limits.lower,
+                joint.limits.upper,
+                joint.max_velocity,
+                min(joint.max_acceleration, MAX_ACCELERATION),
+            )
+            for joint in joints
+        ]
+
+    def windows(
+        self, q: Sequence[float], qd: Sequence[float], period: float, scale: float
+    ) -> list[tuple[float, float]]:
+        """Return the smallest and largest velocity of each joint after a tick.
+
+        With it, the joint can brake before its position limit, by its acceleration in
+        planned motions.  ``scale`` is that of its largest velocity.
+        """
+        found = []
+        for (lower, upper, fastest, a), x, v in zip(self._joints, q, qd, strict=True):
+            ahead = x + 0.5 * v * period
+            most = min(scale * fastest, _fastest_before(upper - ahead, a, period))
+            least = max(-scale * fastest, -_fastest_before(ahead - lower, a, period))
+            found.append((least, most))
+        return found
+
+
+def _fastest_before(distance: float, a: float, period: float) -> float:
+    """Return the velocity after a tick that allows to stop within ``distance``.
+
+    From v, ticks with the deceleration ``a`` come to rest within v² / 2a +
+    a period² / 8; so v period / 2 + that is the distance.
+    """
+    if not distance > 0.0:
+        return 0.0
+    return max(0.0, math.sqrt(2.0 * a * distance) - 0.5 * a * period)
+
+
+def _moved(now: ArmSetpoint, velocities: Sequence[float], period: float) -> ArmSetpoint:
+    """Return the motion after a tick with constant accelerations to ``velocities``."""
+    return ArmSetpoint(
+        tuple(
+            q + 0.5 * (v + w) * period
+            for q, v, w in zip(now.positions, now.velocities, velocities, strict=True)
+        ),
+        tuple(velocities),
+        tuple(
+            (w - v) / period for v, w in zip(now.velocities, velocities, strict=True)
+        ),
+    )
+
+
+@final
+class ServoStream:
+    """Follows the newest target: URScript's ``servoj``.
+
+    The current position is projected forward by ``lookahead_time`` with the current
+    velocity; its distance to the target times ``gain`` is the acceleration:
+    qdd = gain (q_target - (q + lookahead_time qd)).
+    """
+
+    def __init__(self, start: ArmSetpoint, joints: Sequence[Joint]) -> None:
+        self.setpoint = start
+        self._bounds = JointBounds(joints)
+        self._target = tuple(start.positions)
+        self._lookahead_time, self._gain = 0.1, 300.0
+
+    def aim(
+        self, target: Sequence[float], *, lookahead_time: float, gain: float
+    ) -> None:
+        """Follow ``target`` [rad] from now on, and stay there."""
+        self._target = tuple(target)
+        self._lookahead_time, self._gain = lookahead_time, gain
+
+    def advance(self, time: float, period: float, speed_scaling: float) -> None:
+        q, qd, _ = self.setpoint
+        windows = self._bounds.windows(q, qd, period, speed_scaling)
+        change = MAX_ACCELERATION * period
+        velocities = []
+        for target, x, v, (least, most) in zip(
+            self._target, q, qd, windows, strict=True
+        ):
+            a = self._gain * (target - (x + self._lookahead_time * v))
+            wanted = min(max(v + a * period, least), most)
+            velocities.append(min(max(wanted, v - change), v + change))
+        self.setpoint = _moved(self.setpoint, velocities, period)
+
+
+@final
+class SpeedStream:
+    """Moves with joint velocities, or with a twist of the tool: ``speedj``, ``speedl``.
+
+    The velocity changes along a straight line in its space, at the acceleration of the
+    leading component.
+    """
+
+    def __init__(
+        self, start: ArmSetpoint, joints: Sequence[Joint], model: ArmModel
+    ) -> None:
+        self.setpoint = start
+        self._bounds = JointBounds(joints)
+        self._model = model
+        self._lever: Array | None = None
+        """The TCP in the flange's frame; None if joint velocities are given."""
+        self._target: Sequence[float] = (0.0,) * len(joints)
+        self._acceleration = 1.0
+        self._end = math.inf
+
+    def aim(
+        self,
+        target: Sequence[float],
+        acceleration: float,
+        *,
+        until: float = math.inf,
+        lever: Array | None = None,
+    ) -> None:
+        """Ramp to joint velocities [rad/s], or to a twist of the point at ``lever``.
+
+        Args:
+            target: The velocities, or the twist in the base's axes [m/s, rad/s].
+            acceleration: [rad/s²], or [m/s², rad/s²].
+            until: When to ramp to rest [s].
+            lever: The point in the flange's frame [m], shape (3,).
+        """
+        self._target, self._acceleration = tuple(target), acceleration
+        self._end, self._lever = until, lever
+
+    def advance(self, time: float, period: float, speed_scaling: float) -> None:
+        is_over = time >= self._end - _ROUNDING
+        scale = 0.0 if is_over else speed_scaling
+        target = [scale * v for v in self._target]
+        if self._lever is None:
+            wanted = _ramped(
+                self.setpoint.velocities, target, self._acceleration * period
+            )
+        else:
+            wanted = self._of_tool(target, self._lever, period)
+        self.setpoint = _moved(self.setpoint, self._within(wanted, period), period)
+
+    def _of_tool(
+        self, target: Sequence[float], lever: Array, period: float
+    ) -> list[float]:
+        """Return the joint velocities for a ramp of the tool's twist."""
+        import numpy as np
+
+        q, qd, _ = self.setpoint
+        now = np.asarray(qd)
+        place = self._model.place
+        twist = place(np.asarray(q), lever).jacobian @ now
+        change = np.asarray(target) - twist
+        size = max(float(np.linalg.norm(change[:3])), float(np.linalg.norm(change[3:])))
+        most = self._acceleration * period
+        if size > most:
+            change *= most / size
+        ahead = np.asarray(q) + period * now  # where the tick's velocity is reached
+        J = place(ahead, lever).jacobian
+        found: list[float] = damped_inverse(J, twist + change).tolist()
+        return found
+
+    def _within(self, wanted: Sequence[float], period: float) -> list[float]:
+        """Return velocities within the joints' limits, along the same direction."""
+        q, qd, _ = self.setpoint
+        share = 1.0
+        windows = self._bounds.windows(q, qd, period, 1.0)
+        for v, (least, most) in zip(wanted, windows, strict=True):
+            bound = most if v > 0.0 else least
+            if v != 0.0 and abs(v) > abs(bound):
+                share = min(share, bound / v)
+        most = MAX_ACCELERATION * period
+        return [
+            min(max(share * w, v - most), v + most)
+            for v, w in zip(qd, wanted, strict=True)
+        ]
+
+
+def damped_inverse(J: Array, twist: Array) -> Array:
+    """Return joint velocities for a twist: exact, and damped where J is singular.
+
+    Damped least squares; the factor grows as the smallest singular value falls below
+    ``SINGULAR`` (Maciejewski and Klein 1988, https://doi.org/10.1002/rob.4620050603).
+    """
+    import numpy as np
+
+    U, sizes, V = np.linalg.svd(J)
+    smallest = float(sizes[-1])
+    damping = 0.0
+    if smallest < SINGULAR:
+        damping = (1.0 - (smallest / SINGULAR) ** 2) * SINGULAR**2
+    return np.asarray(V.T @ (sizes / (sizes**2 + damping) * (U.T @ twist)))
+
+
+def _ramped(now: Sequence[float], target: Sequence[float], most: float) -> list[float]:
+    """Return velocities after a tick in which the leading one changes by ``most``."""
+    changes = [w - v for v, w in zip(now, target, strict=True)]
+    largest = max(map(abs, changes))
+    if not largest > most:
+        return list(target)
+    share = most / largest
+    return [v + share * change for v, change in zip(now, changes, strict=True)]

@@ -1,0 +1,118 @@
+"""Messages of the primary interface: versions, texts, popups, errors, programs.
+
+Source of the layouts:
+https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/primary-secondary-guide.html
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import IntEnum
+from struct import Struct
+from typing import Final
+
+ROBOT_MESSAGE: Final = 20
+MAX_TEXT: Final = 8192
+"""Longer texts are cut [bytes]: clients have buffers of limited size."""
+MAX_TITLE: Final = 255
+_HEADER: Final = Struct(">iBQbB")
+"""Size of the packet, its type, when, who sends it, and the kind of the message."""
+
+
+class Source(IntEnum):
+    """Who sends a message."""
+
+    ROBOT_INTERFACE = -2
+    REAL_TIME_MACHINE = -3
+
+
+class Kind(IntEnum):
+    """What a message is about."""
+
+    TEXT = 0
+    POPUP = 2
+    VERSION = 3
+    SAFETY_MODE = 5
+    ERROR_CODE = 6
+    KEY = 7
+    RUNTIME_EXCEPTION = 10
+
+
+class ReportLevel(IntEnum):
+    """How serious an error is; from ``VIOLATION`` on, the program has failed."""
+
+    WARNING = 2
+    VIOLATION = 3
+
+
+PROGRAM_STARTED: Final = "PROGRAM_XXX_STARTED"
+PROGRAM_STOPPED: Final = "PROGRAM_XXX_STOPPED"
+_UNSIGNED_DATA: Final = 1
+"""The kind of the number that comes with a message."""
+
+
+def version_message(version: Sequence[int], build_date: str) -> bytes:
+    """Return the first packet of a connection, with the version's three numbers."""
+    name = b"URControl"
+    major, minor, bugfix = version
+    numbers = Struct(f">b{len(name)}sBBii").pack(
+        len(name), name, major, minor, bugfix, 0
+    )
+    return _message(0.0, Kind.VERSION, numbers + build_date.encode())
+
+
+def text_message(time: float, text: str) -> bytes:
+    """Return a line of ``textmsg``; ``time`` in [s] as for all messages."""
+    return _message(time, Kind.TEXT, _cut(text))
+
+
+def popup_message(
+    time: float, title: str, text: str, *, is_warning: bool, is_error: bool
+) -> bytes:
+    """Return a popup, which nobody has to answer."""
+    heading = _cut(title, MAX_TITLE)
+    head = Struct(">IB???B").pack(0, 0, is_warning, is_error, False, len(heading))
+    return _message(time, Kind.POPUP, head + heading + _cut(text))
+
+
+def key_message(time: float, title: str, text: str) -> bytes:
+    """Return what tells that a program has started or stopped."""
+    heading = _cut(title, MAX_TITLE)
+    head = Struct(">iiB").pack(0, 0, len(heading))
+    return _message(time, Kind.KEY, head + heading + _cut(text))
+
+
+def exception_message(time: float, line: int, column: int, text: str) -> bytes:
+    """Return an error of a program, at a place counted from 1."""
+    head = Struct(">ii").pack(line, column)
+    return _message(
+        time, Kind.RUNTIME_EXCEPTION, head + _cut(text), Source.REAL_TIME_MACHINE
+    )
+
+
+def error_message(time: float, text: str) -> bytes:
+    """Return an error of the robot.
+
+    UR numbers its errors; ours have no number.
+    """
+    head = Struct(">iiiII").pack(0, 0, ReportLevel.VIOLATION, _UNSIGNED_DATA, 0)
+    return _message(time, Kind.ERROR_CODE, head + _cut(text), Source.REAL_TIME_MACHINE)
+
+
+def safety_message(time: float, mode: int) -> bytes:
+    """Return the safety mode, which has changed."""
+    body = Struct(">iiBII").pack(0, 0, mode, _UNSIGNED_DATA, 0)
+    return _message(time, Kind.SAFETY_MODE, body, Source.REAL_TIME_MACHINE)
+
+
+def _message(
+    time: float, kind: Kind, body: bytes, source: Source = Source.ROBOT_INTERFACE
+) -> bytes:
+    nanoseconds = max(0, round(time * 1e9))
+    size = _HEADER.size + len(body)
+    return _HEADER.pack(size, ROBOT_MESSAGE, nanoseconds, source, kind) + body
+
+
+def _cut(text: str, limit: int = MAX_TEXT) -> bytes:
+    """Return a text in UTF-8, at most so long, with whole characters [bytes]."""
+    return text.encode(errors="replace")[:limit].decode(errors="ignore").encode()

@@ -1,0 +1,98 @@
+"""Programs in the text that clients send: complete blocks, or single lines.
+
+A block is ``def`` or ``sec`` … ``end``, with everything that is nested in it; any other
+line is a program of its own.  Text may arrive in pieces of any size.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Final, NamedTuple, final
+
+from tool0.errors import TransportError
+
+MAX_PROGRAM: Final = 1 << 19
+"""The longest program [bytes]; the control program of ur_rtde has 42 kB."""
+MAX_LINE: Final = 1 << 16
+"""The longest line [bytes]."""
+UNNAMED: Final = "unnamed"
+"""A program without ``def``."""
+_CODE: Final = re.compile(r"\"[^\"]*\"?|'[^']*'?|#.*|[^\W\d]\w*")
+"""Strings, comments and words of a line."""
+_OPENING: Final = frozenset({"def", "sec", "thread", "if", "while", "for", "switch"})
+_HEAD: Final = re.compile(r"\s*(def|sec)\s+(\w+)")
+
+
+class Script(NamedTuple):
+    """A program as a client sent it."""
+
+    text: str
+    name: str
+    is_secondary: bool = False
+    """Whether it runs beside the program that moves the arm."""
+
+
+@final
+class ScriptReader:
+    """Assembles programs from the bytes of one connection."""
+
+    def __init__(self) -> None:
+        self._rest = bytearray()
+        self._block: _Block | None = None
+
+    def read(self, data: bytes) -> Iterator[Script]:
+        """Return the programs that are complete with ``data``.
+
+        Raises:
+            TransportError: If a line or a program is too long.
+        """
+        searched = len(self._rest)
+        self._rest += data
+        start = 0
+        while (end := self._rest.find(b"\n", max(start, searched))) >= 0:
+            line = self._rest[start:end].decode(errors="replace").rstrip("\r")
+            start = end + 1
+            script = self._take(line)
+            if script is not None:
+                yield script
+        del self._rest[:start]
+        if len(self._rest) > MAX_LINE:
+            raise TransportError(f"a line has more than {MAX_LINE} bytes")
+
+    def _take(self, line: str) -> Script | None:
+        """Return the program that ends with a line, if one does."""
+        if self._block is None:
+            if not line.strip() or line.lstrip().startswith("#"):
+                return None
+            head = _HEAD.match(line)
+            if head is None:
+                return Script(f"{line}\n", UNNAMED)
+            self._block = _Block(head[2], is_secondary=head[1] == "sec")
+        script = self._block.take(line)
+        if script is not None:
+            self._block = None
+        return script
+
+
+@final
+class _Block:
+    """The lines of ``def`` or ``sec`` so far."""
+
+    def __init__(self, name: str, *, is_secondary: bool) -> None:
+        self._name, self._is_secondary = name, is_secondary
+        self._lines: list[str] = []
+        self._size = self._depth = 0
+
+    def take(self, line: str) -> Script | None:
+        """Add a line; return the program if it ends with this one."""
+        self._lines.append(line)
+        self._size += len(line) + 1
+        if self._size > MAX_PROGRAM:
+            raise TransportError(f"a program has more than {MAX_PROGRAM} bytes")
+        words: list[str] = _CODE.findall(line)
+        self._depth += sum(w in _OPENING for w in words) - words.count("end")
+        if self._depth > 0:
+            return None
+        text = "\n".join((*self._lines, ""))
+        return Script(text, self._name, self._is_secondary)

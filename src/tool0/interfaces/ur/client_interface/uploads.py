@@ -1,0 +1,103 @@
+"""Executes the programs that clients send, one after the other."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, Final, final
+
+from tool0.errors import ControlError, Tool0Error
+from tool0.interfaces.ur.client_interface.scripts import UNNAMED, Script
+from tool0.interfaces.ur.compiling import compiled
+from tool0.requests.control_box import (
+    PowerOff,
+    PowerOn,
+    ReleaseBrakes,
+    UnlockProtectiveStop,
+)
+
+if TYPE_CHECKING:
+    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.programs import Program
+
+logger = logging.getLogger(__name__)
+
+MAX_WAITING: Final = 16
+"""Programs that wait for their turn; their senders wait as well."""
+MAX_SECONDARY: Final = 16
+"""Secondary programs at a time."""
+
+
+@final
+class Uploads:
+    """Executes scripts: a program replaces the one that runs, a secondary does not."""
+
+    def __init__(self, box: Box, *, allow_sockets: bool) -> None:
+        self._box, self._allow_sockets = box, allow_sockets
+        self._queue: asyncio.Queue[Script] = asyncio.Queue(MAX_WAITING)
+        self._secondary: set[asyncio.Task[None]] = set()
+        self._task = asyncio.create_task(self._execute_all())
+        arm = box.arm
+        self._commands: dict[str, Callable[[], Awaitable[object]]] = {
+            "power on": lambda: box.call(PowerOn(arm=arm)),
+            "power off": lambda: box.call(PowerOff(arm=arm)),
+            "set robotmode run": lambda: box.call(ReleaseBrakes(arm=arm)),
+            "set unlock protective stop": lambda: box.call(
+                UnlockProtectiveStop(arm=arm)
+            ),
+            "stop program": box.programs.stop,
+        }
+        """Lines that are no URScript; UR's own client library sends these."""
+
+    async def put(self, script: Script) -> None:
+        """Execute a script after those that wait."""
+        await self._queue.put(script)
+
+    async def close(self) -> None:
+        """End the secondary programs, and drop what waits."""
+        tasks = (self._task, *self._secondary)
+        for task in tasks:
+            task.cancel()
+        await asyncio.wait(tasks)
+
+    async def _execute_all(self) -> None:
+        while True:
+            script = await self._queue.get()
+            try:
+                await self._execute(script)
+            except Tool0Error as error:
+                self._box.report(error)
+            except Exception as error:  # one program must not stop the others
+                logger.exception("the program '%s' could not be started", script.name)
+                self._box.messages.error(f"{script.name}: {error!r}")
+
+    async def _execute(self, script: Script) -> None:
+        if script.name == UNNAMED:
+            command = self._commands.get(" ".join(script.text.split()).lower())
+            if command is not None:
+                await command()
+                return
+        program = await compiled(
+            script.text, script.name, allow_sockets=self._allow_sockets
+        )
+        if not script.is_secondary:
+            await self._box.programs.start(program)
+            return
+        if len(self._secondary) >= MAX_SECONDARY:
+            raise ControlError(
+                f"{script.name}: {MAX_SECONDARY} secondary programs are running already"
+            )
+        task = asyncio.create_task(self._run_beside(program))
+        self._secondary.add(task)
+        task.add_done_callback(self._secondary.discard)
+
+    async def _run_beside(self, program: Program[Box]) -> None:
+        """Run a secondary program, which does not get the arm."""
+        try:
+            await program.run(self._box)
+        except Tool0Error as error:
+            self._box.report(error)
+        except Exception as error:
+            logger.exception("the program '%s' failed", program.name)
+            self._box.messages.error(f"{program.name}: {error!r}")

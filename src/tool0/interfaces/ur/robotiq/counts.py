@@ -1,0 +1,68 @@
+"""Between a gripper's opening, speed and force and the bytes of its registers."""
+
+from __future__ import annotations
+
+from typing import Final, final
+
+from tool0.description.model import LinearOpening, ParallelGripper
+
+FULL: Final = 255
+TOP_CURRENT: Final = 1.0
+"""Of the motor at the strongest grip [A]: the peak of the 2F-85's data sheet."""
+
+
+@final
+class Counts:
+    """The counts of one gripper.
+
+    The encoder is at the motor, so that the position count is linear in the position
+    of the driven joint.  Fully open and closed, grippers whose fingers swing read 3
+    and 230 (measured by Robotiq: device_profile.hpp of its SDK); a Hand-E, whose
+    fingers slide, has all counts.  Speed and force are linear in their counts.
+    """
+
+    def __init__(self, geometry: ParallelGripper) -> None:
+        self.geometry = geometry
+        slides = isinstance(geometry.law, LinearOpening)
+        self.open, self.closed = (0, FULL) if slides else (3, 230)
+        self._open_at = geometry.position(geometry.max_opening)
+        self._closed_at = geometry.position(0.0)
+
+    def count(self, position: float) -> int:
+        """Return the count at a position of the joint [rad | m], open … closed."""
+        part = (position - self._open_at) / (self._closed_at - self._open_at)
+        count = round(self.open + part * (self.closed - self.open))
+        return min(max(count, self.open), self.closed)
+
+    def opening(self, count: int) -> float:
+        """Return the opening for a count [m]; beyond the range, its end."""
+        part = (count - self.open) / (self.closed - self.open)
+        part = min(max(part, 0.0), 1.0)
+        position = self._open_at + part * (self._closed_at - self._open_at)
+        opening = self.geometry.opening(position)
+        return min(max(opening, 0.0), self.geometry.max_opening)
+
+    def speed(self, count: int) -> float:
+        """Return the speed of the pads [m/s]."""
+        return _between(self.geometry.speed, count)
+
+    def force(self, count: int) -> float:
+        """Return the force at each pad [N]."""
+        return _between(self.geometry.force, count)
+
+    def current(self, position: float, effort: float) -> int:
+        """Return the current [10 mA] at an effort of the joint [N·m | N].
+
+        It is taken to be proportional to the force at the pads.
+        """
+        force = abs(effort) / self.geometry.lever(position)
+        return _byte(100.0 * TOP_CURRENT * force / self.geometry.force[1])
+
+
+def _between(span: tuple[float, float], count: int) -> float:
+    low, high = span
+    return low + (high - low) * count / FULL
+
+
+def _byte(value: float) -> int:
+    return min(max(round(value), 0), FULL)

@@ -1,0 +1,1 @@
+"""UR's real-time data exchange (RTDE)."""

@@ -1,0 +1,143 @@
+"""Packets of UR's real-time data exchange (RTDE).
+
+A packet is its size (uint16, with this header), a type (uint8) and a payload; numbers
+are big-endian.  Source, with the names and types of all fields:
+https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/rtde-guide.html
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from enum import IntEnum
+from struct import Struct
+from typing import Final, final
+
+from tool0.errors import TransportError
+
+PORT: Final = 30004
+VERSIONS: Final = (1, 2)
+"""Versions of the protocol; a connection starts with 1."""
+MAX_PACKET: Final = 4096
+"""The longest packet that a client may send [B]."""
+MAX_NAMES: Final = 2048
+"""The longest list of field names, as in UR's guide [B]."""
+
+_HEADER: Final = Struct(">HB")
+
+
+class PacketType(IntEnum):
+    """What a packet is about: a letter."""
+
+    PROTOCOL_VERSION = ord("V")
+    CONTROL_VERSION = ord("v")
+    TEXT = ord("M")
+    DATA = ord("U")
+    SETUP_OUTPUTS = ord("O")
+    SETUP_INPUTS = ord("I")
+    START = ord("S")
+    PAUSE = ord("P")
+
+
+class Level(IntEnum):
+    """How serious a text message is."""
+
+    EXCEPTION = 0
+    ERROR = 1
+    WARNING = 2
+    INFO = 3
+
+
+FORMATS: Final = {
+    "BOOL": "?",
+    "UINT8": "B",
+    "UINT32": "I",
+    "UINT64": "Q",
+    "INT32": "i",
+    "DOUBLE": "d",
+    "VECTOR3D": "3d",
+    "VECTOR6D": "6d",
+    "VECTOR6INT32": "6i",
+}
+"""The ``struct`` format of each type of field."""
+
+LENGTHS: Final = {
+    name: int(layout[0]) if len(layout) > 1 else 1 for name, layout in FORMATS.items()
+}
+"""How many numbers a field of each type has."""
+
+
+def packet(kind: PacketType, payload: bytes = b"") -> bytes:
+    """Return a packet."""
+    return _HEADER.pack(_HEADER.size + len(payload), kind) + payload
+
+
+def text_packet(text: str, level: Level, version: int) -> bytes:
+    """Return a message to a client in the layout of a version of the protocol."""
+    message = text.encode(errors="replace")[:255]
+    if version == 1:
+        return packet(PacketType.TEXT, bytes((level,)) + message)
+    source = b"tool0"
+    return packet(
+        PacketType.TEXT,
+        bytes((len(message),))
+        + message
+        + bytes((len(source),))
+        + source
+        + bytes((level,)),
+    )
+
+
+def field_names(payload: bytes) -> tuple[str, ...]:
+    """Return the names in a setup; a comma at the end means nothing.
+
+    Raises:
+        TransportError: If they are too long, or not ASCII.
+    """
+    if len(payload) > MAX_NAMES:
+        message = f"{len(payload)} bytes of field names; at most {MAX_NAMES}"
+        raise TransportError(message)
+    try:
+        text = payload.decode("ascii")
+    except UnicodeDecodeError as error:
+        message = "field names must be ASCII"
+        raise TransportError(message) from error
+    names = [name.strip() for name in text.split(",")]
+    while names and not names[-1]:
+        names.pop()
+    return tuple(names)
+
+
+def layout(types: Sequence[str], *, recipe_id: bool) -> Struct:
+    """Return how the values of fields follow each other in a data packet.
+
+    ``recipe_id`` is whether one byte, the recipe's number, comes first.
+    """
+    return Struct(
+        (">B" if recipe_id else ">") + "".join(FORMATS[name] for name in types)
+    )
+
+
+@final
+class PacketBuffer:
+    """Cuts what arrives from a client into packets."""
+
+    def __init__(self) -> None:
+        self._received = bytearray()
+
+    def feed(self, data: bytes) -> Iterator[tuple[int, bytes]]:
+        """Yield the type and the payload of each packet that is complete.
+
+        Raises:
+            TransportError: If a header gives an impossible size.
+        """
+        self._received += data
+        while len(self._received) >= _HEADER.size:
+            size, kind = _HEADER.unpack_from(self._received)
+            if not _HEADER.size <= size <= MAX_PACKET:
+                message = f"packet of {size} bytes; need {_HEADER.size} to {MAX_PACKET}"
+                raise TransportError(message)
+            if len(self._received) < size:
+                return
+            payload = bytes(self._received[_HEADER.size : size])
+            del self._received[:size]
+            yield kind, payload

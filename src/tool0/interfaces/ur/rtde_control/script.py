@@ -1,0 +1,124 @@
+"""Recognises the program that ur_rtde's RTDEControlInterface uploads.
+
+The program is a server of commands that come through registers of RTDE.  It is always
+the same, but for the offset of its registers and the path of ``moveJ(path)``,
+``moveL(path)`` and ``movePath``, which the client inserts as lines of URScript.
+Nothing of it is interpreted: ``program.py`` executes its commands.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Final, final
+
+from tool0.errors import ConfigError
+from tool0.kinematics.moves import Move, MoveKind
+
+MAX_WAYPOINTS: Final = 10_000
+"""Of one path."""
+
+_MARKS: Final = (
+    "global reg_offset_float =",
+    "def rtde_cmd():",
+    "def process_cmd(cmd):",
+    "def signal_done_with_cmd():",
+    'textmsg("RTDE Control Script Loaded',
+)
+"""What all revisions of the program have in common."""
+_NAME: Final = re.compile(r"^\s*def\s+(\w+)\s*\(\s*\)\s*:")
+_REVISION: Final = re.compile(r"RTDE Control Script Loaded \(([^)\"]*)\)")
+_OFFSET: Final = re.compile(r"# (float|int) register offset\n\s*(\d+)")
+_CODE: Final = re.compile(r"if cmd == (\d+):")
+_PATH: Final = re.compile(r"# inject move path\n(.*?)^\s*end\b", re.DOTALL | re.M)
+_NUMBER: Final = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
+_KINDS: Final[dict[str, MoveKind]] = {"j": "joint", "l": "linear", "p": "process"}
+_PROGRESS: Final = re.compile(r"signal_async_progress\(\d+\)")
+_MOVE: Final = re.compile(
+    r"move([jlp])\((p?)\["
+    + ",".join([_NUMBER] * 6)
+    + r"\],a="
+    + _NUMBER
+    + ",v="
+    + _NUMBER
+    + ",r="
+    + _NUMBER
+    + r"\)"
+)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ControlScript:
+    """What differs from upload to upload."""
+
+    name: str
+    revision: str
+    """The date that the program shows."""
+    offset: int
+    """Of its registers: 0, or 24 for the upper range."""
+    codes: frozenset[int]
+    """The commands that it has."""
+    path: tuple[Move, ...]
+    """Of command 45."""
+
+
+def parse(text: str) -> ControlScript | None:
+    """Return the program of ur_rtde in a text; None, if the text is something else.
+
+    Raises:
+        ConfigError: If it is that program, but with another path than ur_rtde writes.
+        ControlError: If no arm can follow that path.
+    """
+    name = _NAME.match(text)
+    if name is None or not all(mark in text for mark in _MARKS):
+        return None
+    offsets = {kind: int(value) for kind, value in _OFFSET.findall(text)}
+    offset = offsets.get("int", 0)
+    if offsets.get("float", 0) != offset or offset not in {0, 24}:
+        raise ConfigError(
+            f"{name[1]}: registers begin at 0 or 24, and got {offsets}: one offset for "
+            "integers and doubles"
+        )
+    revision = _REVISION.search(text)
+    return ControlScript(
+        name=name[1],
+        revision=revision[1] if revision else "",
+        offset=offset,
+        codes=frozenset(map(int, _CODE.findall(text))),
+        path=_path(text, name[1]),
+    )
+
+
+def _path(text: str, name: str) -> tuple[Move, ...]:
+    inserted = _PATH.search(text)
+    if inserted is None:
+        return ()
+    first = text.count("\n", 0, inserted.start(1)) + 1
+    moves = []
+    for number, line in enumerate(inserted[1].split("\n"), first):
+        code = line.strip()
+        if not code or _PROGRESS.fullmatch(code):
+            continue
+        found = _MOVE.fullmatch(code)
+        if found is None:
+            raise ConfigError(
+                f"{name}, line {number}: '{code[:80]}' is not a move, such as "
+                "movej([0,-1.57,1.57,0,0,0],a=1.4,v=1.05,r=0.02)"
+            )
+        letter, is_pose, *numbers = found.groups()
+        a, b, c, d, e, f, acceleration, speed, radius = map(float, numbers)
+        target = (a, b, c, d, e, f)
+        moves.append(
+            Move(
+                kind=_KINDS[letter],
+                q=None if is_pose else target,
+                pose=target if is_pose else None,
+                a=acceleration,
+                v=speed,
+                r=radius,
+            )
+        )
+    if len(moves) > MAX_WAYPOINTS:
+        raise ConfigError(f"{name}: {len(moves)} waypoints; at most {MAX_WAYPOINTS}")
+    return tuple(moves)

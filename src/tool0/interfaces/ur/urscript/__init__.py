@@ -1,0 +1,1 @@
+"""URScript: grammar, checker, interpreter and library of the supported subset."""

@@ -1,0 +1,223 @@
+"""A running program: its threads, their time, and how they end.
+
+Threads are tasks of one event loop.  As on the robot, one that computes without end
+uses up its share of a control period and goes on in the next one.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, Final, final
+
+from tool0.errors import Tool0Error
+from tool0.interfaces.ur.tool_contact import ToolHistory
+from tool0.interfaces.ur.urscript.errors import Place, URScriptError, ValueProblem
+from tool0.interfaces.ur.urscript.sockets import Sockets
+from tool0.interfaces.ur.urscript.values import Handle, Value
+
+if TYPE_CHECKING:
+    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.moves import Moves
+    from tool0.interfaces.ur.urscript.compiling import Code
+
+MAX_THREADS: Final = 50
+MAX_DEPTH: Final = 100
+"""Of calls in calls."""
+SLICE: Final = 100
+"""Statements that a thread executes before others have their turn."""
+PER_PERIOD: Final = 500
+"""Statements of a program in one control period; the rest waits for the next one."""
+MAX_UPDATES: Final = 20
+"""Until a change is shown, at most; another client may have changed it back."""
+MAX_SPIN: Final = 1_000_000
+"""Statements of a thread without one that takes time, such as sync()."""
+
+
+@final
+class Halted(Exception):  # noqa: N818 - the end of a program, not an error
+    """The statement ``halt``."""
+
+
+@final
+class Thread:
+    """One thread of a program; the program itself is the first."""
+
+    def __init__(self, execution: Execution, name: str) -> None:
+        self.execution = execution
+        self.name = name
+        self.left = SLICE
+        """Statements until others have their turn."""
+        self.depth = 0
+        """Of calls in calls."""
+        self._spun = 0
+
+    @property
+    def box(self) -> Box:
+        """The control box that the program runs on."""
+        return self.execution.box
+
+    @property
+    def moves(self) -> Moves:
+        """Moves of the robot."""
+        return self.execution.moves
+
+    async def give_way(self, at: Place) -> None:
+        """Let others have their turn, after a number of statements."""
+        self.left = SLICE
+        self._spun += SLICE
+        if self._spun > MAX_SPIN:
+            raise URScriptError(
+                f"thread '{self.name}' executed {MAX_SPIN} statements without one that "
+                "takes time; add sync() to its loop",
+                at,
+                self.execution.name,
+            )
+        await self.execution.share(SLICE)
+        await self.hold()
+
+    async def timed(self, action: Awaitable[Value]) -> Value:
+        """Wait for something that takes time, and for the permission to go on."""
+        self._spun = 0
+        value = await action
+        await self.hold()
+        return value
+
+    async def hold(self) -> None:
+        """Wait while the program is paused, or another thread is critical."""
+        execution = self.execution
+        while True:
+            if execution.is_paused:
+                await self.box.programs.gate()
+            elif execution.critical not in {None, self}:
+                await self.box.next_update()
+            else:
+                return
+
+    async def until_shown(self, condition: Callable[[], bool]) -> None:
+        """Wait until the updates show what a request has changed."""
+        for _ in range(MAX_UPDATES):
+            if condition():
+                return
+            await self.box.next_update()
+
+    async def moving(self, motion: Callable[[], Awaitable[None]]) -> None:
+        """Execute a motion, which one thread at a time can do.
+
+        Raises:
+            ValueProblem: Another thread is moving the robot, or it cannot move so.
+        """
+        execution = self.execution
+        if execution.mover not in {None, self}:
+            raise ValueProblem("another thread is controlling the robot already")
+        execution.mover = self
+        try:
+            await motion()
+        finally:
+            execution.mover = None
+
+
+@final
+class Execution:
+    """One run of a program."""
+
+    def __init__(
+        self, name: str, box: Box, moves: Moves, *, is_secondary: bool = False
+    ) -> None:
+        """Prepare to run.
+
+        Args:
+            name: Of the program's source, for messages.
+            box: The control box.
+            moves: Its arm's moves.
+            is_secondary: Whether it runs beside the program, also while that is paused.
+        """
+        self.name = name
+        self.box = box
+        self.moves = moves
+        self.sockets = Sockets(allow_others=box.allow_sockets)
+        self.history = ToolHistory(box)
+        self._is_secondary = is_secondary
+        self.force_damping = 0.005
+        """Of the next force mode."""
+        self.force_gain = 1.0
+        """Scales the gain of the next force mode."""
+        self.globals: dict[str, Value] = {}
+        self.critical: Thread | None = None
+        """The thread that entered its critical section."""
+        self.mover: Thread | None = None
+        """The thread that moves the robot."""
+        self._tasks: set[asyncio.Task[Value]] = set()
+        self._end: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._period = -1.0
+        self._used = 0
+
+    async def run(self, code: Code) -> None:
+        """Run a program to its end, and end its threads.
+
+        Raises:
+            URScriptError: The program failed, with the location.
+        """
+        with self.history:
+            main = self._start(code)
+            main.add_done_callback(lambda _: self._finish(None))
+            try:
+                await self._end
+            finally:
+                for task in self._tasks:
+                    task.cancel()
+                if self._tasks:
+                    await asyncio.wait(set(self._tasks))
+                self.sockets.close_all()
+
+    @property
+    def is_paused(self) -> bool:
+        """Whether the program waits to be resumed."""
+        return self.box.programs.is_paused and not self._is_secondary
+
+    def start_thread(self, code: Code) -> Handle:
+        """Start a thread of the program."""
+        if len(self._tasks) >= MAX_THREADS:
+            raise ValueProblem(f"more than {MAX_THREADS} threads run")
+        return Handle(code.name, self._start(code))
+
+    def _start(self, code: Code) -> asyncio.Task[Value]:
+        task = asyncio.get_running_loop().create_task(self._run(code))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
+    async def _run(self, code: Code) -> Value:
+        thread = Thread(self, code.name)
+        try:
+            return await code.call(thread, {})
+        except Halted:
+            self._finish(None)
+        except Tool0Error as error:
+            self._finish(error)
+        except RecursionError:
+            message = "calls, blocks and expressions are nested too deep"
+            self._finish(URScriptError(message, code.at, self.name))
+        finally:
+            if self.critical is thread:
+                self.critical = None
+        return None
+
+    def _finish(self, error: Tool0Error | None) -> None:
+        if self._end.done():
+            return
+        if error is None:
+            self._end.set_result(None)
+        else:
+            self._end.set_exception(error)
+
+    async def share(self, statements: int) -> None:
+        """Count statements of this control period; wait when there were too many."""
+        now = self.box.time
+        if now != self._period:
+            self._period, self._used = now, 0
+        self._used += statements
+        if self._used >= PER_PERIOD:
+            await self.box.next_update()
+        else:
+            await asyncio.sleep(0)

@@ -1,0 +1,120 @@
+"""How the library describes its functions: names, parameters, implementations."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Final, TypeAlias, cast, final, get_type_hints
+
+from tool0.interfaces.ur.urscript.kinds import Kind
+from tool0.interfaces.ur.urscript.values import Value
+
+NO_DEFAULT: Final = object()
+_THREAD: Final = "thread"
+
+# Any: the arguments of an implementation are what its kinds convert to.
+Implementation: TypeAlias = Callable[..., Value] | Callable[..., Awaitable[Value]]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter of a function of the library."""
+
+    name: str
+    kind: Kind
+    # Any: the default of the implementation.
+    default: Any
+
+    @property
+    def is_required(self) -> bool:
+        """Whether it has no default."""
+        return self.default is NO_DEFAULT
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A function of the library."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    call: Implementation
+    is_async: bool
+    takes_thread: bool
+    """Whether the first argument is the thread that calls it."""
+    is_physical: bool
+    """Whether it takes time of the robot, which secondary programs must not."""
+
+    @property
+    def signature(self) -> str:
+        """As the manual writes it: ``movej(q, a=1.4, …)``."""
+        words = [
+            item.name if item.is_required else f"{item.name}={item.default}"
+            for item in self.parameters
+        ]
+        return f"{self.name}({', '.join(words)})"
+
+
+def function(
+    call: Implementation, name: str | None = None, *, physical: bool = False
+) -> Function:
+    """Return a function of the library, described by the annotations of ``call``."""
+    hints = get_type_hints(call, include_extras=True)
+    parameters = []
+    takes_thread = False
+    for item in inspect.signature(call).parameters.values():
+        if item.name == _THREAD:
+            takes_thread = True
+            continue
+        is_required = item.default is inspect.Parameter.empty
+        default = NO_DEFAULT if is_required else item.default
+        kind = _kind_of(hints[item.name])
+        parameters.append(Parameter(item.name.rstrip("_"), kind, default))
+    return Function(
+        name or call.__name__.strip("_"),
+        tuple(parameters),
+        call,
+        inspect.iscoroutinefunction(call),
+        takes_thread,
+        physical,
+    )
+
+
+# Any: an annotation.
+def _kind_of(hint: Any) -> Kind:
+    for part in (hint, *getattr(hint, "__args__", ())):
+        for extra in getattr(part, "__metadata__", ()):
+            if isinstance(extra, Kind):
+                return extra
+    raise TypeError(f"{hint} has no kind")
+
+
+@cache
+def library() -> dict[str, Function]:
+    """Return all functions of the library by name."""
+    from tool0.interfaces.ur.urscript.library import (
+        arithmetic,
+        force,
+        gripper,
+        inputs_outputs,
+        motion,
+        poses,
+        program,
+        registers,
+        sockets,
+        state,
+        strings,
+    )
+
+    modules = (
+        *(arithmetic, force, gripper, inputs_outputs, motion, poses, program),
+        *(registers, sockets, state, strings),
+    )
+    found: dict[str, Function] = {}
+    for module in modules:
+        for item in cast("tuple[Function, ...]", module.FUNCTIONS):
+            found[item.name] = item
+    return found

@@ -1,0 +1,235 @@
+"""The motions of arms that a program has taken from the controllers of ROS."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Final, final
+
+from tool0.control.arm_compliance import ComplianceTask
+from tool0.control.arm_motion import ArmMotionController, ArmMotionSpec
+from tool0.control.arm_path import ArmPath
+from tool0.control.manager import ControllerManager
+from tool0.description.model import FLANGE, RobotModel
+from tool0.description.parts import find_arms
+from tool0.errors import ControlError
+from tool0.hardware.engine import JointState
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.hardware.tool_dynamics import Wrench
+from tool0.runtime.arm_mechanics import ArmMechanics
+from tool0.runtime.arm_modes import ArmModes
+from tool0.runtime.control_boxes import ControlBoxes
+from tool0.sensing.snapshot import ArmSample
+
+RETURN_BRAKE: Final = 4.0
+"""Change of a path's speed when its arm is given back while it moves [1/s²]: a path at
+full speed ends within 0.25 s."""
+RETURN_DECELERATION: Final = 4.0
+"""Of any other motion then [rad/s²]."""
+STIFFENING: Final = 10.0
+"""Deceleration when force mode or freedrive ends while the arm moves [rad/s²]."""
+
+
+@final
+class ArmMotions:
+    """Gives arms to programs and back, and finds what moves them.
+
+    Only the thread of the tick may use it.  A taken arm is moved by an
+    ArmMotionController, which exists until the arm is given back.
+    """
+
+    def __init__(
+        self,
+        model: RobotModel,
+        hardware: RobotHardware,
+        manager: ControllerManager,
+        boxes: ControlBoxes,
+        modes: ArmModes,
+    ) -> None:
+        self._manager, self._boxes, self._modes = manager, boxes, modes
+        limits = hardware.limits
+        self.specs = {
+            name: ArmMotionSpec(
+                name=f"{prefix}arm_motion",
+                joint_models=tuple(
+                    replace(joint, limits=limits.get(joint.name, joint.limits))
+                    for joint in arm.joints
+                ),
+                speed_scaling=partial(hardware.speed_scaling.__getitem__, prefix),
+                model=ArmMechanics(model, name, hardware),
+            )
+            for name, arm in find_arms(model).items()
+            for prefix in [arm.flange.removesuffix(FLANGE)]
+        }
+        """What moves each arm while it is taken, by the arm's name."""
+        self._taken: set[str] = set()
+        self._returning: frozenset[str] = frozenset()
+        """The arms that are given back once they rest."""
+        self._paths = dict.fromkeys(self.specs, 0)
+        """How many paths each arm was given."""
+        modes.when_stopped = self.abort
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether ``tick`` has nothing to do."""
+        return not self._returning
+
+    def tick(self, state: JointState) -> None:
+        """Give back the arms that have come to rest."""
+        for arm in self._returning:
+            if self._controller(arm).is_done(state.time):
+                self._release(arm, state)
+
+    # ---- requests, between ticks ----------------------------------------------------
+
+    def take(self, arm: str | None, by: str, now: JointState) -> str:
+        """Let a program move an arm; return the name of the controller that does.
+
+        The arm holds still, and its controllers stop.  If the arm is taken already,
+        only the program's name changes.
+
+        Raises:
+            ControlError: If the arm may not move.
+        """
+        name = self._modes.take(arm, by, now).arm
+        self._returning -= {name}
+        if name not in self._taken:
+            self._manager.start_own(self.specs[name], now)
+            self._taken.add(name)
+        return self.specs[name].name
+
+    def give_back(self, arm: str | None, now: JointState) -> None:
+        """Stop an arm, and start its controllers again once it rests."""
+        name = self._boxes.find(arm).arm
+        if name not in self._taken or name in self._returning:
+            return
+        controller = self._controller(name)
+        self._stiffen(name, now)
+        if controller.motion(now.time).is_at_rest and controller.mode != "path":
+            self._release(name, now)
+            return
+        on_path = controller.mode == "path"
+        rate = RETURN_BRAKE if on_path else RETURN_DECELERATION
+        controller.stop_motion(rate, now.time, along_path=on_path)
+        self._returning |= {name}
+
+    def abort(self, arm: str, now: JointState) -> None:
+        """Take an arm from its program at once: the brakes stop it."""
+        self._returning -= {arm}
+        if arm in self._taken:
+            self._taken.remove(arm)
+            self._manager.stop_own(self.specs[arm].name, now)
+
+    def find(self, arm: str | None) -> ArmMotionController:
+        """Return what moves a taken arm that may move.
+
+        Raises:
+            ControlError: If the arm is not taken, or may not move.
+        """
+        name = self._modes.require_ready(arm).arm
+        if name not in self._taken:
+            raise ControlError(
+                f"no program moves the arm '{name}'; take it first with `take_arm`"
+            )
+        if name in self._returning:
+            raise ControlError(
+                f"the arm '{name}' stops and is given back; take it again first"
+            )
+        return self._controller(name)
+
+    def execute(
+        self,
+        arm: str | None,
+        path: ArmPath,
+        now: float,
+        *,
+        after: int | None = None,
+        at: float | None = None,
+    ) -> int:
+        """Let an arm follow a path; return the path's number.
+
+        It starts ``now`` [s], or replaces path ``after`` from that one's time ``at``
+        [s] on.
+
+        Raises:
+            ControlError: If it is not possible; the arm's motion then continues.
+        """
+        controller = self.find(arm)
+        name = self._boxes.find(arm).arm
+        number = self._paths[name] + 1
+        if after is None or at is None:
+            controller.execute(path, number, now)
+        else:
+            controller.replace(path, number, after=after, at=at, now=now)
+        self._paths[name] = number
+        return number
+
+    def sample(self, arm: str, now: float, wrench: Wrench) -> ArmSample:
+        """Return what moves an arm ``now`` [s]; ``wrench`` is that on its tool."""
+        joints = self.specs[arm].joints
+        if arm not in self._taken:
+            last = self._paths[arm]
+            return ArmSample(joints, "free", None, last, 0.0, True, False, wrench)
+        controller = self._controller(arm)
+        number, time = controller.progress(now)
+        return ArmSample(
+            joints,
+            controller.mode,
+            controller.unknown_setpoint(now),
+            number,
+            time,
+            controller.is_done(now),
+            controller.is_in_force_mode,
+            wrench,
+        )
+
+    # ---- force mode and freedrive ---------------------------------------------------
+
+    def comply(self, arm: str | None, task: ComplianceTask, now: JointState) -> None:
+        """Let a taken arm push with a force, or give way to a hand.
+
+        Raises:
+            ControlError: If the arm is not taken, or may not move.
+        """
+        controller, name = self.find(arm), self._boxes.find(arm).arm
+        if controller.is_guided and not task.is_freedrive:
+            raise ControlError(
+                f"the arm '{name}' is in freedrive; end that before force mode"
+            )
+        law = controller.comply(task, now)
+        self._manager.drive_efforts(self.specs[name].name, law, now)
+        self._modes.set_freedrive(name, task.is_freedrive, now)
+
+    def stiffen(self, arm: str | None, now: JointState, *, is_freedrive: bool) -> None:
+        """End force mode, or freedrive: the arm stops where it is.
+
+        Without it, nothing changes.
+
+        Raises:
+            ControlError: If the arm is not taken, or may not move.
+        """
+        controller, name = self.find(arm), self._boxes.find(arm).arm
+        if controller.is_guided == is_freedrive:
+            self._stiffen(name, now)
+
+    def note_restart(self, now: JointState) -> None:
+        """Note that controllers were restarted: freedrive and force mode have ended."""
+        self._returning = frozenset()
+        for arm in self._taken:
+            self._modes.set_freedrive(arm, False, now)
+
+    def _stiffen(self, arm: str, now: JointState) -> None:
+        controller = self._controller(arm)
+        if controller.is_guided or controller.is_in_force_mode:
+            self._manager.drive_efforts(self.specs[arm].name, None, now)
+            controller.stiffen(now, STIFFENING)
+            self._modes.set_freedrive(arm, False, now)
+
+    def _controller(self, arm: str) -> ArmMotionController:
+        running = self._manager.running(self.specs[arm].name)
+        assert isinstance(running, ArmMotionController)  # it has this spec
+        return running
+
+    def _release(self, arm: str, now: JointState) -> None:
+        self.abort(arm, now)
+        self._modes.give_back(arm, now)
