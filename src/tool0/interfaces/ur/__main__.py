@@ -11,10 +11,11 @@ import logging
 import signal
 import sys
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 
 from tool0.errors import Tool0Error
-from tool0.interfaces.ur.options import UrOptions
+from tool0.interfaces.ur.options import UrArm, UrOptions
 from tool0.interfaces.ur.service import connected, serve
 
 _FORMAT = "[%(levelname)s] [%(created).3f] [%(name)s]: %(message)s"
@@ -54,11 +55,12 @@ async def _run(name: str, options: UrOptions) -> None:
             channel.close()
 
 
-def _report(arms: Mapping[str, str]) -> None:
+def _report(arms: Mapping[str, UrArm]) -> None:
     """Tell the program that started this one that the ports are open."""
     gc.collect()
     gc.freeze()  # what exists now stays: nothing to look through 500 times a second
-    print(json.dumps({"ready": True, "arms": arms}), flush=True)
+    rows = {name: asdict(arm) for name, arm in arms.items()}
+    print(json.dumps({"ready": True, "arms": rows}), flush=True)
 
 
 def _arguments() -> argparse.Namespace:

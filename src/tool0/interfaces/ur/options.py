@@ -1,4 +1,4 @@
-"""The options of the UR interface."""
+"""The options of the UR interface, and where it serves each arm."""
 
 from __future__ import annotations
 
@@ -58,3 +58,16 @@ class UrOptions:
                 "give the address of the first arm"
             )
         return str(ipaddress.IPv4Address(self.host) + number)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UrArm:
+    """Where an arm is served as a UR."""
+
+    address: str
+    """With the ports of a UR, and its gripper's socket on 63352."""
+    modbus_port: int | None = None
+    """Of its gripper at this address; None without one."""
+    serial_port: str | None = None
+    """File of the serial port with the gripper's Modbus RTU; None without one."""
