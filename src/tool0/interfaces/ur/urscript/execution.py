@@ -135,7 +135,7 @@ class Execution:
         self.name = name
         self.box = box
         self.moves = moves
-        self.sockets = Sockets(allow_others=box.allow_sockets)
+        self.sockets = Sockets(box)
         self.history = ToolHistory(box)
         self._is_secondary = is_secondary
         self.force_damping = 0.005
