@@ -33,7 +33,6 @@ from tool0.requests.table import Request
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box
-    from tool0.interfaces.ur.programs import Program
 
 logger = logging.getLogger(__name__)
 
@@ -70,18 +69,9 @@ class Command:
 class Dashboard:
     """The dashboard server of one control box."""
 
-    def __init__(
-        self, box: Box, programs: Path | None = None, *, allow_sockets: bool = False
-    ) -> None:
-        """Serve ``box``.
-
-        Args:
-            box: The control box.
-            programs: The folder with the programs that can be loaded.
-            allow_sockets: Whether they may connect to other machines.
-        """
-        self._box, self._allow_sockets = box, allow_sockets
-        self._files = ProgramFiles(programs)
+    def __init__(self, box: Box, programs: Path | None = None) -> None:
+        """Serve ``box``; programs are loaded from the folder ``programs``."""
+        self._box, self._files = box, ProgramFiles(programs)
         self._port = Port("dashboard server", self._serve)
         self._loaded: ProgramFile | None = None
         self._mode, self._role = "NONE", "PROGRAMMER"
@@ -184,15 +174,12 @@ class Dashboard:
         if found is None:
             return f"File not found: {name}"
         try:
-            await self._compiled(found)
+            await compiled(found.text, found.name)
         except Tool0Error as error:
             self._box.report(error)
             return f"Error while loading program: {name}"
         self._loaded = found
         return f"Loading program: {name}"
-
-    async def _compiled(self, file: ProgramFile) -> Program[Box]:
-        return await compiled(file.text, file.name, allow_sockets=self._allow_sockets)
 
     async def _play(self, _: str) -> str:
         box = self._box
@@ -202,7 +189,8 @@ class Dashboard:
             elif self._loaded is None or box.programs.is_running:
                 raise ControlError("no program is loaded, or one is running already")
             else:
-                await box.programs.start(await self._compiled(self._loaded))
+                loaded = self._loaded
+                await box.programs.start(await compiled(loaded.text, loaded.name))
         except Tool0Error as error:
             logger.warning("%s: play: %s", box.arm, error)
             return "Failed to execute: play"

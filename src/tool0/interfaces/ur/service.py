@@ -41,8 +41,8 @@ def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     interfaces: list[Interface] = [
         ProgramWatch(box),
         RtdeServer(box),
-        Dashboard(box, options.programs, allow_sockets=options.allow_sockets),
-        ClientInterface(box, allow_sockets=options.allow_sockets),
+        Dashboard(box, options.programs),
+        ClientInterface(box),
     ]
     if box.gripper is not None:
         from tool0.interfaces.ur.robotiq.interface import (

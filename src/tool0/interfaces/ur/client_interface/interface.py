@@ -37,10 +37,9 @@ _PLACE: Final = re.compile(r"[^:]*:(\d+):(\d+): (.*)", re.DOTALL)
 class ClientInterface:
     """The primary, secondary and real-time interface of a control box."""
 
-    def __init__(self, box: Box, *, allow_sockets: bool = False) -> None:
-        """Serve ``box``; programs may connect to other machines if they are allowed."""
+    def __init__(self, box: Box) -> None:
         self._box = box
-        self._uploads = Uploads(box, allow_sockets=allow_sockets)
+        self._uploads = Uploads(box)
         self._ports = {
             number + offset: Port(name, self._serving(number, is_open=not offset))
             for number, name in (
