@@ -8,6 +8,7 @@ https://www.universal-robots.com/articles/ur/dashboard-server/dashboard-server-c
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 import zlib
 from collections.abc import Awaitable, Callable
@@ -47,6 +48,8 @@ OPERATIONAL_MODES: Final = ("manual", "automatic")
 CB3, E_SERIES = "CB3", "e-Series"
 BOTH: Final = frozenset({CB3, E_SERIES})
 
+SETTLE_TIMEOUT: Final = 1.0
+"""Longest wait for a program to pause or resume [wall s]."""
 MAX_WORDS: Final = 4
 """Of a command."""
 
@@ -184,8 +187,9 @@ class Dashboard:
     async def _play(self, _: str) -> str:
         box = self._box
         try:
-            if box.programs.state is RuntimeState.PAUSED:
+            if box.programs.is_paused:
                 box.programs.resume()
+                await self._settle()
             elif self._loaded is None or box.programs.is_running:
                 raise ControlError("no program is loaded, or one is running already")
             else:
@@ -205,7 +209,16 @@ class Dashboard:
             self._box.programs.pause()
         except ControlError:
             return "Failed to execute: pause"
+        await self._settle()
         return "Pausing program"
+
+    async def _settle(self) -> None:
+        """Wait until the control box has paused or resumed the program."""
+        programs = self._box.programs
+        changing = (RuntimeState.PAUSING, RuntimeState.RESUMING)
+        settled = self._box.until(lambda: programs.state not in changing)
+        with contextlib.suppress(asyncio.TimeoutError):  # time does not pass
+            await asyncio.wait_for(settled, SETTLE_TIMEOUT)
 
     @property
     def _name(self) -> str:

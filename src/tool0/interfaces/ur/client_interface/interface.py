@@ -138,12 +138,12 @@ class ClientInterface:
     def _send_state(self) -> None:
         peers = self._peers(PRIMARY, SECONDARY)
         if peers:
-            _to_readers(peers, robot_state(self._box))
+            send_to_readers(peers, robot_state(self._box))
 
     def _send_realtime(self) -> None:
         peers = self._peers(REALTIME)
         if peers:
-            _to_readers(peers, realtime_packet(self._box))
+            send_to_readers(peers, realtime_packet(self._box))
 
     def _tell(self, message: Message) -> None:
         """Send a message to clients of the primary interface."""
@@ -167,7 +167,7 @@ class ClientInterface:
         self._send(packet)
 
     def _send(self, packet: bytes) -> None:
-        _to_readers(self._peers(PRIMARY), packet)
+        send_to_readers(self._peers(PRIMARY), packet)
 
 
 def _error(time: float, text: str) -> bytes:
@@ -183,7 +183,8 @@ def _is_due(time: float, last: float, period: float) -> bool:
     return not 0.0 <= time - last < period - 1e-6
 
 
-def _to_readers(peers: list[Peer], packet: bytes) -> None:
+def send_to_readers(peers: list[Peer], packet: bytes) -> None:
+    """Send to those who have read what was sent before."""
     for peer in peers:
         if peer.owed < MAX_BEHIND:
             peer.send(packet)
