@@ -43,8 +43,8 @@ def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
         ProgramWatch(box),
         Reporter(box),
         RtdeServer(box),
-        Dashboard(box, options.programs, allow_sockets=options.allow_sockets),
-        ClientInterface(box, allow_sockets=options.allow_sockets),
+        Dashboard(box, options.programs),
+        ClientInterface(box),
     ]
     if box.gripper is not None:
         from tool0.interfaces.ur.robotiq.interface import (
