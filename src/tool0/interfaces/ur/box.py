@@ -102,7 +102,7 @@ class Box:
         """What has been computed from this update."""
         self.update: UpdateMessage
         """The newest update."""
-        self._take(first)
+        self.note(first)
         self.gripper = self._gripper(index)
         """The gripper that the arm carries, if there is one."""
 
@@ -123,7 +123,7 @@ class Box:
 
     def take(self, update: UpdateMessage) -> None:
         """Show the robot after another update, and tell everyone."""
-        self._take(update)
+        self.note(update)
         for callback in tuple(self.when_updated):
             try:
                 callback()
@@ -134,7 +134,8 @@ class Box:
             if not future.done():
                 future.set_result(None)
 
-    def _take(self, update: UpdateMessage) -> None:
+    def note(self, update: UpdateMessage) -> None:
+        """Take an update without telling anyone: a newer one has arrived already."""
         self.update = update
         if not isinstance(update.arms, UnsetType):
             self.arm_update: ArmUpdate = update.arms[self.arm]
