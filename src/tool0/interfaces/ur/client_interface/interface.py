@@ -142,8 +142,8 @@ class ClientInterface:
             _to_readers(peers, robot_state(self._box))
 
     def _send_realtime(self) -> None:
-        peers = self._peers(REALTIME)
-        if peers:
+        peers = [peer for peer in self._peers(REALTIME) if peer.owed < MAX_BEHIND]
+        if peers:  # those who only send programs read nothing
             _to_readers(peers, realtime_packet(self._box))
 
     def _tell(self, message: Message) -> None:
