@@ -70,7 +70,7 @@ if TYPE_CHECKING:
     from tool0.interfaces.ros1.options import Ros1Options
     from tool0.interfaces.ros2.node import Ros2Node
     from tool0.interfaces.ros2.options import Ros2Options
-    from tool0.interfaces.ur.options import UrOptions
+    from tool0.interfaces.ur.options import UrArm, UrOptions
     from tool0.interfaces.ur.process import UrController
     from tool0.kinematics.chain import ArmChain
     from tool0.kinematics.inverse import Branch, InverseKinematics, Solution
@@ -172,6 +172,7 @@ __all__ = [
     "Transform",
     "TransportError",
     "UnreachableError",
+    "UrArm",
     "UrController",
     "UrOptions",
     "VideoWriter",
@@ -273,6 +274,7 @@ _HOMES = {
     "Transform": "tool0.description.transform",
     "TransportError": "tool0.errors",
     "UnreachableError": "tool0.errors",
+    "UrArm": "tool0.interfaces.ur.options",
     "UrController": "tool0.interfaces.ur.process",
     "UrOptions": "tool0.interfaces.ur.options",
     "VideoWriter": "tool0.sensing.video",

@@ -50,7 +50,7 @@ def test_it_starts_again_after_its_death_and_ends_with_a_bringup_that_is_killed(
     with closing(Bringup(os.environ, "--ur", "--ur-host", host)) as bringup:
         bringup.wait()
         (line,) = (line for line in bringup.lines if line.lstrip().startswith("UR:"))
-        assert host in line
+        assert f"UR: {host}: RTDE, dashboard server, URScript; gripper: " in line
         first = interface_process(bringup)
         assert first is not None
         octets = socket.inet_aton(host)[::-1].hex().upper()
@@ -86,13 +86,19 @@ def test_each_robot_of_a_cell_has_an_address_and_a_shift_of_the_ports() -> None:
         tool0.bringup(description=tool0.DescriptionConfig(robots=robots)) as cell,
         tool0.UrController(cell, options) as controller,
     ):
-        addresses = controller.wait()
-        assert list(addresses) == ["left", "right"]
-        assert addresses["left"] == host
-        assert socket.inet_aton(addresses["right"])[3] == socket.inet_aton(host)[3] + 1
+        arms = controller.wait()
+        assert list(arms) == ["left", "right"]
+        left, right = arms.values()
+        assert left.address == host
+        last = socket.inet_aton(host)[3]
+        assert socket.inet_aton(right.address)[3] == last + 1
+        assert right.modbus_port is None
+        assert left.modbus_port in (1502, 2502)
+        assert left.serial_port is not None
+        assert Path(left.serial_port).is_char_device()
         models = [
-            asked(address, "get robot model", DASHBOARD + 1000)
-            for address in addresses.values()
+            asked(arm.address, "get robot model", DASHBOARD + 1000)
+            for arm in (left, right)
         ]
         assert models == ["UR5", "UR3"]
         assert not is_open(host)

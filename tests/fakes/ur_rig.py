@@ -71,4 +71,5 @@ class DashboardLines:
 
     def close(self) -> None:
         """Leave."""
+        self._file.close()
         self._connection.close()

@@ -1,9 +1,11 @@
 /** The page: a bar that is always there, the scene with its plots, and the panels beside. */
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { boxes } from "./control-box";
 import { t } from "./i18n";
 import { Banners } from "./panels/banners";
 import { Confirmation } from "./panels/confirmation";
+import { ControlBoxPanel } from "./panels/control-box";
 import { ControllersPanel } from "./panels/controllers";
 import { DriveBar } from "./panels/drive-bar";
 import { engageOnEscape } from "./panels/estop";
@@ -20,15 +22,16 @@ import { ChevronDownIcon, ChevronUpIcon, PlotIcon } from "./ui/icons";
 import { Lazy } from "./ui/lazy";
 import { recall, remember } from "./ui/memory";
 
-const TABS = ["motion", "objects", "controllers", "tree", "log"] as const;
+const TABS = ["motion", "objects", "controllers", "io", "tree", "log"] as const;
 type Tab = (typeof TABS)[number];
 /** Tabs that a view without physics lacks. */
-const SIMULATED: readonly Tab[] = ["objects", "controllers"];
+const SIMULATED: readonly Tab[] = ["objects", "controllers", "io"];
 
 const PANELS = {
   motion: MotionPanel,
   objects: ObjectsPanel,
   controllers: ControllersPanel,
+  io: ControlBoxPanel,
   tree: TreePanel,
   log: LogPanel,
 };
@@ -107,7 +110,9 @@ function PlotsDrawer() {
 
 function Column() {
   const isView = view.value?.mode === "view";
-  const tabs = TABS.filter((name) => !isView || !SIMULATED.includes(name));
+  const tabs = TABS.filter((name) => !isView || !SIMULATED.includes(name)).filter(
+    (name) => name !== "io" || boxes.value.length > 0,
+  );
   const shown = tabs.includes(tab.value) ? tab.value : "motion";
   const Panel = PANELS[shown];
   return (

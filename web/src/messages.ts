@@ -24,6 +24,7 @@ const NEEDED: Record<
     grippers: "array",
     poses: "array",
     targets: "object",
+    control_boxes: "array",
   },
   frame: {
     time: "number",

@@ -74,6 +74,7 @@ export function status(changes: Partial<Status> = {}): Status {
     poses: [],
     stalls: [],
     targets: { pan: 0.5, lift: -1 },
+    control_boxes: [],
     ...changes,
   };
 }

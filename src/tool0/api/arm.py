@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
+from tool0.api.arm_motion import ArmMotion
 from tool0.api.channel import Channel
 from tool0.api.control_box import ControlBox
 from tool0.api.controller import GoalHandle
@@ -91,6 +92,11 @@ class Arm:
     def control_box(self) -> ControlBox:
         """Its pins, speed slider, payload and program."""
         return ControlBox(self.name, self._channel)
+
+    @property
+    def motion(self) -> ArmMotion:
+        """What moves it in place of its controllers, by paths and streams."""
+        return ArmMotion(self.name, self._channel)
 
     def go_to_pose(self, name: str, *, speed: float = 0.5) -> tuple[GoalHandle, ...]:
         """Move the arm and what it carries to a named pose.

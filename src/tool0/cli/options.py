@@ -136,6 +136,8 @@ class UrControllerOptions:
     """Folder with the programs (*.script) that the dashboard server can load."""
     ur_sockets: bool = False
     """Let URScript programs connect to other machines."""
+    ur_active_gripper: bool = False
+    """Start with the gripper activated.  A real one waits for it after power on."""
 
     def options(self) -> UrOptions:
         """Return them as the UR interface takes them."""
@@ -144,6 +146,7 @@ class UrControllerOptions:
             port_base=self.ur_port_base,
             programs=self.ur_programs,
             allow_sockets=self.ur_sockets,
+            active_gripper=self.ur_active_gripper,
         )
 
 
@@ -165,7 +168,8 @@ class BringupOptions:
     def __post_init__(self) -> None:
         if not self.run.ur and self.ur != UrControllerOptions():
             raise ConfigError(
-                "--ur-host, --ur-port-base, --ur-programs and --ur-sockets need --ur"
+                "--ur-host, --ur-port-base, --ur-programs, --ur-sockets and "
+                "--ur-active-gripper need --ur"
             )
         self.ur.options()  # raises for a wrong one
         if not self.run.ros2 and self.ros2 != Ros2NodeOptions():

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, TextIO, final
 if TYPE_CHECKING:
     from tool0.api.robot import Robot
     from tool0.cli.options import BringupOptions
+    from tool0.interfaces.ur.options import UrArm
 
 _BAR: Final = 24
 """Characters of a progress bar."""
@@ -72,14 +73,19 @@ def greeting(
     return "\n".join(lines)
 
 
-def ur_lines(arms: Mapping[str, str]) -> list[str]:
+def ur_lines(arms: Mapping[str, UrArm]) -> list[str]:
     """Return where each arm is served as a UR."""
-    one = len(arms) == 1
-    return [
-        f"UR: {address}{'' if one else f' ({arm})'}: RTDE, dashboard server, URScript, "
-        "gripper"
-        for arm, address in arms.items()
-    ]
+    lines = []
+    for name, arm in arms.items():
+        title = arm.address if len(arms) == 1 else f"{arm.address} ({name})"
+        line = f"UR: {title}: RTDE, dashboard server, URScript"
+        if arm.modbus_port is not None:
+            line += (
+                f"; gripper: its socket, Modbus on {arm.modbus_port} and "
+                f"{arm.serial_port}"
+            )
+        lines.append(line)
+    return lines
 
 
 def _examples(robot: Robot, name: str) -> Iterator[str]:

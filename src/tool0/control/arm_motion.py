@@ -11,9 +11,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, final
 
+from tool0.control.arm_compliance import Compliance, ComplianceTask
+from tool0.control.arm_model import ArmModel
 from tool0.control.arm_path import CONTINUITY, ArmPath, SplineMotion
 from tool0.control.arm_setpoint import ArmSetpoint, StreamedMotion
-from tool0.control.arm_stream import ServoStream, SpeedStream, ToolKinematics
+from tool0.control.arm_stream import ServoStream, SpeedStream
 from tool0.control.law import TrajectoryLaw
 from tool0.control.parameters import Gains
 from tool0.control.spline import JointSpline, Segment, along
@@ -21,6 +23,7 @@ from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface, Joint
 from tool0.errors import ControlError
 from tool0.hardware.engine import JointState, joint_selector
+from tool0.hardware.robot_hardware import EffortLaw
 
 Mode = Literal["hold", "path", "servo", "speed", "stop", "freedrive"]
 
@@ -35,7 +38,7 @@ class ArmMotionSpec:
     """From base to flange."""
     speed_scaling: Callable[[], float]
     """Returns the factor of the arm's control box, 0 … 1."""
-    kinematics: ToolKinematics
+    model: ArmModel
 
     type: ClassVar[str] = "tool0/ArmMotionController"
     interface: ClassVar[Interface] = Interface.POSITION
@@ -74,6 +77,9 @@ class ArmMotionController:
         self._stream: StreamedMotion | None = None
         """What moves the arm in place of the splines."""
         self._stream_mode: Mode = "servo"
+        self._compliance: Compliance | None = None
+        """What turns the motion into efforts, in each step of the physics."""
+        self._no_efforts = (0.0,) * len(indices)
         self._last: tuple[int, float] = (0, 0.0)
         """Number of the last path, and the time on it when it was left [s]."""
 
@@ -81,6 +87,15 @@ class ArmMotionController:
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         self._state, self._period = state, period
+        compliance = self._compliance
+        if compliance is None:
+            return self._positions(state, period)
+        compliance.follow(self._nominal(state.time), state.time)
+        self._positions(state, period)
+        return self._no_efforts
+
+    def _positions(self, state: JointState, period: float) -> Sequence[float]:
+        """Return the nominal positions at the end of a tick."""
         factor, stream = self.spec.speed_scaling(), self._stream
         if stream is not None:
             stream.advance(state.time, period, factor)
@@ -93,7 +108,8 @@ class ArmMotionController:
         return command
 
     def law(self) -> TrajectoryLaw | None:
-        if self._stream is not None or not self._period:
+        is_streamed = self._stream is not None or self._compliance is not None
+        if is_streamed or not self._period:
             return None
         return self._splines.law(self._period, self.spec.speed_scaling())
 
@@ -103,7 +119,7 @@ class ArmMotionController:
     def setpoint(self) -> Setpoint:
         stream, splines = self._stream, self._splines
         joints, state = self.spec.joint_models, self._state
-        if stream is None:
+        if stream is None and self._compliance is None:
             return Setpoint(
                 joints,
                 splines.splines,
@@ -112,9 +128,10 @@ class ArmMotionController:
                 splines.lag(state.time),
                 splines.speed_scaling,
             )
-        return Setpoint(
-            joints, _tangents(stream.setpoint, state.time), self._select, state
-        )
+        now = self._measured()
+        if stream is not None and self._compliance is None:
+            now = stream.setpoint
+        return Setpoint(joints, _tangents(now, state.time), self._select, state)
 
     def stop(self) -> None:
         pass
@@ -124,21 +141,44 @@ class ArmMotionController:
     @property
     def mode(self) -> Mode:
         """What it does."""
+        if self.is_guided:
+            return "freedrive"
         return self._splines.mode if self._stream is None else self._stream_mode
 
+    @property
+    def is_guided(self) -> bool:
+        """Whether it is in freedrive."""
+        return self._compliance is not None and self._compliance.task.is_freedrive
+
+    @property
+    def is_in_force_mode(self) -> bool:
+        """Whether it pushes with a force."""
+        return self._compliance is not None and not self.is_guided
+
     def motion(self, now: float) -> ArmSetpoint:
-        """Return the setpoint ``now`` [s]."""
+        """Return the setpoint ``now`` [s]; in force mode, that without forces."""
+        return self._measured() if self.is_guided else self._nominal(now)
+
+    def _nominal(self, now: float) -> ArmSetpoint:
         stream = self._stream
         return self._splines.setpoint(now) if stream is None else stream.setpoint
 
-    @property
-    def streamed(self) -> ArmSetpoint | None:
-        """The setpoint of the stream that moves the arm; None without a stream."""
-        return None if self._stream is None else self._stream.setpoint
+    def _measured(self) -> ArmSetpoint:
+        state = self._state
+        position = tuple(self._select(state.position))
+        zeros = (0.0,) * len(position)
+        return ArmSetpoint(position, tuple(self._select(state.velocity)), zeros)
+
+    def unknown_setpoint(self, now: float) -> ArmSetpoint | None:
+        """Return the setpoint ``now`` [s] if ``setpoint()`` does not tell it."""
+        if self._stream is None and self._compliance is None:
+            return None
+        return self.motion(now)
 
     def is_done(self, now: float) -> bool:
         """Return whether the path or the ramp to rest has ended."""
-        return self._stream is None and self._splines.is_done(now)
+        is_moved = self._stream is not None or self.is_guided
+        return not is_moved and self._splines.is_done(now)
 
     def progress(self, now: float) -> tuple[int, float]:
         """Return the number of the last path, and the time on it [s]; 0 before it."""
@@ -227,9 +267,31 @@ class ArmMotionController:
         if isinstance(current, SpeedStream):
             return current
         spec = self.spec
-        made = SpeedStream(self.motion(now), spec.joint_models, spec.kinematics)
+        made = SpeedStream(self.motion(now), spec.joint_models, spec.model)
         self._start("speed", made, now)
         return made
+
+    def comply(self, task: ComplianceTask, state: JointState) -> EffortLaw:
+        """Give way as a task demands, in ``state`` now; return what drives the joints.
+
+        The commands do not count from then on.
+        """
+        self._state = state
+        if task.is_freedrive:
+            self._use(
+                SplineMotion.holding(self._select(state.position), state.time),
+                state.time,
+            )
+        compliance = Compliance(self.spec.model, task, self._select)
+        self._compliance = compliance
+        return compliance.efforts
+
+    def stiffen(self, state: JointState, deceleration: float) -> None:
+        """Command positions again: a ramp to rest from the measured motion."""
+        self._state = state
+        start, now = self._measured(), state.time
+        self._compliance = None
+        self._use(SplineMotion.stopping(start, now, deceleration), now)
 
     def _start(self, mode: Mode, stream: StreamedMotion, now: float) -> None:
         self._leave_path(now)

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, Protocol, final
+from typing import TYPE_CHECKING, Final, final
 
+from tool0.control.arm_model import ArmModel
 from tool0.control.arm_setpoint import ArmSetpoint
 from tool0.description.model import Joint
 
@@ -27,21 +28,6 @@ SINGULAR: Final = 0.02
 UR5e is there 2 cm from its reach, or with its fifth joint within 2 degrees of 0."""
 _ROUNDING = 1e-9
 """[s]"""
-
-
-class ToolKinematics(Protocol):
-    """The kinematics of an arm's flange in the base frame of UR."""
-
-    def jacobian(self, q: Sequence[float], lever: Array) -> Array:
-        """Return the twist of a point fixed to the flange per joint velocity.
-
-        Args:
-            q: Positions of the joints [rad].
-            lever: The point in the flange's frame [m], shape (3,).
-
-        Returns:
-            Linear above angular, in the base's axes, shape (6, 6).
-        """
 
 
 @final
@@ -79,14 +65,12 @@ class JointBounds:
 def _fastest_before(distance: float, a: float, period: float) -> float:
     """Return the velocity after a tick that allows to stop within ``distance``.
 
-    It solves v period / 2 + v² / 2a = distance; below the limit it is 0.
+    From v, ticks with the deceleration ``a`` come to rest within v² / 2a +
+    a period² / 8; so v period / 2 + that is the distance.
     """
     if not distance > 0.0:
         return 0.0
-    if distance == math.inf:
-        return math.inf
-    half = 0.5 * a * period
-    return math.sqrt(half * half + 2.0 * a * distance) - half
+    return max(0.0, math.sqrt(2.0 * a * distance) - 0.5 * a * period)
 
 
 def _moved(now: ArmSetpoint, velocities: Sequence[float], period: float) -> ArmSetpoint:
@@ -148,11 +132,11 @@ class SpeedStream:
     """
 
     def __init__(
-        self, start: ArmSetpoint, joints: Sequence[Joint], kinematics: ToolKinematics
+        self, start: ArmSetpoint, joints: Sequence[Joint], model: ArmModel
     ) -> None:
         self.setpoint = start
         self._bounds = JointBounds(joints)
-        self._kinematics = kinematics
+        self._model = model
         self._lever: Array | None = None
         """The TCP in the flange's frame; None if joint velocities are given."""
         self._target: Sequence[float] = (0.0,) * len(joints)
@@ -198,17 +182,16 @@ class SpeedStream:
 
         q, qd, _ = self.setpoint
         now = np.asarray(qd)
-        jacobian = self._kinematics.jacobian
-        twist = jacobian(q, lever) @ now
+        place = self._model.place
+        twist = place(np.asarray(q), lever).jacobian @ now
         change = np.asarray(target) - twist
         size = max(float(np.linalg.norm(change[:3])), float(np.linalg.norm(change[3:])))
         most = self._acceleration * period
         if size > most:
             change *= most / size
         ahead = np.asarray(q) + period * now  # where the tick's velocity is reached
-        found: list[float] = damped_inverse(
-            jacobian(ahead.tolist(), lever), twist + change
-        ).tolist()
+        J = place(ahead, lever).jacobian
+        found: list[float] = damped_inverse(J, twist + change).tolist()
         return found
 
     def _within(self, wanted: Sequence[float], period: float) -> list[float]:

@@ -7,8 +7,10 @@ from typing import final
 from tool0.control.config import ControllerConfig
 from tool0.control.controller import Controller, ControllerSpec
 from tool0.control.dialect import Stages
+from tool0.description.model import Interface
 from tool0.errors import ControlError
 from tool0.hardware.engine import JointState
+from tool0.hardware.robot_hardware import EffortLaw
 
 
 @final
@@ -28,6 +30,15 @@ class LoadedController:
         self.state = stages.unconfigured
         self.is_waiting = False
         """Whether the brakes hold its joints until its first command."""
+        self.effort_law: EffortLaw | None = None
+        """What drives the joints of one of tool0's own, if its positions do not."""
+
+    @property
+    def interface(self) -> Interface | None:
+        """The interface through which it commands its joints."""
+        if self.effort_law is not None:
+            return Interface.EFFORT
+        return None if self.spec is None else self.spec.interface
 
     @property
     def is_own(self) -> bool:
@@ -60,9 +71,9 @@ class LoadedController:
         spec = self.spec
         if spec is None:
             return ()
-        if spec.interface is None:
+        if self.interface is None:
             return spec.further_interfaces
-        kind = spec.interface.name.lower()
+        kind = self.interface.name.lower()
         names = (f"{joint}/{kind}" for joint in spec.joints)
         return (*names, *spec.further_interfaces)
 

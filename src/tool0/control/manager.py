@@ -23,7 +23,7 @@ from tool0.errors import (
     did_you_mean,
 )
 from tool0.hardware.engine import JointState, as_slice
-from tool0.hardware.robot_hardware import RobotHardware
+from tool0.hardware.robot_hardware import EffortLaw, RobotHardware
 
 _KIND: Final[Mapping[type, str]] = {
     bool: "bool",
@@ -238,6 +238,19 @@ class ControllerManager:
         del self._loaded[name]
         self._refresh()
 
+    def drive_efforts(
+        self, name: str, law: EffortLaw | None, state: JointState
+    ) -> None:
+        """Let a law drive the joints of one of tool0's own controllers.
+
+        None lets them follow the controller's positions again.
+        """
+        item = self._find(name)
+        self._disengage(item, state)
+        item.effort_law = law
+        self._engage(item, state)
+        self._refresh()
+
     def _names_running(self) -> list[str]:
         return [n for n, item in self._loaded.items() if item.controller is not None]
 
@@ -383,7 +396,9 @@ class ControllerManager:
 
     def _claim(self, item: LoadedController, state: JointState) -> None:
         interface = item.configured.interface
-        if item.is_own:
+        if item.effort_law is not None:
+            self._hardware.claim_efforts(item.claims, item.effort_law, state)
+        elif item.is_own:
             self._hardware.claim_servos(item.claims, state)
         elif interface is not None:
             self._hardware.claim(item.claims, interface, state)
@@ -412,6 +427,7 @@ class ControllerManager:
             item.controller = item.started(state)
             old.stop()
             self._disengage(item, state)
+            item.effort_law = None
             self._engage(item, state)
         self._refresh()
 
@@ -442,7 +458,7 @@ class ControllerManager:
         """Return the state of a loaded controller."""
         item = self._find(name)
         spec = item.spec
-        interface = None if spec is None else spec.interface
+        interface = item.interface
         return ControllerStatus(
             name=name,
             type=item.type,

@@ -13,7 +13,7 @@ that compensates payloads.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
 from operator import add, mul, truediv
@@ -30,7 +30,7 @@ from tool0.description.model import (
 )
 from tool0.description.transform import Vector3
 from tool0.errors import ClaimError, ControlError, ModelError, did_you_mean
-from tool0.hardware.bodies import STANDARD_GRAVITY, DynamicsTable, JointDynamics
+from tool0.hardware.bodies import STANDARD_GRAVITY, DynamicsTable, JointDynamics, Matrix
 from tool0.hardware.engine import JointState
 from tool0.hardware.limits import (
     DriveBounds,
@@ -53,6 +53,10 @@ POSE_PERIOD = 64
 """Steps between updates of values that depend only on the pose and need not be exact:
 the mass matrix of servos, and gravity compensation.  In 64 ms the fastest wrist turns
 0.2 rad."""
+
+
+EffortLaw = Callable[[JointState, float], Sequence[float]]
+"""Returns the efforts of joints in a state, for a step of that length [s] [N·m | N]."""
 
 
 class DriveTable(NamedTuple):
@@ -185,6 +189,8 @@ class RobotHardware:
         self._gravity_effort = [0.0] * len(self.joint_names)
         """The part of the effort that compensates gravity [N·m | N], where a drive has
         limits."""
+        self._effort_laws: tuple[tuple[list[int], EffortLaw], ...] = ()
+        """Joints, by number, with the law that drives them in place of commands."""
         self._claimed: dict[str, Interface] = {}
         """The interface through which a controller commands a joint."""
         for name in self.interfaces:
@@ -245,6 +251,24 @@ class RobotHardware:
             self._check_claim(name, Interface.POSITION, offered)
         self._claim(joints, Interface.POSITION, state)
 
+    def claim_efforts(
+        self, joints: Sequence[str], law: EffortLaw, state: JointState
+    ) -> None:
+        """Let a law drive ``joints`` in each step, whatever their drives offer.
+
+        Their commands do not count.  The kernel knows no such law.
+
+        Raises:
+            ControlError: If a joint has no drive.
+            ClaimError: If a joint is commanded already.  Nothing has changed then.
+        """
+        for name in joints:
+            offered = (Interface.EFFORT,) if name in self.interfaces else ()
+            self._check_claim(name, Interface.EFFORT, offered)
+        self._claim(joints, Interface.EFFORT, state)
+        indices = [self.index[name] for name in joints]
+        self._effort_laws = (*self._effort_laws, (indices, law))
+
     def _claim(
         self, joints: Sequence[str], interface: Interface, state: JointState
     ) -> None:
@@ -278,6 +302,10 @@ class RobotHardware:
 
     def release(self, joints: Sequence[str], state: JointState) -> None:
         """Take ``joints`` back: the brakes hold them."""
+        indices = {self.index[name] for name in joints}
+        self._effort_laws = tuple(
+            item for item in self._effort_laws if indices.isdisjoint(item[0])
+        )
         for name in joints:
             self._claimed.pop(name, None)
             self._limiter.set_drive_limits(self.index[name], None)
@@ -307,6 +335,9 @@ class RobotHardware:
     def efforts(self, state: JointState) -> list[float]:
         """Return the efforts that the drives apply in the next step [N·m | N]."""
         effort = self.command.copy()
+        for indices, law in self._effort_laws:
+            for i, value in zip(indices, law(state, self._dt), strict=True):
+                effort[i] = value
         if self._compensated:
             self._add_gravity_compensation(effort, state)
         if self._servos:
@@ -423,6 +454,22 @@ class RobotHardware:
         for i, load in zip(self._to_model, loads, strict=True):
             ordered[i] = load
         return ordered
+
+    def weights_of(self, joints: Sequence[str], state: JointState) -> list[float]:
+        """Return the efforts that hold ``joints`` against gravity [N·m | N].
+
+        They are 0 where drives compensate it themselves.
+        """
+        weights = self._gravity(state)
+        for i in self._compensated:
+            weights[i] = 0.0
+        return [weights[self.index[name]] for name in joints]
+
+    def masses_of(self, joints: Sequence[str], state: JointState) -> Matrix:
+        """Return the mass matrix of ``joints`` [kg·m² | kg], shape (n, n)."""
+        matrix = self._dynamics.mass_matrix([state.position[i] for i in self._to_model])
+        rows = [self._to_model.index(self.index[name]) for name in joints]
+        return matrix[rows][:, rows]
 
     def _run_servos(self, effort: list[float], state: JointState) -> None:
         """Set the efforts for the accelerations that the servos request.

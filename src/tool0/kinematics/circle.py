@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, final
+from typing import final
 
 import numpy as np
 
@@ -12,9 +12,6 @@ from tool0.kinematics.chain import Array
 from tool0.kinematics.pose import rotation_vector
 from tool0.kinematics.rotation import rotations
 
-ArcMode = Literal[0, 1]
-"""0: the orientation is interpolated from start to end, turning about one axis;
-1: it keeps its angle to the arc's tangent, as at the start."""
 _STRAIGHT = 1e-4
 """Sine of the angle at the start, below which three points are on a line."""
 
@@ -35,7 +32,7 @@ class CirclePath:
         end: Array,
         T_tip_tool: Array,
         *,
-        mode: ArcMode = 0,
+        mode: int = 0,
         T_root_base: Array | None = None,
     ) -> None:
         """Make the path; poses have shape (4, 4), ``via`` has shape (3,).
@@ -45,7 +42,8 @@ class CirclePath:
             via: A point of the arc between start and end.
             end: Pose of the tool at the end; in mode 1 only its position is used.
             T_tip_tool: Pose of the tool in the arm's flange.
-            mode: How the tool turns.
+            mode: 0: the orientation is interpolated, turning about one axis; 1: it
+                keeps its angle to the arc's tangent, as at the start.
             T_root_base: Pose of the arm's base, for messages.
 
         Raises:

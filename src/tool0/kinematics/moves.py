@@ -30,7 +30,6 @@ import numpy as np
 
 from tool0.errors import ControlError
 from tool0.kinematics.chain import Array
-from tool0.kinematics.circle import ArcMode
 from tool0.kinematics.profile import SpeedProfile, braking
 from tool0.kinematics.segments import Knots, Segment
 
@@ -65,14 +64,17 @@ class Move:
     """Duration [s]; if above 0, it replaces ``a`` and ``v``."""
     r: float = 0.0
     """Blend radius [m]."""
-    mode: ArcMode = 0
-    """How the tool turns on an arc."""
+    mode: int = 0
+    """On an arc, 0: the orientation is interpolated to the target's; 1: it keeps its
+    angle to the arc, and the target's is not used."""
 
     def __post_init__(self) -> None:
         if (self.q is None) == (self.pose is None):
             raise ControlError(f"{self} needs joint positions or a pose, one of them")
         if (self.kind == "circular") != (self.via is not None):
             raise ControlError("an arc needs a via pose, and nothing else has one")
+        if self.mode not in {0, 1}:
+            raise ControlError(f"{self}: mode must be 0 or 1, got {self.mode}")
         if not 0.0 <= self.t < math.inf or not 0.0 <= self.r < math.inf:
             raise ControlError(f"{self}: t and r must be at least 0 and finite")
         if self.t == 0.0 and not (0.0 < self.a < math.inf and 0.0 < self.v < math.inf):

@@ -7,18 +7,23 @@ the order from base to flange.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Generic
+from typing import Annotated, Generic, Literal
 
 from msgspec import Meta
 
 from tool0.control.arm_path import ArmPath
 from tool0.errors import RequestError
 from tool0.requests.table import Name, Request, Response, handles
+from tool0.requests.updates import ArmUpdate, arm_update
 from tool0.runtime.simulation import Simulation
 
 Row6 = tuple[float, float, float, float, float, float]
 """A number for each joint, from base to flange."""
 Rows6 = tuple[Row6, ...]
+NO_TCP: Row6 = (0.0,) * 6
+Flags6 = tuple[bool, bool, bool, bool, bool, bool]
+Limit = Annotated[float, Meta(gt=0.0, le=100.0)]
+Limits6 = tuple[Limit, Limit, Limit, Limit, Limit, Limit]
 Acceleration = Annotated[float, Meta(gt=0.0, le=1000.0)]
 """[rad/s², m/s²]"""
 Duration = Annotated[float, Meta(ge=0.0)]
@@ -128,8 +133,57 @@ class SpeedTool(_OfArm[None], frozen=True):
     """[m/s²], and the same number in [rad/s²]."""
     duration: Duration | None = None
     """After this time the arm ramps to rest [s]; never, if left out or 0."""
-    tcp: Row6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    tcp: Row6 = NO_TCP
     """The TCP in the flange, with a rotation vector [m, rad]."""
+
+
+class StartForceMode(_OfArm[None], frozen=True):
+    """Push with a force along some axes of a frame, as URScript's ``force_mode``.
+
+    It is superimposed on what else the arm does; a second request replaces the first.
+    The force is that which the tool applies to its environment at rest.  Motions and
+    their setpoints do not show how far the arm gives way.
+    """
+
+    frame: Row6
+    """In the base, with a rotation vector [m, rad]."""
+    selection: Flags6
+    """Which axes of the frame give way: x, y, z, and about them."""
+    wrench: Row6
+    """Along those [N, N·m]; the numbers of other axes do not count."""
+    limits: Limits6
+    """Largest speed along an axis that gives way [m/s, rad/s]; largest deviation from
+    the motion along another that it resists with more force [m, rad]."""
+    kind: Literal[1, 2, 3] = 2
+    """1: the frame's y axis points from the TCP to the frame's origin.  2: the frame is
+    as given.  3: its x axis is the TCP's velocity, projected onto its xy plane."""
+    tcp: Row6 = NO_TCP
+    """The TCP in the flange, with a rotation vector [m, rad]."""
+    damping: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.005
+    """As for ``force_mode_set_damping``: how soon an undriven motion decays."""
+    gain_scaling: Annotated[float, Meta(gt=0.0, le=2.0)] = 1.0
+    """As for ``force_mode_set_gain_scaling``: divides the damping."""
+
+
+class EndForceMode(_OfArm[None], frozen=True):
+    """End force mode: the arm stops where it is, and a path of it ends."""
+
+
+class StartFreedrive(_OfArm[None], frozen=True):
+    """Let the arm be moved by hand; it stays where it is left."""
+
+    axes: Flags6 = (True,) * 6
+    """Along and about which axes of the frame the tool gives way."""
+    frame: Row6 = NO_TCP
+    """In the base, with a rotation vector [m, rad]."""
+
+
+class EndFreedrive(_OfArm[None], frozen=True):
+    """Hold the arm where it is."""
+
+
+class ReadArmMotion(_OfArm[ArmUpdate], frozen=True):
+    """Setpoint, mode, path and wrench of an arm, as updates have them."""
 
 
 class ZeroWrench(_OfArm[None], frozen=True):
@@ -175,6 +229,13 @@ def _stop(simulation: Simulation, request: StopArm) -> None:
     )
 
 
+@handles(ReadArmMotion)
+def _read(simulation: Simulation, request: ReadArmMotion) -> ArmUpdate:
+    snapshot = simulation.loop.snapshot_with_arms()
+    arm = simulation.core.control_boxes.find(request.arm).arm
+    return arm_update(snapshot, snapshot.arms[arm])
+
+
 handles(ZeroWrench, in_tick=True)(
     lambda sim, request: sim.core.zero_wrench(request.arm)
 )
@@ -213,3 +274,53 @@ def _speed_tool(simulation: Simulation, request: SpeedTool) -> None:
         until=core.time + (request.duration or math.inf),
         lever=np.array(request.tcp[:3]),
     )
+
+
+@handles(StartForceMode, in_tick=True)
+def _start_force_mode(simulation: Simulation, request: StartForceMode) -> None:
+    import numpy as np
+
+    from tool0.control.arm_compliance import ComplianceTask, force_damping
+    from tool0.kinematics.pose import matrix_of
+
+    core = simulation.core
+    task = ComplianceTask(
+        frame=matrix_of(request.frame),
+        free=np.array(request.selection),
+        wrench=np.array(request.wrench),
+        kind=request.kind,
+        limits=np.array(request.limits),
+        lever=np.array(request.tcp[:3]),
+        damping=force_damping(request.damping, request.gain_scaling),
+    )
+    core.arm_motions.comply(request.arm, task, core.state)
+
+
+@handles(StartFreedrive, in_tick=True)
+def _start_freedrive(simulation: Simulation, request: StartFreedrive) -> None:
+    import numpy as np
+
+    from tool0.control.arm_compliance import FREEDRIVE_DAMPING, ComplianceTask
+    from tool0.kinematics.pose import matrix_of
+
+    core = simulation.core
+    task = ComplianceTask(
+        frame=matrix_of(request.frame),
+        free=np.array(request.axes),
+        wrench=np.zeros(6),
+        limits=np.full(6, 100.0),
+        lever=np.array(core.control_boxes.find(request.arm).tcp[:3]),
+        damping=FREEDRIVE_DAMPING,
+        is_freedrive=True,
+    )
+    core.arm_motions.comply(request.arm, task, core.state)
+
+
+def _end(simulation: Simulation, request: EndForceMode | EndFreedrive) -> None:
+    core = simulation.core
+    is_freedrive = isinstance(request, EndFreedrive)
+    core.arm_motions.stiffen(request.arm, core.state, is_freedrive=is_freedrive)
+
+
+handles(EndForceMode, in_tick=True)(_end)
+handles(EndFreedrive, in_tick=True)(_end)

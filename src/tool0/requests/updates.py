@@ -141,7 +141,9 @@ def update_message(
             if name in snapshot.controller_setpoints
         }
     if arms:
-        more["arms"] = {name: _arm(snapshot, snapshot.arms[name]) for name in arms}
+        more["arms"] = {
+            name: arm_update(snapshot, snapshot.arms[name]) for name in arms
+        }
     return UpdateMessage(
         time=snapshot.time,
         tick=snapshot.tick,
@@ -166,7 +168,8 @@ def _motion(snapshot: Snapshot, controller: str) -> Motion:
     )
 
 
-def _arm(snapshot: Snapshot, sample: ArmSample) -> ArmUpdate:
+def arm_update(snapshot: Snapshot, sample: ArmSample) -> ArmUpdate:
+    """Return an arm as its control box reports it."""
     q, qd, qdd = sample.setpoint or _setpoint(snapshot, sample.joint_names)
     return ArmUpdate(
         target_position=_six(q),

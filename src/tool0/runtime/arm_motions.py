@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Final, final
 
+from tool0.control.arm_compliance import ComplianceTask
 from tool0.control.arm_motion import ArmMotionController, ArmMotionSpec
 from tool0.control.arm_path import ArmPath
 from tool0.control.manager import ControllerManager
@@ -15,9 +16,9 @@ from tool0.errors import ControlError
 from tool0.hardware.engine import JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.hardware.tool_dynamics import Wrench
+from tool0.runtime.arm_mechanics import ArmMechanics
 from tool0.runtime.arm_modes import ArmModes
 from tool0.runtime.control_boxes import ControlBoxes
-from tool0.runtime.flange_kinematics import FlangeKinematics
 from tool0.sensing.snapshot import ArmSample
 
 RETURN_BRAKE: Final = 4.0
@@ -25,6 +26,8 @@ RETURN_BRAKE: Final = 4.0
 full speed ends within 0.25 s."""
 RETURN_DECELERATION: Final = 4.0
 """Of any other motion then [rad/s²]."""
+STIFFENING: Final = 10.0
+"""Deceleration when force mode or freedrive ends while the arm moves [rad/s²]."""
 
 
 @final
@@ -53,7 +56,7 @@ class ArmMotions:
                     for joint in arm.joints
                 ),
                 speed_scaling=partial(hardware.speed_scaling.__getitem__, prefix),
-                kinematics=FlangeKinematics(model, name),
+                model=ArmMechanics(model, name, hardware),
             )
             for name, arm in find_arms(model).items()
             for prefix in [arm.flange.removesuffix(FLANGE)]
@@ -101,6 +104,7 @@ class ArmMotions:
         if name not in self._taken or name in self._returning:
             return
         controller = self._controller(name)
+        self._stiffen(name, now)
         if controller.motion(now.time).is_at_rest and controller.mode != "path":
             self._release(name, now)
             return
@@ -171,13 +175,55 @@ class ArmMotions:
         return ArmSample(
             joints,
             controller.mode,
-            controller.streamed,
+            controller.unknown_setpoint(now),
             number,
             time,
             controller.is_done(now),
-            False,
+            controller.is_in_force_mode,
             wrench,
         )
+
+    # ---- force mode and freedrive ---------------------------------------------------
+
+    def comply(self, arm: str | None, task: ComplianceTask, now: JointState) -> None:
+        """Let a taken arm push with a force, or give way to a hand.
+
+        Raises:
+            ControlError: If the arm is not taken, or may not move.
+        """
+        controller, name = self.find(arm), self._boxes.find(arm).arm
+        if controller.is_guided and not task.is_freedrive:
+            raise ControlError(
+                f"the arm '{name}' is in freedrive; end that before force mode"
+            )
+        law = controller.comply(task, now)
+        self._manager.drive_efforts(self.specs[name].name, law, now)
+        self._modes.set_freedrive(name, task.is_freedrive, now)
+
+    def stiffen(self, arm: str | None, now: JointState, *, is_freedrive: bool) -> None:
+        """End force mode, or freedrive: the arm stops where it is.
+
+        Without it, nothing changes.
+
+        Raises:
+            ControlError: If the arm is not taken, or may not move.
+        """
+        controller, name = self.find(arm), self._boxes.find(arm).arm
+        if controller.is_guided == is_freedrive:
+            self._stiffen(name, now)
+
+    def note_restart(self, now: JointState) -> None:
+        """Note that controllers were restarted: freedrive and force mode have ended."""
+        self._returning = frozenset()
+        for arm in self._taken:
+            self._modes.set_freedrive(arm, False, now)
+
+    def _stiffen(self, arm: str, now: JointState) -> None:
+        controller = self._controller(arm)
+        if controller.is_guided or controller.is_in_force_mode:
+            self._manager.drive_efforts(self.specs[arm].name, None, now)
+            controller.stiffen(now, STIFFENING)
+            self._modes.set_freedrive(arm, False, now)
 
     def _controller(self, arm: str) -> ArmMotionController:
         running = self._manager.running(self.specs[arm].name)

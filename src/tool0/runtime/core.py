@@ -438,6 +438,7 @@ class Core:
         self.protective_stops.forget()
         self.hardware.restart(self.state)
         self.manager.restart(self.state)
+        self.arm_motions.note_restart(self.state)
         for sensor in self._sensors:
             sensor.restart(self._before, self.state, self._forces)
 
@@ -459,6 +460,7 @@ class Core:
             return
         self.hardware.set_stopped(engaged, self.state)
         self.manager.restart(self.state)
+        self.arm_motions.note_restart(self.state)
         self.arm_modes.note_emergency_stop()
 
     def drift(self, at_least: float = 0.0) -> float:

@@ -235,7 +235,35 @@ def payloads(robot: Any, record: Record) -> None:
     robot.run(0.3)
 
 
-@pytest.mark.parametrize("scenario", [trajectories, grips, stops, resets, sensing])
+def paths(robot: Any, record: Record) -> None:
+    """Take the arm: follow paths at several speeds, replace them, and stop."""
+    rng, motion = random.Random(5), robot.arm.motion
+    robot.run(0.1)
+    motion.take()
+    for k in range(8):
+        start = motion.state.target_position
+        count = rng.choice((1, 2, 40))
+        times = [0.03 * (n + 1) + (n + 1) / count for n in range(count)]
+        ends = [[q + rng.uniform(-0.02, 0.02) for q in start] for _ in times]
+        rest = [[0.0] * 6] * count
+        smooth = rng.choice((rest, ()))
+        path = motion.execute_path(times, ends, rest, smooth)
+        robot.run(rng.choice((0.05, 0.2)))
+        robot.arm.control_box.set_speed_slider(rng.choice((0.3, 0.77, 1.0)))
+        if k % 2:
+            path = motion.execute_path(times, ends, rest, after=path, at=0.6)
+        robot.run(rng.choice((0.1, 0.5, 3.0)))
+        record.append((motion.state, numbers(robot)))
+        motion.stop(along_path=bool(k % 3))
+        robot.run(0.7)
+        record.append((path, motion.state, numbers(robot)))
+    motion.give_back()
+    robot.run(0.1)
+
+
+@pytest.mark.parametrize(
+    "scenario", [trajectories, grips, stops, resets, sensing, paths]
+)
 def test_of_the_default_robot(
     monkeypatch: pytest.MonkeyPatch, scenario: Scenario
 ) -> None:
@@ -261,6 +289,18 @@ def test_of_trajectories(
     monkeypatch: pytest.MonkeyPatch, options: dict[str, Any]
 ) -> None:
     assert_identical(monkeypatch, trajectories, **options)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"ros2_control": True},
+        {"control": ControlConfig(control_period=0.004)},
+    ],
+    ids=["ROS 2", "four steps a tick"],
+)
+def test_of_paths(monkeypatch: pytest.MonkeyPatch, options: dict[str, Any]) -> None:
+    assert_identical(monkeypatch, paths, **options)
 
 
 def test_of_grips_by_an_action(monkeypatch: pytest.MonkeyPatch) -> None:

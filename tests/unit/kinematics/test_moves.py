@@ -72,7 +72,7 @@ def test_a_turn_in_place_is_four_times_as_fast_in_radians(rig: MovesRig) -> None
 @pytest.mark.parametrize("mode", [0, 1])
 def test_movec_stays_on_its_circle(rig: MovesRig, mode: int) -> None:
     via, end = rig.pose((0.1, 0.1, 0.0)), rig.pose((0.0, 0.2, 0.0), (0.0, 0.0, 0.3))
-    move = Move(kind="circular", via=via, pose=end, a=1.2, v=0.2, mode=mode)  # type: ignore[arg-type]
+    move = Move(kind="circular", via=via, pose=end, a=1.2, v=0.2, mode=mode)
     plan = rig.plan(move)
     _, T, V = rig.played(plan)
     centre = rig.home[:3, 3] + [0.0, 0.1, 0.0]
@@ -175,7 +175,7 @@ def test_a_move_is_checked_when_it_is_made() -> None:
         {"kind": "circular", "pose": [0.0] * 6, "a": 1.0, "v": 1.0},
     ):
         with pytest.raises(ControlError):
-            Move(**wrong)  # type: ignore[arg-type]
+            Move(**wrong)
 
 
 @pytest.mark.parametrize("name", arms())

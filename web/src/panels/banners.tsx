@@ -1,9 +1,11 @@
 /** The most important states, shown under the bar as long as they last. */
 import type { ComponentChildren } from "preact";
 import { connection, sendRequest } from "../connection";
+import { boxes, PROTECTIVE_STOP } from "../control-box";
+import type { ControlBox } from "../control-box";
 import { t } from "../i18n";
 import type { StallInfo } from "../protocol";
-import { ownerOf, withoutPrefix } from "../robots";
+import { ownerOf, robots, withoutPrefix } from "../robots";
 import { connectionState, joints, status } from "../store";
 import { Button } from "../ui/button";
 import { HoldButton } from "../ui/hold-button";
@@ -93,6 +95,24 @@ function EmergencyBanner() {
   );
 }
 
+/** An arm that its safety system has stopped, or somebody's request. */
+function ProtectiveStopBanner({ box }: { box: ControlBox }) {
+  const { arm, protective_stop: reason } = box;
+  const key = robots.value.length > 0 ? "box.stoppedArm" : "box.stopped";
+  return (
+    <Banner tone="danger" testId="protective-stop-banner">
+      <WarningIcon />
+      <span>{t(key, { arm, reason })}</span>
+      <Button
+        data-testid={`unlock-${arm}`}
+        onClick={() => void sendRequest("unlock_protective_stop", { arm })}
+      >
+        {t("box.unlock")}
+      </Button>
+    </Banner>
+  );
+}
+
 /** A joint that pushes at its effort limit and does not move. */
 function StallBanner({ stall }: { stall: StallInfo }) {
   const type = joints.value.find((joint) => joint.name === stall.joint)?.type;
@@ -122,6 +142,11 @@ export function Banners() {
     <div class="banners">
       <ConnectionBanner />
       <EmergencyBanner />
+      {boxes.value
+        .filter(({ safety_mode }) => safety_mode === PROTECTIVE_STOP)
+        .map((box) => (
+          <ProtectiveStopBanner key={box.arm} box={box} />
+        ))}
       {now !== null && now.fault !== null && (
         <Banner tone="danger" testId="fault-banner">
           <ErrorIcon />

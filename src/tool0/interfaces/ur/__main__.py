@@ -11,10 +11,11 @@ import logging
 import signal
 import sys
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 
 from tool0.errors import Tool0Error
-from tool0.interfaces.ur.options import UrOptions
+from tool0.interfaces.ur.options import UrArm, UrOptions
 from tool0.interfaces.ur.service import connected, serve
 
 _FORMAT = "[%(levelname)s] [%(created).3f] [%(name)s]: %(message)s"
@@ -32,6 +33,7 @@ def main() -> int:
             port_base=arguments.port_base,
             programs=arguments.programs,
             allow_sockets=arguments.allow_sockets,
+            active_gripper=arguments.active_gripper,
         )
         asyncio.run(_run(arguments.name, options))
     except Tool0Error as error:
@@ -53,11 +55,12 @@ async def _run(name: str, options: UrOptions) -> None:
             channel.close()
 
 
-def _report(arms: Mapping[str, str]) -> None:
+def _report(arms: Mapping[str, UrArm]) -> None:
     """Tell the program that started this one that the ports are open."""
     gc.collect()
     gc.freeze()  # what exists now stays: nothing to look through 500 times a second
-    print(json.dumps({"ready": True, "arms": arms}), flush=True)
+    rows = {name: asdict(arm) for name, arm in arms.items()}
+    print(json.dumps({"ready": True, "arms": rows}), flush=True)
 
 
 def _arguments() -> argparse.Namespace:
@@ -71,6 +74,7 @@ def _arguments() -> argparse.Namespace:
     add("--port-base", type=int, default=0, help="added to the numbers of the ports")
     add("--programs", type=Path, help="folder with programs for the dashboard server")
     add("--allow-sockets", action="store_true", help="connect to other machines")
+    add("--active-gripper", action="store_true", help="start with it activated")
     return parser.parse_args()
 
 

@@ -17,7 +17,6 @@ import numpy as np
 
 from tool0.errors import ControlError
 from tool0.kinematics.chain import Array
-from tool0.kinematics.circle import ArcMode
 from tool0.kinematics.move_planner import MovePlanner
 from tool0.kinematics.moves import Move, MovePlan
 from tool0.requests.arm_motion import (
@@ -69,20 +68,16 @@ class Moves:
 
     # ---- moves ----------------------------------------------------------------------
 
-    async def execute(
-        self,
-        moves: Sequence[Move],
-        *,
-        when_begun: Callable[[int], None] = lambda index: None,
-    ) -> None:
+    async def move(self, moves: Sequence[Move], *, wait: bool = True) -> None:
         """Execute moves one after another, with their blends.
 
         After a move with a blend radius, they are blended with it; any other motion
-        ends first.  If this is cancelled, the arm slows down to rest.
+        ends first.  If this is cancelled while it waits, the arm slows down to rest.
 
         Args:
             moves: At least one; nothing moves if one of them is impossible.
-            when_begun: Called with the index of each move that begins.
+            wait: Whether to return when the last move has ended, or is about to be
+                blended; otherwise as soon as the motion is accepted.
 
         Raises:
             UnreachableError: If a move cannot be done, with its number and the reason.
@@ -93,26 +88,35 @@ class Moves:
         for warning in plan.warnings:
             logger.warning("%s: %s", self._box.arm, warning)
             self._box.messages.text(warning)
-        end = plan.zones[-1] - (self._lead if plan.tail else 0.0)
-        await self._until(running, end, when_begun)
+        if wait:
+            lead = self._lead if plan.tail else 0.0
+            await self._until(running, plan.zones[-1] - lead)
+
+    @property
+    def progress(self) -> int:
+        """The index of the move that is executed, of the last ones; -1 without."""
+        running = self._running
+        if running is None or self._has_ended(running):
+            return -1
+        return running.plan.move_at(self._path_time(running))
 
     async def movej(
         self, q: Sequence[float], a: float, v: float, t: float = 0.0, r: float = 0.0
     ) -> None:
         """Turn all joints in proportion, to positions [rad]."""
-        await self.execute([Move(kind="joint", q=q, a=a, v=v, t=t, r=r)])
+        await self.move([Move(kind="joint", q=q, a=a, v=v, t=t, r=r)])
 
     async def movel(
         self, pose: Sequence[float], a: float, v: float, t: float = 0.0, r: float = 0.0
     ) -> None:
         """Move the TCP on a line."""
-        await self.execute([Move(kind="linear", pose=pose, a=a, v=v, t=t, r=r)])
+        await self.move([Move(kind="linear", pose=pose, a=a, v=v, t=t, r=r)])
 
     async def movep(
         self, pose: Sequence[float], a: float, v: float, r: float = 0.0
     ) -> None:
         """Move the TCP on a line, with arcs at constant speed as blends."""
-        await self.execute([Move(kind="process", pose=pose, a=a, v=v, r=r)])
+        await self.move([Move(kind="process", pose=pose, a=a, v=v, r=r)])
 
     async def movec(  # noqa: PLR0917 (URScript's)
         self,
@@ -121,10 +125,10 @@ class Moves:
         a: float,
         v: float,
         r: float = 0.0,
-        mode: ArcMode = 0,
+        mode: int = 0,
     ) -> None:
         """Move the TCP on an arc."""
-        await self.execute(
+        await self.move(
             [
                 Move(
                     kind="circular",
@@ -142,7 +146,7 @@ class Moves:
         self, pose: Sequence[float], a: float, v: float, r: float = 0.0
     ) -> None:
         """Move the TCP as ``movep`` does."""
-        await self.execute([Move(kind="servo_circular", pose=pose, a=a, v=v, r=r)])
+        await self.move([Move(kind="servo_circular", pose=pose, a=a, v=v, r=r)])
 
     # ---- streams and stops ----------------------------------------------------------
 
@@ -168,7 +172,7 @@ class Moves:
 
     async def speedj(self, qd: Six, a: float, t: float | None = None) -> None:
         """Ramp to joint velocities [rad/s]; return after ``t``, or at full speed."""
-        box = self._box
+        box, a = self._box, _above_0(a)
         change = np.subtract(qd, box.arm_update.target_velocity)
         box.send(SpeedJoints(arm=box.arm, velocities=qd, acceleration=a))
         await box.sleep(float(np.abs(change).max()) / a if t is None else t)
@@ -177,7 +181,7 @@ class Moves:
         self, xd: Six, a: float, t: float | None = None, a_rot: float | None = None
     ) -> None:
         """Ramp to a velocity of the TCP [m/s, rad/s]; return as ``speedj`` does."""
-        box = self._box
+        box, a = self._box, _above_0(a)
         change = np.subtract(xd, box.tcp_speed(target=True))
         box.send(SpeedTool(arm=box.arm, twist=xd, acceleration=a, tcp=box.tcp))
         if t is None:
@@ -187,14 +191,16 @@ class Moves:
     async def stopj(self, a: float = 2.0) -> None:
         """Ramp down to rest from any motion; ``a`` is the leading joint's [rad/s²]."""
         box = self._box
-        await box.call(StopArm(arm=box.arm, deceleration=min(max(a, 1e-3), 1000.0)))
+        await box.call(StopArm(arm=box.arm, deceleration=_above_0(a)))
         await self._rest()
 
     async def stopl(self, a: float = 20.0, a_rot: float | None = None) -> None:
         """Ramp down to rest in the time that the TCP needs with ``a`` [m/s²]."""
         fastest = float(np.abs(self._box.arm_update.target_velocity).max())
-        duration = _duration(np.array(self._box.tcp_speed(target=True)), a, a_rot)
-        await self.stopj(fastest / duration if duration > 0.0 else a)
+        duration = _duration(
+            np.array(self._box.tcp_speed(target=True)), _above_0(a), a_rot
+        )
+        await self.stopj(fastest / duration if duration * fastest > 0.0 else a)
 
     # ---- paths ----------------------------------------------------------------------
 
@@ -230,9 +236,8 @@ class Moves:
         for _ in range(_ATTEMPTS):
             if plan.tail is None or self._has_ended(running):
                 return None
-            update, before = box.arm_update, box.time
-            passed = update.path_time if update.path == running.number else 0.0
-            at = max(plan.tail.entry, passed + margin)
+            before = box.time
+            at = max(plan.tail.entry, self._path_time(running) + margin)
             rest = await _planned(partial(planner.resume, plan, at, moves), moves)
             if rest is None:
                 return None
@@ -268,28 +273,25 @@ class Moves:
 
     # ---- waiting --------------------------------------------------------------------
 
-    async def _until(
-        self,
-        running: _Running,
-        time: float,
-        when_begun: Callable[[int], None] = lambda index: None,
-    ) -> None:
+    async def _until(self, running: _Running, time: float) -> None:
         """Wait until a path is at a time; or until it ended, or was left."""
-        box, begun = self._box, -1
+        box = self._box
         try:
-            while True:
-                update = box.arm_update
-                here = update.path_time if update.path == running.number else 0.0
-                while begun < running.plan.move_at(here):
-                    begun += 1
-                    when_begun(begun)
-                if here >= time - _ROUNDING or self._has_ended(running):
-                    return
-                await box.next_update()
+            await box.until(
+                lambda: (
+                    self._path_time(running) >= time - _ROUNDING
+                    or self._has_ended(running)
+                )
+            )
         except asyncio.CancelledError:
             if not self._has_ended(running):
                 box.send(StopArm(arm=box.arm, deceleration=STOP))
             raise
+
+    def _path_time(self, running: _Running) -> float:
+        """Return where a path is, 0 before it [s]."""
+        update = self._box.arm_update
+        return update.path_time if update.path == running.number else 0.0
 
     def _has_ended(self, running: _Running) -> bool:
         """Return whether a path was followed to its end, or left."""
@@ -309,6 +311,13 @@ async def _planned(plan: Callable[[], T], moves: Sequence[Move]) -> T:
     if len(moves) == 1 and moves[0].kind == "joint":
         return plan()
     return await asyncio.to_thread(plan)
+
+
+def _above_0(acceleration: float) -> float:
+    """Return an acceleration within what requests accept; ControlError unless > 0."""
+    if not acceleration > 0.0:
+        raise ControlError(f"an acceleration must be above 0, got {acceleration}")
+    return min(acceleration, 1000.0)
 
 
 def _duration(change: Array, a: float, a_rot: float | None) -> float:

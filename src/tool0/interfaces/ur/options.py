@@ -1,4 +1,4 @@
-"""The options of the UR interface."""
+"""The options of the UR interface, and where it serves each arm."""
 
 from __future__ import annotations
 
@@ -27,6 +27,8 @@ class UrOptions:
     """Folder with the programs that the dashboard server can load."""
     allow_sockets: bool = False
     """Whether URScript programs may connect to other machines."""
+    active_gripper: bool = False
+    """Whether grippers start activated, as if somebody had done it at the pendant."""
 
     def __post_init__(self) -> None:
         try:
@@ -56,3 +58,16 @@ class UrOptions:
                 "give the address of the first arm"
             )
         return str(ipaddress.IPv4Address(self.host) + number)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UrArm:
+    """Where an arm is served as a UR."""
+
+    address: str
+    """With the ports of a UR, and its gripper's socket on 63352."""
+    modbus_port: int | None = None
+    """Of its gripper at this address; None without one."""
+    serial_port: str | None = None
+    """File of the serial port with the gripper's Modbus RTU; None without one."""

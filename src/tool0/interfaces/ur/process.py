@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, final
 
 from tool0.errors import TransportError
 from tool0.interfaces.companion import START_TIMEOUT, Companion, served_name
-from tool0.interfaces.ur.options import UrOptions
+from tool0.interfaces.ur.options import UrArm, UrOptions
 
 if TYPE_CHECKING:
     from tool0.api.robot import Robot
@@ -50,15 +50,15 @@ class UrController(contextlib.AbstractContextManager["UrController"]):
             )
             self._stack = stack.pop_all()
 
-    def wait(self, timeout: float = START_TIMEOUT) -> dict[str, str]:
-        """Wait until the ports are open; return arm → address, and what else to say.
+    def wait(self, timeout: float = START_TIMEOUT) -> dict[str, UrArm]:
+        """Wait until the ports are open; return where each arm is served.
 
         Raises:
             TransportError: If a port cannot be listened on, or not within ``timeout``
                 [wall s].
         """
-        arms: dict[str, str] = self._companion.wait(timeout)["arms"]
-        return arms
+        arms = self._companion.wait(timeout)["arms"]
+        return {name: UrArm(**row) for name, row in arms.items()}
 
     @property
     def pid(self) -> int | None:
@@ -83,4 +83,6 @@ def _command(name: str, options: UrOptions) -> list[str]:
         command += ["--programs", str(options.programs)]
     if options.allow_sockets:
         command.append("--allow-sockets")
+    if options.active_gripper:
+        command.append("--active-gripper")
     return command

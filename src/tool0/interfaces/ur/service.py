@@ -8,11 +8,10 @@ import time
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final, Protocol
 
-from tool0.api.address import folders
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error, TransportError
 from tool0.interfaces.ur.box import Box
-from tool0.interfaces.ur.options import UrOptions
+from tool0.interfaces.ur.options import UrArm, UrOptions
 from tool0.requests.arm import ListArms
 from tool0.requests.updates import SubscribeUpdates, UpdateMessage
 
@@ -51,7 +50,9 @@ def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
             serial_port_path,
         )
 
-        port = serial_port_path(folders()[0], box.bringup, box.arm)
+        if options.active_gripper:
+            box.gripper.assume_activated()
+        port = serial_port_path(box.bringup, box.arm)
         interfaces.append(RobotiqInterface(box.gripper, port))
     return interfaces
 
@@ -71,9 +72,9 @@ async def connected(name: str) -> SocketChannel:
 async def serve(
     channel: SocketChannel,
     options: UrOptions,
-    ready: Callable[[Mapping[str, str]], None],
+    ready: Callable[[Mapping[str, UrArm]], None],
 ) -> None:
-    """Serve the arms of a bring-up until it ends; ``ready`` gets their addresses.
+    """Serve the arms of a bring-up until it ends; ``ready`` gets where.
 
     Raises:
         TransportError: If there is no arm, or a port is in use.
@@ -113,16 +114,31 @@ async def serve(
         Box(channel, arm, update, allow_sockets=options.allow_sockets) for arm in arms
     ]
     async with contextlib.AsyncExitStack() as stack:
-        addresses = {}
+        served = {}
         for number, box in enumerate(boxes):
-            host = addresses[box.arm] = options.host_of(number)
-            for interface in interfaces_of(box, options):
+            host, interfaces = options.host_of(number), interfaces_of(box, options)
+            for interface in interfaces:
                 stack.push_async_callback(_closing(interface))
                 await interface.start(host, options.port_base)
-        ready(addresses)
+            served[box.arm] = _served(host, interfaces)
+        ready(served)
         await has_ended.wait()
         for box in boxes:
             await box.programs.stop()
+
+
+def _served(host: str, interfaces: list[Interface]) -> UrArm:
+    """Return where an arm's interfaces, which have started, are."""
+    from tool0.interfaces.ur.robotiq.interface import RobotiqInterface
+
+    for interface in interfaces:
+        if isinstance(interface, RobotiqInterface):
+            return UrArm(
+                address=host,
+                modbus_port=interface.modbus_tcp.number,
+                serial_port=str(interface.serial_port),
+            )
+    return UrArm(address=host)
 
 
 def _closing(interface: Interface) -> Callable[[], Awaitable[None]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from typing import Any, Final, Protocol, TypeVar, final
@@ -31,6 +32,9 @@ by then, the state of the simulation knows it."""
 MOVED: Final = 0.0005
 """Change of the opening from which fingers at rest are looked at again [m]: an object
 that is lost lets them close further."""
+STILL: Final = 0.0001
+"""Change of the opening between two looks, below which fingers near their goal have
+arrived [m]: a third of a count."""
 ELSEWHERE: Final = 0.002
 """Distance from the requested opening from which fingers at their goal were moved by
 somebody else [m]."""
@@ -72,8 +76,6 @@ class RobotiqGripper:
         name: str,
         geometry: ParallelGripper,
         joint_index: int,
-        *,
-        is_activated: bool = False,
     ) -> None:
         """Show a gripper that has just been powered on.
 
@@ -82,16 +84,15 @@ class RobotiqGripper:
             name: As ``Grip`` calls it.
             geometry: Its opening, speed and force.
             joint_index: Of its driven joint in the updates.
-            is_activated: Whether it has its activation behind it.  A real one has not.
         """
         self.name = name
         self.counts = Counts(geometry)
         self._geometry = geometry
         self._link = link
         self._index = joint_index
-        self.command = replace(POWER_ON, activate=is_activated)
+        self.command = POWER_ON
         """What clients request."""
-        self._activation = Activation.COMPLETE if is_activated else Activation.RESET
+        self._activation = Activation.RESET
         self._object = ObjectStatus.MOVING
         self._fault = Fault.NONE
         self._goal: float | None = None
@@ -100,6 +101,11 @@ class RobotiqGripper:
         self._changed = asyncio.Event()
         self._waits: list[tuple[Callable[[], bool], asyncio.Event]] = []
         link.when_updated.add(self._look_at_update)
+
+    def assume_activated(self) -> None:
+        """Have the activation behind it, as if somebody had done it at the pendant."""
+        self.command = replace(self.command, activate=True)
+        self._activation = Activation.COMPLETE
 
     async def close(self) -> None:
         """Follow the simulation no longer; the fingers go on with what they do."""
@@ -302,12 +308,9 @@ class RobotiqGripper:
     async def _watch(self) -> None:
         """Follow the fingers, until the next command."""
         while True:
-            state = await self._read()
+            state = await self._settle()
             self._show(state)
-            if state.motion == "moving":
-                await self._pass(POLL_PERIOD)
-            else:
-                await self._until_moved(state.opening)
+            await self._until_moved(state.opening)
 
     def _show(self, state: GraspState) -> None:
         """Translate what the simulation measures."""
@@ -342,13 +345,20 @@ class RobotiqGripper:
         )
         await self._pass(POLL_PERIOD)
 
-    async def _settle(self) -> None:
-        """Wait until the fingers have arrived, or met something."""
-        while (await self._read()).motion == "moving":
+    async def _settle(self) -> GraspState:
+        """Wait until the fingers stand still, and return what they do."""
+        opening = math.inf
+        while True:
+            state = await self._link.call(ReadGripper(gripper=self.name))
+            creeps = abs(state.opening - opening) > STILL
+            if state.motion != "moving" and not (
+                creeps and state.motion == "at_target"
+            ):
+                return state
+            opening = state.opening
+            if state.motion == "moving":
+                self._object = ObjectStatus.MOVING
             await self._pass(POLL_PERIOD)
-
-    async def _read(self) -> GraspState:
-        return await self._link.call(ReadGripper(gripper=self.name))
 
     # ---- power and time -------------------------------------------------------------
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 from pathlib import Path
 from typing import final
 
+from tool0.api.address import folders, socket_path
 from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
 from tool0.interfaces.ur.robotiq.modbus_rtu import ModbusRtu
 from tool0.interfaces.ur.robotiq.modbus_tcp import ModbusTcp
 from tool0.interfaces.ur.robotiq.urcap import UrcapSocket
+
+logger = logging.getLogger(__name__)
 
 
 @final
@@ -32,13 +36,18 @@ class RobotiqInterface:
             self._stack.push_async_callback(server.close)
             await server.start(host, port_base)
         self._stack.callback(self._modbus_rtu.close)
-        self._modbus_rtu.open()
+        try:
+            self._modbus_rtu.open()
+        except OSError as error:  # a container may have no pseudo-terminals
+            logger.warning("no serial port for the gripper: %s", error)
 
     async def close(self) -> None:
         """Close everything; the fingers go on with what they do."""
         await self._stack.aclose()
 
 
-def serial_port_path(folder: Path, bringup: str, arm: str) -> Path:
-    """Return where the serial port of a gripper is, beside the bring-up's socket."""
-    return folder / f"{bringup}-{arm}-gripper"
+def serial_port_path(bringup: str, arm: str) -> Path:
+    """Return where the serial port of a gripper is: beside the bring-up's socket."""
+    sockets = (socket_path(folder, bringup) for folder in folders())
+    found = next(path for path in sockets if path.exists())
+    return found.with_name(f"{bringup}-{arm}-gripper")

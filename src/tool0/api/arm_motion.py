@@ -1,0 +1,211 @@
+"""The handle that moves an arm in place of its controllers: paths, streams, forces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Literal, cast, final
+
+from tool0.api.channel import Channel
+from tool0.requests import arm_motion as requests
+from tool0.requests.updates import ArmUpdate
+
+Rows = Sequence[Sequence[float]]
+_NO_POSE = (0.0,) * 6
+_ALL = (True,) * 6
+
+
+@final
+class ArmMotion:
+    """Moves an arm as a robot's own controller does: by what you plan yourself.
+
+    Take the arm first; its controllers stop, and start again when you give it back.
+    Joints are in the order from base to flange.  Poses are UR's: position and rotation
+    vector [m, rad] in the frame of the link ``base``.
+    """
+
+    def __init__(self, arm: str, channel: Channel) -> None:
+        self._arm = arm
+        self._channel = channel
+
+    @property
+    def state(self) -> ArmUpdate:
+        """Setpoint, mode, path and external wrench, as they are now."""
+        return self._channel.call(requests.ReadArmMotion(arm=self._arm))
+
+    @contextmanager
+    def taken(self, by: str = "Python") -> Iterator[ArmMotion]:
+        """Take the arm for a block, and give it back."""
+        self.take(by)
+        try:
+            yield self
+        finally:
+            self.give_back()
+
+    def take(self, by: str = "Python") -> None:
+        """Stop the arm's controllers and hold still; ``by`` is shown to people.
+
+        Raises:
+            ControlError: If the arm is switched off or stopped.
+        """
+        self._channel.call(requests.TakeArm(arm=self._arm, by=by))
+
+    def give_back(self) -> None:
+        """Stop, and let the controllers start again."""
+        self._channel.call(requests.ReturnArm(arm=self._arm))
+
+    def execute_path(
+        self,
+        times: Sequence[float],
+        positions: Rows,
+        velocities: Rows,
+        accelerations: Rows = (),
+        *,
+        after: int | None = None,
+        at: float | None = None,
+    ) -> int:
+        """Follow a path that starts with the setpoint; return its number.
+
+        Args:
+            times: Of the knots after the start [s].
+            positions: [rad], shape (n_knots, 6).
+            velocities: [rad/s], the same shape; 0 at the end.
+            accelerations: [rad/s²]; with them, the path is made of quintics, otherwise
+                of cubics.
+            after: The number of a path that this one replaces.
+            at: From which time of that path on [s].
+
+        Raises:
+            ControlError: If the joints cannot follow it, or it does not start there.
+        """
+        request = requests.ExecutePath(
+            arm=self._arm,
+            times=cast("tuple[float, ...]", times),
+            positions=cast("requests.Rows6", positions),
+            velocities=cast("requests.Rows6", velocities),
+            accelerations=cast("requests.Rows6", accelerations),
+            after=after,
+            at=at,
+        )
+        return self._channel.call(request)
+
+    def stop(self, deceleration: float = 2.0, *, along_path: bool = False) -> None:
+        """Ramp down to rest.
+
+        Args:
+            deceleration: Of the leading joint [rad/s²]; of the path's speed [1/s] if
+                the arm is to stay on its path.
+            along_path: Whether it does.
+        """
+        self._channel.call(
+            requests.StopArm(
+                arm=self._arm, deceleration=deceleration, along_path=along_path
+            )
+        )
+
+    def servo_joints(
+        self,
+        positions: Sequence[float],
+        *,
+        lookahead_time: float = 0.1,
+        gain: float = 300.0,
+    ) -> None:
+        """Follow a target from now on [rad]; send the next one soon."""
+        self._channel.call(
+            requests.ServoJoints(
+                arm=self._arm,
+                positions=_six(positions),
+                lookahead_time=lookahead_time,
+                gain=gain,
+            )
+        )
+
+    def speed_joints(
+        self,
+        velocities: Sequence[float],
+        acceleration: float = 1.4,
+        duration: float | None = None,
+    ) -> None:
+        """Ramp to joint velocities [rad/s], and to rest after ``duration`` [s]."""
+        self._channel.call(
+            requests.SpeedJoints(
+                arm=self._arm,
+                velocities=_six(velocities),
+                acceleration=acceleration,
+                duration=duration,
+            )
+        )
+
+    def speed_tool(
+        self,
+        twist: Sequence[float],
+        acceleration: float = 1.2,
+        duration: float | None = None,
+        *,
+        tcp: Sequence[float] = _NO_POSE,
+    ) -> None:
+        """Ramp to a velocity of the point ``tcp``, in the axes of the base.
+
+        ``twist`` is [m/s, rad/s]; after ``duration`` [s] the arm ramps to rest.
+        """
+        self._channel.call(
+            requests.SpeedTool(
+                arm=self._arm,
+                twist=_six(twist),
+                acceleration=acceleration,
+                duration=duration,
+                tcp=_six(tcp),
+            )
+        )
+
+    def start_force_mode(
+        self,
+        wrench: Sequence[float],
+        selection: Sequence[bool],
+        *,
+        limits: Sequence[float] = (0.1, 0.1, 0.1, 0.5, 0.5, 0.5),
+        frame: Sequence[float] = _NO_POSE,
+        kind: Literal[1, 2, 3] = 2,
+        tcp: Sequence[float] = _NO_POSE,
+    ) -> None:
+        """Push with a force [N, N·m] along the selected axes of a frame.
+
+        ``limits`` are the largest speeds along those, and the largest deviations along
+        the others that the arm resists with more force.
+        """
+        self._channel.call(
+            requests.StartForceMode(
+                arm=self._arm,
+                frame=_six(frame),
+                selection=_six_flags(selection),
+                wrench=_six(wrench),
+                limits=_six(limits),
+                kind=kind,
+                tcp=_six(tcp),
+            )
+        )
+
+    def end_force_mode(self) -> None:
+        """Stop pushing, and stop where the arm is."""
+        self._channel.call(requests.EndForceMode(arm=self._arm))
+
+    def start_freedrive(self, axes: Sequence[bool] = _ALL) -> None:
+        """Let the arm be pushed around, along these ``axes`` of the base."""
+        request = requests.StartFreedrive(arm=self._arm, axes=_six_flags(axes))
+        self._channel.call(request)
+
+    def end_freedrive(self) -> None:
+        """Hold the arm where it is."""
+        self._channel.call(requests.EndFreedrive(arm=self._arm))
+
+    def zero_wrench(self) -> None:
+        """Let the external wrench of ``state`` be 0 now."""
+        self._channel.call(requests.ZeroWrench(arm=self._arm))
+
+
+def _six(values: Sequence[float]) -> requests.Row6:
+    return cast("requests.Row6", values)  # the request checks it
+
+
+def _six_flags(values: Sequence[bool]) -> requests.Flags6:
+    return cast("requests.Flags6", values)

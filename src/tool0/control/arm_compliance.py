@@ -1,0 +1,198 @@
+"""Force mode and freedrive: an arm that gives way along some axes, by its efforts.
+
+The efforts balance gravity.  Along the other axes of a frame, stiff virtual springs and
+dampers, scaled by the inertia, keep the tool on its nominal motion.  Along the axes
+that give way, the tool pushes with a commanded force, against a damping.  Nothing is
+measured there: at rest the force on the environment is the commanded one, whatever the
+stiffness of the environment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, final
+
+import numpy as np
+
+from tool0.control.arm_model import ArmModel, Placement
+from tool0.control.arm_setpoint import ArmSetpoint
+from tool0.control.arm_stream import damped_inverse
+from tool0.hardware.engine import JointSelector, JointState
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+BANDWIDTH: Final = 60.0
+"""Natural frequency of the springs [rad/s], if the step of the physics allows it."""
+LARGEST_STEP: Final = 0.2
+"""Largest product of a rate and the physics step: the springs stay stable."""
+DAMPING_RANGE: Final = (10.0, 200.0)
+"""Decay rates of a motion that nothing drives, for a damping parameter of 0 and 1
+[1/s]."""
+FREEDRIVE_DAMPING: Final = 8.0
+"""The same in freedrive [1/s]."""
+JOINT_DAMPING: Final = 1.0
+"""Of the joints' deviation from their nominal motion [1/s], for singular postures."""
+EASE: Final = 0.3
+"""Part of a speed limit below it in which the force fades."""
+SLOW: Final = 1e-3
+"""A slower TCP has no direction of motion [m/s]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ComplianceTask:
+    """What gives way, and what it pushes with: the arguments of ``force_mode``."""
+
+    frame: Array
+    """The task's frame in the base, shape (4, 4)."""
+    free: Array
+    """Whether each axis gives way: x, y, z, and about them, shape (6,) of bool."""
+    wrench: Array
+    """What the tool applies to its environment along those [N, N·m], shape (6,)."""
+    kind: int = 2
+    """1: the y axis points from the TCP to the frame's origin.  2: the frame is fixed.
+    3: the x axis is the TCP's velocity, projected onto the frame's xy plane."""
+    limits: Array
+    """Largest speeds of axes that give way [m/s, rad/s], and largest deviations that
+    the others resist with more force [m, rad], shape (6,)."""
+    lever: Array
+    """The TCP in the flange's frame [m], shape (3,)."""
+    damping: float
+    """Rate at which a motion decays that nothing drives [1/s]."""
+    is_freedrive: bool = False
+
+    def axes(self, position: Array, velocity: Array) -> Array:
+        """Return the axes in which the wrench is given, as columns, shape (3, 3).
+
+        ``position`` and ``velocity`` are the TCP's in the base.
+        """
+        R = self.frame[:3, :3]
+        z = R[:, 2]
+        if self.kind == 1:
+            y = _unit(self.frame[:3, 3] - position)
+            x = _unit(np.cross(y, z)) if y is not None else None
+            return R if x is None or y is None else np.stack([x, y, np.cross(x, y)], 1)
+        if self.kind == 3:
+            x = _unit(velocity - z * (z @ velocity), SLOW)
+            return R if x is None else np.stack([x, np.cross(z, x), z], 1)
+        return R
+
+
+def force_damping(damping: float, gain_scaling: float) -> float:
+    """Return the rate of decay [1/s] for the parameters of ``force_mode``."""
+    least, most = DAMPING_RANGE
+    return (least + damping * (most - least)) / gain_scaling
+
+
+def _unit(vector: Array, least: float = 1e-6) -> Array | None:
+    size = float(np.linalg.norm(vector))
+    return vector / size if size > least else None
+
+
+@final
+class Compliance:
+    """Turns a nominal motion into efforts, as a task demands."""
+
+    def __init__(
+        self, model: ArmModel, task: ComplianceTask, select: JointSelector
+    ) -> None:
+        """Follow no motion yet; ``select`` takes the arm's joints out of a state."""
+        self.task = task
+        self._model = model
+        self._select = select
+        self._nominal: tuple[float, ArmSetpoint] | None = None
+        """Since when the nominal motion is known [s], and what it was then."""
+        self._known: tuple[Sequence[float], Placement] | None = None
+        """Where the TCP was placed last, and for which positions."""
+
+    def follow(self, nominal: ArmSetpoint, time: float) -> None:
+        """Take the nominal motion at ``time`` [s], with constant accelerations."""
+        self._nominal = time, nominal
+
+    def efforts(self, state: JointState, dt: float) -> list[float]:
+        """Return the efforts of the joints in the coming step of ``dt`` [N·m]."""
+        task = self.task
+        position = np.asarray(self._select(state.position))
+        speed = np.asarray(self._select(state.velocity))
+        nominal = self._nominal_at(state.time)
+        masses, weight = self._model.dynamics(state)
+        here = self._model.place(position, task.lever)
+        J = here.jacobian
+        twist = J @ speed
+        goal = self._placed(nominal)
+        nominal_twist = goal.jacobian @ np.asarray(nominal.velocities)
+        R = task.axes(here.position, nominal_twist[:3])
+        axes = np.zeros((6, 6))
+        axes[:3, :3] = axes[3:, 3:] = R.T
+        error = axes @ _pose_error(here, goal)
+        error = np.clip(error, -task.limits, task.limits)
+        velocity = axes @ twist
+        slip = axes @ nominal_twist - velocity
+        rate = min(BANDWIDTH, LARGEST_STEP / dt)
+        ahead = axes @ (goal.jacobian @ np.asarray(nominal.accelerations))
+        held = ahead + rate * (rate * error + 2.0 * slip)
+        wanted = np.where(task.free, -self._drag(velocity, dt), held)
+        pushed = np.where(task.free, self._share(velocity) * task.wrench, 0.0)
+        efforts = (
+            weight
+            + masses @ damped_inverse(J, axes.T @ wanted)
+            + masses @ (JOINT_DAMPING * (np.asarray(nominal.velocities) - speed))
+            + J.T @ (axes.T @ pushed)
+        )
+        found: list[float] = efforts.tolist()
+        return found
+
+    def _share(self, velocity: Array) -> Array:
+        """Return which part of the wrench acts along each axis, shape (6,).
+
+        It fades towards the speed limit in its own direction.
+        """
+        task = self.task
+        left = task.limits - velocity * np.sign(task.wrench)
+        return np.clip(left / (EASE * task.limits), 0.0, 1.0)
+
+    def _drag(self, velocity: Array, dt: float) -> Array:
+        """Return the deceleration along axes that give way [m/s², rad/s²], shape (6,).
+
+        A motion beyond the limit is damped as much as is stable.
+        """
+        task, most = self.task, LARGEST_STEP / dt
+        excess = np.clip(np.abs(velocity) - task.limits, 0.0, None) * np.sign(velocity)
+        return np.asarray(min(task.damping, most) * velocity + most * excess)
+
+    def _nominal_at(self, time: float) -> ArmSetpoint:
+        assert self._nominal is not None  # the tick has told it
+        since, nominal = self._nominal
+        t = time - since
+        if nominal.is_at_rest or t == 0.0:
+            return nominal
+        return ArmSetpoint(
+            tuple(q + t * (v + 0.5 * t * a) for q, v, a in zip(*nominal, strict=True)),
+            tuple(
+                v + t * a
+                for v, a in zip(nominal.velocities, nominal.accelerations, strict=True)
+            ),
+            nominal.accelerations,
+        )
+
+    def _placed(self, nominal: ArmSetpoint) -> Placement:
+        """Return where the nominal motion has the TCP; it mostly rests."""
+        known = self._known
+        if known is None or known[0] != nominal.positions:
+            place = self._model.place(np.asarray(nominal.positions), self.task.lever)
+            self._known = known = nominal.positions, place
+        return known[1]
+
+
+def _pose_error(here: Placement, goal: Placement) -> Array:
+    """Return the way from here to the goal in the base's axes [m, rad], shape (6,).
+
+    The rotation is the sine of its angle about its axis: for small angles the angle.
+    """
+    R = goal.rotation @ here.rotation.T
+    turn = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    return np.concatenate([goal.position - here.position, turn])

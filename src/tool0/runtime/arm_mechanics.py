@@ -1,0 +1,77 @@
+"""Kinematics and dynamics of an arm, in the base frame of UR, for what moves it."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, final
+
+from tool0.control.arm_model import ArmDynamics, Placement
+from tool0.description.model import FLANGE, RobotModel
+from tool0.hardware.engine import JointState
+from tool0.hardware.robot_hardware import RobotHardware
+
+if TYPE_CHECKING:
+    from tool0.kinematics.chain import ArmChain, Array
+
+
+MASS_PERIOD: Final = 0.032
+"""Time between updates of the mass matrix [s]; a wrist turns 0.1 rad in it."""
+
+
+@final
+class ArmMechanics:
+    """Poses, Jacobians, masses and weights of one arm.
+
+    The base frame is the link ``<prefix>base``, base_link turned by pi about z, as the
+    arm's control box has it; without such a link, it is the link that carries the arm.
+    """
+
+    def __init__(self, model: RobotModel, arm: str, hardware: RobotHardware) -> None:
+        """Compute nothing yet: numpy is only needed by some requests."""
+        self._model, self._arm, self._hardware = model, arm, hardware
+        self._masses: tuple[float, Array] | None = None
+        """When the mass matrix was computed [s], and the matrix."""
+
+    @cached_property
+    def chain(self) -> ArmChain:
+        """Its six joints."""
+        from tool0.kinematics.chain import find_chains
+
+        return find_chains(self._model)[self._arm]
+
+    @cached_property
+    def T_base_chain(self) -> Array:
+        """The link that carries the arm in the base frame, shape (4, 4)."""
+        import numpy as np
+
+        from tool0.kinematics.chain import fixed_transform
+
+        base = self.chain.tip.removesuffix(FLANGE) + "base"
+        if all(link.name != base for link in self._model.links):
+            return np.eye(4)
+        return fixed_transform(self._model, base, self.chain.base).matrix
+
+    def place(self, q: Array, lever: Array) -> Placement:
+        """Return where the point ``lever`` of the flange is at ``q`` [rad]."""
+        import numpy as np
+
+        posture = self.chain.forward(q[None])
+        T, J = posture.T_base_tip[0], posture.jacobian[0]
+        base = self.T_base_chain
+        R = base[:3, :3]
+        arm = T[:3, :3] @ lever
+        position = base[:3, 3] + R @ (T[:3, 3] + arm)
+        linear = J[:3] + np.cross(J[3:], arm, axisa=0).T
+        return Placement(
+            position, R @ T[:3, :3], np.concatenate([R @ linear, R @ J[3:]])
+        )
+
+    def dynamics(self, state: JointState) -> ArmDynamics:
+        """Return the mass matrix of the joints, and the efforts that hold them."""
+        import numpy as np
+
+        names, hardware = self.chain.joint_names, self._hardware
+        known = self._masses
+        if known is None or not 0.0 <= state.time - known[0] < MASS_PERIOD:
+            self._masses = known = state.time, hardware.masses_of(names, state)
+        return ArmDynamics(known[1], np.array(hardware.weights_of(names, state)))

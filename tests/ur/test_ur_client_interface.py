@@ -1,0 +1,344 @@
+"""The primary, secondary and real-time interface, with plain sockets and urx."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from ur_packets import Packets, unpack
+from ur_rig import UrRig, ur_rig
+
+from tool0.requests.control_box import SetIO, SetTcp, StopProtectively
+
+HOME = (0.3, -1.6, 1.8, -1.7, -1.5, 0.2)
+TCP = (0.01, 0.02, 0.1, 0.0, 0.0, 0.5)
+PRIMARY, SECONDARY, REALTIME = 30001, 30002, 30003
+
+
+@pytest.fixture(scope="module")
+def rig() -> Iterator[UrRig]:
+    with ur_rig(speed=4.0) as rig:
+        yield rig
+
+
+@pytest.fixture
+def clients(rig):
+    """Connects to ports, and leaves them at the end."""
+    connections = []
+
+    def connect(port: int) -> Packets:
+        connections.append(rig.connect(port))
+        return Packets(connections[-1])
+
+    yield connect
+    for connection in connections:
+        connection.close()
+    dashboard = rig.dashboard()
+    dashboard.ask("stop")
+    dashboard.close()
+
+
+@pytest.fixture
+def still(rig):
+    """The robot while time does not pass, with pins, payload and a tool."""
+    rig.robot.arm.control_box.set_payload(1.5, (0.0, 0.01, 0.05))
+    call = rig.robot.channel.call
+    call(SetIO(digital_outputs={0: True, 9: True}, digital_inputs={2: True}))
+    call(SetTcp(pose=TCP))
+    rig.robot.pause()
+    yield rig.robot
+    rig.robot.resume()
+
+
+def matrix(pose) -> np.ndarray:
+    """Return a pose with a rotation vector as a matrix."""
+    angle = float(np.linalg.norm(pose[3:]))
+    x, y, z = np.divide(pose[3:], angle or 1.0)
+    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    T = np.eye(4)
+    T[:3, :3] += np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+    T[:3, 3] = pose[:3]
+    return T
+
+
+def true_tcp(robot) -> np.ndarray:
+    """Return the pose of the TCP in UR's base frame."""
+    return robot.pose("tool0", "base").matrix @ matrix(TCP)
+
+
+def positions(robot) -> list[float]:
+    return list(robot.arm.joints.values())
+
+
+@pytest.mark.parametrize("port", [PRIMARY, SECONDARY, 30011, 30012])
+def test_a_version_and_a_complete_state_come_first(clients, port):
+    packets = clients(port)
+    kind, version = next(packets.messages())
+    assert kind == "version"
+    assert (version["name"], version["major"], version["minor"]) == ("URControl", 5, 16)
+    state = next(packets.states())
+    assert {"kinematics", "configuration"} <= set(state)
+    assert {"kinematics", "configuration"}.isdisjoint(next(packets.states()))
+
+
+def test_sub_packages_have_the_sizes_of_a_ur5e(clients):
+    state = next(clients(PRIMARY).states())
+    sizes = {name[:-5]: size for name, size in state.items() if name.endswith("_size")}
+    assert sizes == {  # of a state of UR's own simulator, 5.8
+        "mode": 47,
+        "cartesian": 101,
+        "kinematics": 225,
+        "masterboard": 75,
+        "tool": 37,
+        "configuration": 445,
+        "force": 61,
+        "additional": 9,
+        "connection": 26,
+        "tool_mode": 8,
+    }
+
+
+def test_the_state_is_that_of_the_robot(clients, still):
+    state = next(clients(SECONDARY).states())
+    q = positions(still)
+    assert [joint["q_actual"] for joint in state["joints"]] == pytest.approx(
+        q, abs=1e-9
+    )
+    assert [joint["mode"] for joint in state["joints"]] == [253] * 6
+    pose = [state["cartesian"][k] for k in ("X", "Y", "Z", "Rx", "Ry", "Rz")]
+    np.testing.assert_allclose(matrix(pose), true_tcp(still), atol=1e-9)
+    offset = [state["cartesian"][k] for k in ("x", "y", "z", "rx", "ry", "rz")]
+    assert offset == pytest.approx(TCP)
+    board = state["masterboard"]
+    assert (board["inputs"], board["outputs"]) == (0b100, 0b10_0000_0001)
+    assert (board["safety_mode"], board["reduced"]) == (1, 0)
+    mode = state["mode"]
+    assert mode["timestamp"] == pytest.approx(still.time * 1e9)
+    assert mode["robot_mode"] == 7
+    assert mode["power_on"]
+    assert not mode["program_running"]
+    assert not mode["protective_stopped"]
+
+
+def test_the_kinematics_are_those_of_a_ur5e(clients):
+    """Nominal parameters as UR publishes them."""
+    kinematics = next(clients(PRIMARY).states())["kinematics"]
+    assert kinematics["a"] == pytest.approx((0, -0.425, -0.3922, 0, 0, 0), abs=1e-6)
+    assert kinematics["d"] == pytest.approx(
+        (0.1625, 0, 0, 0.1333, 0.0997, 0.0996), abs=1e-6
+    )
+    assert kinematics["checksum"] == (0xFFFFFFFF,) * 6
+
+
+def test_the_real_time_packet_is_that_of_the_robot(clients, still):
+    values = clients(REALTIME).realtime()
+    assert values["time"] == still.time
+    assert values["q_actual"] == pytest.approx(positions(still), abs=1e-9)
+    np.testing.assert_allclose(
+        matrix(values["tool_vector"]), true_tcp(still), atol=1e-9
+    )
+    assert values["robot_mode"] == 7.0
+    assert values["joint_modes"] == (253.0,) * 6
+    assert values["safety_mode"] == values["safety_status"] == 1.0
+    assert values["digital_inputs"] == 0b100
+    assert values["digital_outputs"] == 0b10_0000_0001
+    assert values["speed_scaling"] == 1.0
+    assert values["payload_mass"] == 1.5
+    assert values["payload_cog"] == (0.0, 0.01, 0.05)
+    assert np.linalg.norm(values["accelerometer"]) == pytest.approx(9.81, abs=0.01)
+
+
+def test_every_update_is_sent_in_real_time(clients):
+    packets = clients(REALTIME)
+    times = [packets.realtime()["time"] for _ in range(100)]
+    periods = np.diff(times)
+    assert (periods > 0.0).all()
+    assert np.median(periods) == pytest.approx(0.002, abs=1e-9)
+
+
+def test_the_state_comes_ten_times_a_second(clients):
+    states = clients(PRIMARY).states()
+    times = [next(states)["mode"]["timestamp"] for _ in range(6)]
+    assert np.diff(times[1:]) == pytest.approx(0.1e9, rel=0.05)
+
+
+def test_a_program_runs_and_is_announced(rig, clients):
+    packets = clients(PRIMARY)
+    messages = packets.messages()
+    next(messages)  # the version
+    script = (
+        'def hello():\n  textmsg("hello ", 7)\n  popup("done?", "Question")\n'
+        f"  movej({list(HOME)}, a=8, v=3)\nend\n"
+    )
+    for piece in (script[:20], script[20:]):
+        packets.connection.sendall(piece.encode())
+    kind, started = next(messages)
+    assert (kind, started["title"], started["text"]) == (
+        "key",
+        "PROGRAM_XXX_STARTED",
+        "hello",
+    )
+    assert next(messages)[1]["text"] == "hello 7"
+    kind, popup = next(messages)
+    assert (kind, popup["title"], popup["text"]) == ("popup", "Question", "done?")
+    assert next(messages)[1]["title"] == "PROGRAM_XXX_STOPPED"
+    assert positions(rig.robot) == pytest.approx(HOME, abs=2e-3)
+
+
+def test_an_error_has_its_place_and_nothing_moves(rig, clients):
+    primary, secondary = clients(PRIMARY), clients(SECONDARY)
+    messages = primary.messages()
+    next(messages)
+    before = positions(rig.robot)
+    secondary.connection.sendall(b"def bad():\n  movej([0,0,0,0,0,0])\n  jump()\nend\n")
+    kind, error = next(messages)
+    assert (kind, error["line"]) == ("exception", 3)
+    assert "jump" in error["text"]
+    assert positions(rig.robot) == pytest.approx(before, abs=1e-4)
+
+
+def test_lines_replace_each_other_and_secondary_programs_do_not(rig, clients):
+    packets = clients(REALTIME)
+    box = rig.robot.arm.control_box
+    packets.connection.sendall(b"def loop():\n  while True:\n    sync()\n  end\nend\n")
+    while packets.realtime()["program_state"] != 2.0:
+        pass
+    packets.connection.sendall(b"sec lamp():\n  set_digital_out(5, True)\nend\n")
+    while not int(packets.realtime()["digital_outputs"]) & 1 << 5:
+        pass
+    assert rig.robot.channel is not None
+    assert box.read().ur is None or box.read().ur.program in {"", "loop"}
+    assert packets.realtime()["program_state"] == 2.0
+    packets.connection.sendall(b"set_digital_out(6, True)\n")
+    while not int(packets.realtime()["digital_outputs"]) & 1 << 6:
+        pass
+    while packets.realtime()["program_state"] != 1.0:
+        pass
+
+
+def test_read_only_ports_take_no_programs(rig, clients):
+    clients(30013).connection.sendall(b"set_digital_out(7, True)\n")
+    packets = clients(REALTIME)
+    packets.connection.sendall(b"set_digital_out(4, True)\n")
+    while not int(packets.realtime()["digital_outputs"]) & 1 << 4:
+        pass
+    assert not int(packets.realtime()["digital_outputs"]) & 1 << 7
+
+
+def test_commands_of_ur_client_library(rig, clients):
+    """It powers the arm and unlocks stops by lines that are no URScript."""
+    packets = clients(PRIMARY)
+    states = packets.states()
+
+    def send_until(line: str, **expected: object) -> None:
+        packets.connection.sendall(f"{line}\n".encode())
+        while any(next(states)["mode"][k] != v for k, v in expected.items()):
+            pass
+
+    send_until("power off", robot_mode=3)
+    send_until("power on", robot_mode=5)
+    send_until("set robotmode run", robot_mode=7)
+    send_until(
+        "def f():\n  while True:\n    sync()\n  end\nend", program_running=True
+    )
+    send_until("stop program", program_running=False)
+
+
+def test_safety_modes_are_announced(rig, clients):
+    packets = clients(PRIMARY)
+    messages = packets.messages()
+    next(messages)
+    rig.robot.channel.call(StopProtectively(reason="a test"))
+    kind, safety = next(messages)
+    assert (kind, safety["mode"]) == ("safety", 3)
+    assert next(packets.states())["mode"]["protective_stopped"]
+    dashboard = rig.dashboard()
+    dashboard.until("safetymode", "Safetymode: PROTECTIVE_STOP")
+    while dashboard.ask("unlock protective stop") != "Protective stop releasing":
+        pass
+    dashboard.close()
+    assert next(messages)[1]["mode"] == 1
+
+
+def test_clients_that_never_read_stay_connected(rig, clients):
+    deaf = clients(REALTIME)
+    times = []
+    listener = clients(REALTIME)
+    while len(times) < 2000:  # 2.4 MB
+        times.append(listener.realtime()["time"])
+    deaf.connection.sendall(b"set_digital_out(1, True)\n")
+    while not int(listener.realtime()["digital_outputs"]) & 1 << 1:
+        pass
+
+
+def test_too_long_programs_end_the_connection(clients):
+    messages = clients(PRIMARY).messages()
+    next(messages)
+    sender = clients(30003).connection
+
+    def send() -> None:
+        with pytest.raises(OSError, match=r"reset|pipe"):
+            while True:
+                sender.sendall(b"x" * 4096)
+
+    thread = threading.Thread(target=send)
+    thread.start()
+    kind, error = next(messages)
+    thread.join()
+    assert kind == "error"
+    assert "a line has more than 65536 bytes" in error["text"]
+
+
+def test_a_cb3_has_its_layout_and_rate():
+    with ur_rig(arm="ur5", gripper=None) as rig:
+        connection = rig.connect(PRIMARY)
+        packets = Packets(connection)
+        _, version = next(packets.messages())
+        assert (version["major"], version["minor"], version["bugfix"]) == (3, 15, 8)
+        state = next(packets.states())
+        assert (state["masterboard_size"], state["additional_size"]) == (74, 7)
+        connection.close()
+        connection = rig.connect(REALTIME)
+        packets = Packets(connection)
+        times = [packets.realtime()["time"] for _ in range(20)]
+        assert np.median(np.diff(times)) == pytest.approx(0.008, abs=1e-9)
+        connection.close()
+
+
+@pytest.mark.filterwarnings("ignore:notifyAll:DeprecationWarning")
+def test_urx_reads_and_moves_the_arm(rig):
+    """As urx is published, it takes an arm with 3.5 or later for one that is off."""
+    import urx
+
+    robot = urx.Robot(rig.host)
+    try:
+        assert robot.getj() == pytest.approx(positions(rig.robot), abs=1e-3)
+        target = np.array(HOME) + 0.2
+        robot.movej(list(target), acc=3.0, vel=2.0, wait=False)
+        while not robot.is_program_running():
+            robot.secmon.wait(5.0)
+        while robot.is_program_running():
+            robot.secmon.wait(5.0)
+        assert robot.getj(wait=True) == pytest.approx(target, abs=2e-3)
+        pose = robot.getl(wait=True)
+        pose[2] += 0.05
+        robot.movel(pose, acc=1.0, vel=0.5, wait=False)
+        while not robot.is_program_running():
+            robot.secmon.wait(5.0)
+        while robot.is_program_running():
+            robot.secmon.wait(5.0)
+        assert robot.getl(wait=True)[:3] == pytest.approx(pose[:3], abs=2e-3)
+        robot.set_digital_out(2, True)
+        while not robot.get_digital_out(2, wait=True):
+            pass
+    finally:
+        robot.close()
+
+
+def test_the_reader_of_these_tests_reads_a_value():
+    assert unpack("a:d b:2i", b"\x3f\xf0" + bytes(6) + b"\0\0\0\1\0\0\0\2") == (
+        {"a": 1.0, "b": (1, 2)},
+        b"",
+    )
