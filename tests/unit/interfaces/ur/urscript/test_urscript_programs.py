@@ -21,7 +21,7 @@ from tool0.description.transform import Pose
 from tool0.requests.control_box import SetIO
 
 READY = (0.0, -1.2, 1.9, -2.2708, -1.5708, 0.0)  # [rad]
-HOME = f"movej({list(READY)}, a=3, v=3)\nset_tcp(p[0, 0, 0, 0, 0, 0])\nrq_activate()\n"
+HOME = f"movej({list(READY)}, a=3, v=3)\nset_tcp(p[0, 0, 0, 0, 0, 0])\nrq_activate_and_wait()\n"
 FAST = 4.0  # simulated seconds per wall second
 CUBE = SceneObject(
     name="cube",
@@ -339,6 +339,18 @@ def test_down_until_contact(rig: BoxRig, robot: tool0.Robot) -> None:
     assert contact == "contact True"
     assert 5 < int(down.split()[-1]) < 60
     assert wrench == "pushes up True"
+
+
+@pytest.mark.usefixtures("at_home")
+def test_force_mode_presses_on_a_table(rig: BoxRig, robot: tool0.Robot) -> None:
+    robot.scene.add(table(BETWEEN_PADS[2] - 0.045))
+    try:
+        run = ran(rig, "force_mode")
+    finally:
+        robot.scene.remove("table")
+    force, sliding = run.texts
+    assert int(force.split()[-1]) == pytest.approx(20, abs=4)
+    assert sliding == "while sliding True"
 
 
 @pytest.mark.usefixtures("at_home")
