@@ -183,6 +183,13 @@ def test_an_arm_that_moves_stops_before_it_is_given_back(robot: tool0.Robot) -> 
     motion.speed_joints((0.5, 0, 0, 0, 0, 0), 10.0)
     robot.run(0.2)
     motion.give_back()
+    robot.reset()  # which ends the motion
+    robot.run(0.01)
+    assert states(robot)["eff_joint_traj_controller"] == "running"
+    motion.take()
+    motion.speed_joints((0.5, 0, 0, 0, 0, 0), 10.0)
+    robot.run(0.2)
+    motion.give_back()
     motion.take()  # which ends the return
     robot.run(1.0)
     assert motion.state.mode == "stop"
