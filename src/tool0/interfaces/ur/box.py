@@ -96,8 +96,10 @@ class Box:
         index = {name: k for k, name in enumerate(first.joint_names)}
         self._indices = [index[name] for name in self.chain.joint_names]
         self._waiting: list[asyncio.Future[None]] = []
-        self._postures: Posture | None = None
         self._T_base_chain = np.linalg.inv(self.T_chain_base)
+        self._one_posture = OnePostureChain(self.chain, self._T_base_chain)
+        self._postures: dict[bool, OnePosture] = {}
+        """Those of this update: measured, and the setpoint's."""
         self._known: dict[tuple[str, bool], Six] = {}
         """What has been computed from this update."""
         self.update: UpdateMessage
@@ -234,8 +236,9 @@ class Box:
 
     def forward(self, q: Sequence[float], tcp: Sequence[float] | None = None) -> Six:
         """Return the pose of the TCP at joint positions ``q`` [rad]."""
-        T_tip_tcp = matrix_of(self.tcp if tcp is None else tcp)
-        return self._tcp_pose(self.chain.forward(np.asarray([q])), T_tip_tcp)
+        posture = self._one_posture.forward(q)
+        R, p = self._tcp_parts if tcp is None else parts_of(matrix_of(tcp))
+        return (*posture.at(p), *rotation_vector_of(times(posture.R, R)))
 
     def inverse(
         self,
@@ -277,14 +280,12 @@ class Box:
         a, b, c, d, e, f = (values[k] for k in self._indices)
         return (a, b, c, d, e, f)
 
-    def posture(self, *, target: bool = False) -> Posture:
-        """Return the measured posture, or that of the setpoint."""
-        if self._postures is None:
-            rows = np.array([self.q, self.arm_update.target_position])
-            self._postures = self.chain.forward(rows)
-        row = slice(1, 2) if target else slice(0, 1)
-        T_base_tip, axes, points = self._postures
-        return Posture(T_base_tip[row], axes[row], points[row])
+    def posture(self, *, target: bool = False) -> OnePosture:
+        """Return the measured posture in the base frame, or that of the setpoint."""
+        if target not in self._postures:
+            q = self.arm_update.target_position if target else self.q
+            self._postures[target] = self._one_posture.forward(q)
+        return self._postures[target]
 
     def _once(self, what: str, target: bool, compute: Callable[[bool], Six]) -> Six:
         """Return a quantity of this update, computed by whoever needs it first."""
@@ -294,36 +295,22 @@ class Box:
         return self._known[key]
 
     def _compute_pose(self, target: bool) -> Six:
-        return self._tcp_pose(self.posture(target=target), matrix_of(self.tcp))
+        posture = self.posture(target=target)
+        R_flange_tcp, p_flange_tcp = self._tcp_parts
+        return (
+            *posture.at(p_flange_tcp),
+            *rotation_vector_of(times(posture.R, R_flange_tcp)),
+        )
 
     def _compute_speed(self, target: bool) -> Six:
-        T_base_tip, axes, points = (rows[0] for rows in self.posture(target=target))
+        posture = self.posture(target=target)
         qd = self.arm_update.target_velocity if target else self.qd
-        turns = axes * np.array(qd)[:, None]
-        tcp = T_base_tip[:3, 3] + T_base_tip[:3, :3] @ self.tcp[:3]
-        linear = _cross(turns, tcp - points).sum(axis=0)
-        R = self._T_base_chain[:3, :3]
-        x, y, z = (R @ linear).tolist()
-        rx, ry, rz = (R @ turns.sum(axis=0)).tolist()
-        return (x, y, z, rx, ry, rz)
+        linear, angular = posture.velocity(posture.at(self.tcp[:3]), qd)
+        return (*linear, *angular)
 
     def _compute_wrench(self, target: bool) -> Six:
-        R = (
-            self._T_base_chain[:3, :3]
-            @ self.posture(target=target).T_base_tip[0, :3, :3]
-        )
-        wrench = np.array(self.arm_update.wrench)
-        force = wrench[:3]
-        torque = wrench[3:] - _cross(np.array(self.tcp[:3]), force)
-        fx, fy, fz = (R @ force).tolist()
-        tx, ty, tz = (R @ torque).tolist()
-        return (fx, fy, fz, tx, ty, tz)
-
-    def _tcp_pose(self, posture: Posture, T_tip_tcp: Array) -> Six:
-        return pose_of(self._T_base_chain @ posture.T_base_tip[0] @ T_tip_tcp)
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Return the cross products of rows; a quarter of the time of numpy's."""
-    ahead, behind = [1, 2, 0], [2, 0, 1]
-    return a[..., ahead] * b[..., behind] - a[..., behind] * b[..., ahead]
+        R = self.posture(target=target).R
+        fx, fy, fz, tx, ty, tz = self.arm_update.wrench
+        x, y, z = self.tcp[:3]
+        torque = (tx - y * fz + z * fy, ty - z * fx + x * fz, tz - x * fy + y * fx)
+        return (*rotated(R, (fx, fy, fz)), *rotated(R, torque))
