@@ -13,7 +13,7 @@ from typing import Any, TypeVar, cast
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error
 from tool0.interfaces.ur.box import Box
-from tool0.interfaces.ur.messages import Message, Messages
+from tool0.interfaces.ur.messages import Message, MessageKind, Messages
 from tool0.interfaces.ur.registers import Registers
 from tool0.interfaces.ur.urscript.execution import Execution
 from tool0.interfaces.ur.urscript.program import compile_program
@@ -31,30 +31,41 @@ class Run:
     """What a program did."""
 
     messages: list[Message] = field(default_factory=list)
+    times: list[float] = field(default_factory=list)
+    """Of the messages, since the start [s]."""
     error: Tool0Error | None = None
     duration: float = 0.0
     """Simulated [s]."""
 
     @property
     def texts(self) -> list[str]:
-        return [item.text for item in self.messages if item.kind.value == "text"]
+        return [item.text for item in self.messages if item.kind is MessageKind.TEXT]
+
+    @property
+    def errors(self) -> list[str]:
+        return [item.text for item in self.messages if item.kind is MessageKind.ERROR]
+
+    def time_of(self, text: str, which: int = 0) -> float:
+        """When a text was sent, since the start [s]."""
+        pairs = zip(self.messages, self.times, strict=True)
+        return [time for item, time in pairs if item.text == text][which]
 
 
 class _Slot:
     is_paused = False
 
-    def __init__(self) -> None:
-        self._gate = asyncio.Event()
+    def __init__(self, box: TimeBox) -> None:
+        self._box = box
 
     def pause(self) -> None:
         self.is_paused = True
 
     def resume(self) -> None:
         self.is_paused = False
-        self._gate.set()
 
     async def gate(self) -> None:
-        await self._gate.wait()
+        while self.is_paused:
+            await self._box.next_update()
 
 
 class TimeBox:
@@ -70,7 +81,7 @@ class TimeBox:
         self.ticks = 0
         self.messages = Messages()
         self.registers = Registers()
-        self.programs = _Slot()
+        self.programs = _Slot(self)
         self.when_updated: set[Callable[[], None]] = set()
         self.arm_update = ArmUpdate(
             target_position=ZEROS,
@@ -184,12 +195,18 @@ class BoxRig:
 
     async def _run(self, text: str) -> Run:
         box, outcome = self.box, Run()
-        listen = outcome.messages.append
+        start = box.time
+
+        def listen(message: Message) -> None:
+            outcome.messages.append(message)
+            outcome.times.append(box.time - start)
+
         box.messages.listeners.add(listen)
         try:
-            program = compile_program(text, "p")
-            await box.programs.start(program)
+            program = await asyncio.to_thread(compile_program, text, "p")
+            await box.next_update()
             start = box.time
+            await box.programs.start(program)
             while box.programs.is_running:
                 await box.next_update()
             outcome.duration = box.time - start

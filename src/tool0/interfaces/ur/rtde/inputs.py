@@ -132,13 +132,16 @@ class InputRecipe:
     def execute(self, values: bytes, box: Box) -> None:
         """Write registers and send commands to the bring-up.
 
+        What follows the values is ignored: ur_rtde's ``getForwardKinematics`` sends
+        more than the recipe of its packet has.
+
         Raises:
-            TransportError: If the packet is not as long as the recipe says.
+            TransportError: If the packet is too short for the recipe.
         """
-        if len(values) != self._layout.size:
+        if len(values) < self._layout.size:
             message = f"data of {len(values)} bytes; the recipe has {self._layout.size}"
             raise TransportError(message)
-        numbers = iter(self._layout.unpack(values))
+        numbers = iter(self._layout.unpack_from(values))
         commands: dict[str, Any] = {}
         for name, length in zip(self._names, self._lengths, strict=True):
             value = (

@@ -224,7 +224,10 @@ class _Client:
         if recipe is None:
             self._tell("data for an input recipe that was not set up")
             return
-        recipe.execute(payload[1:], self._box)
+        try:
+            recipe.execute(payload[1:], self._box)
+        except TransportError as error:
+            self._tell(str(error))
 
     def _reply(self, kind: PacketType, payload: bytes) -> None:
         self.peer.send(packet(kind, payload))

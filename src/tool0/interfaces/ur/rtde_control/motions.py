@@ -102,6 +102,7 @@ class Motions:
     async def _run(self, moves: Sequence[Move]) -> None:
         """Execute moves to their end, or start them, as the client wants."""
         await self._cancel()
+        self._exchange.show_progress(0)
         if self._is_asynchronous():
             self._start(self._follow(moves))
         else:
@@ -109,7 +110,6 @@ class Motions:
 
     async def _follow(self, moves: Sequence[Move]) -> None:
         """Execute moves, and show which one is executed."""
-        self._exchange.show_progress(0)
         await self._moves.move(moves, wait=False)
         shown = 0
         while (current := self._moves.progress) >= 0:

@@ -104,6 +104,7 @@ def library() -> dict[str, Function]:
         poses,
         program,
         registers,
+        settings,
         sockets,
         state,
         strings,
@@ -111,7 +112,7 @@ def library() -> dict[str, Function]:
 
     modules = (
         *(arithmetic, force, gripper, inputs_outputs, motion, poses, program),
-        *(registers, sockets, state, strings),
+        *(registers, settings, sockets, state, strings),
     )
     found: dict[str, Function] = {}
     for module in modules:

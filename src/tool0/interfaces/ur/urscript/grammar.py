@@ -93,7 +93,7 @@ _CLOSE: ")"
 _COLON: ":"
 _NL: /\n/
 COMMENT: /#[^\n]*/
-LABEL: /\$[^\n]*/
+LABEL: /\$[ \t]*[0-9]+[^\n]*/
 BLANK: /[ \t\f]+/
 %ignore COMMENT
 %ignore LABEL

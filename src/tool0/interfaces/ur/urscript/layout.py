@@ -29,6 +29,7 @@ class Layout(PostLex):
         in_brackets = signs = 0
         is_fresh = True
         last: Token | None = None
+        askew: Token | None = None  # a block whose 'end' stands elsewhere
         for token in stream:
             kind = token.type
             if kind == "_NL":
@@ -46,7 +47,11 @@ class Layout(PostLex):
                 if not opened:
                     raise _at(token, f"'{token}' without a block that it could end")
                 if kind == "_END":
-                    opened.pop()
+                    opener = opened.pop()
+                    if askew is None and not _is_aligned(opener, token):
+                        askew = opener
+                elif opened[-1].type != "IF":
+                    raise _at(token, f"'{token}' without an 'if'")
                 if not is_fresh:
                     yield _new_line(token)
             elif kind in _OPENERS:
@@ -64,13 +69,19 @@ class Layout(PostLex):
                 is_fresh = True
                 yield _new_line(token)
         if opened:
-            raise _unclosed(opened[-1])
+            is_block = opened[-1].type in _BLOCKS
+            raise _unclosed(askew if askew and is_block else opened[-1])
         if last is not None and not is_fresh:
             yield _new_line(last)
 
 
 def _new_line(beside: Token) -> Token:
     return Token.new_borrow_pos("_NL", "\n", beside)
+
+
+def _is_aligned(opener: Token, end: Token) -> bool:
+    """Return whether an ``end`` stands below its block, or in the same line."""
+    return opener.line == end.line or opener.column == end.column
 
 
 def _close(opened: list[Token], token: Token) -> None:

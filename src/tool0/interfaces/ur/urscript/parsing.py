@@ -23,8 +23,11 @@ _NEVER: Final = {
     "class": "URScript has no classes",
     "try": "URScript has no exceptions",
     "assert": "'assert' is a function here: write it with an 'if' and 'halt'",
-    "rpc_factory": "remote procedure calls (XML-RPC) are not supported",
 }
+_KEYWORDS: Final = frozenset(
+    "and break continue def elif else end enter_critical exit_critical global halt if "
+    "join kill local not or pass pause return run sec thread while xor".split()
+)
 _CHARACTERS: Final = {
     "'": 'strings are written with double quotes: "text"',
     '"': "this string has no closing quote on its line",
@@ -108,11 +111,15 @@ def _about_token(
     if token == "=" and re.search(r"[-+*/%]\s*$", before):
         operator = before.rstrip()[-1]
         return f"'{operator}=' is not supported; write x = x {operator} …", place
+    if token == "if" and previous and previous.group(1) == "else":
+        return "write 'elif' in place of 'else if'", place
+    if token == "=" and previous and previous.group(1) in _KEYWORDS:
+        return f"'{previous.group(1)}' is a keyword, not a variable", place
     if token == "=":
         return "'=' assigns a value; use '==' to compare", place
-    found = "the end of the line" if token.type == "_NL" else f"'{token[:_SHOWN]}'"
+    found = "end of the line" if token.type == "_NL" else f"'{token[:_SHOWN]}'"
     if token.type == "$END":
-        found = "the end of the program"
+        found = "end of the program"
     wanted = [words for kind, words in _WORDS.items() if kind in accepted]
     if len(accepted) > len(wanted) and "NAME" in accepted:
         wanted = ["a value"]

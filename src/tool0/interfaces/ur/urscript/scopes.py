@@ -48,7 +48,11 @@ class Scope:
 
 def program_scope(program: s.Definition) -> Scope:
     """Return the scope of a whole program."""
-    own = {item.name for item in _own(program.body) if isinstance(item, s.Assign)}
+    own = {
+        item.name
+        for item in _own(program.body)
+        if isinstance(item, s.Assign) and not item.indexes
+    }
     declared = {
         item.name
         for item in _all(program.body)
@@ -66,7 +70,8 @@ def _scope(
     if parent is not None:
         for item in own:
             is_local = isinstance(item, s.Assign) and (
-                item.scope == "local" or (item.scope is None and item.name not in known)
+                item.scope == "local"
+                or (item.scope is None and not item.indexes and item.name not in known)
             )
             if is_local and isinstance(item, s.Assign):
                 local.add(item.name)

@@ -1,0 +1,293 @@
+"""Programs of ur_rtde, the client of PyPI, on a bring-up in another process."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+from ur_formulas import Array, assert_trapezoid
+from rtde_rig import Recorder, ur_bringup
+
+import tool0
+
+pytest.importorskip("rtde_control", reason="ur-rtde has no wheel for this platform")
+
+from rtde_control import Path, PathEntry, RTDEControlInterface
+from rtde_receive import RTDEReceiveInterface
+
+HOME = [0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0]
+TIMEOUT = 20.0
+
+
+class Station:
+    """A robot and its clients."""
+
+    def __init__(self, host: str, robot: tool0.Robot) -> None:
+        self.host, self.robot = host, robot
+        self.receive = RTDEReceiveInterface(host)
+        self.control = RTDEControlInterface(
+            host,
+            500.0,
+            RTDEControlInterface.FLAG_UPLOAD_SCRIPT,
+        )
+
+    def home(self) -> None:
+        assert self.control.moveJ(HOME, 3.0, 20.0)
+        until(lambda: np.allclose(self.receive.getTargetQ(), HOME, atol=1e-9), "home")
+
+    @property
+    def home_pose(self) -> list[float]:
+        return self.control.getForwardKinematics(HOME, [0.0] * 6)
+
+    def record(self, *names: str) -> Recorder:
+        return Recorder(self.host, *names)
+
+
+@pytest.fixture(scope="module")
+def station() -> Iterator[Station]:
+    with ur_bringup("--arm", "ur5e") as (host, robot):
+        yield Station(host, robot)
+
+
+@pytest.fixture
+def ur(station: Station) -> Station:
+    station.home()
+    return station
+
+
+def until(condition: Callable[[], bool], what: str) -> None:
+    """Wait for something that a client can only poll."""
+    deadline = time.monotonic() + TIMEOUT
+    while not condition():
+        assert time.monotonic() < deadline, f"no {what}"
+        time.sleep(0.002)
+
+
+def joint_way(record: Recorder, joint: int) -> Array:
+    q = record["target_q"][:, joint]
+    return np.abs(q - q[0])
+
+
+def tool_way(record: Recorder) -> Array:
+    p = record["target_TCP_pose"][:, :3]
+    return np.linalg.norm(p - p[0], axis=1)
+
+
+# ---- moves ---------------------------------------------------------------------------
+
+
+def test_move_j_is_a_trapezoid_of_the_leading_joint(ur: Station) -> None:
+    target = np.add(HOME, [0.5, 0.1, 0.0, -0.2, 0.0, 0.3])
+    with ur.record("target_q", "target_qd", "actual_q") as record:
+        assert ur.control.moveJ(target.tolist(), 1.0, 4.0)
+    assert_trapezoid(
+        record.time, joint_way(record, 0), distance=0.5, speed=1.0, acceleration=4.0
+    )
+    shares = record["target_q"] - HOME
+    np.testing.assert_allclose(
+        shares[:, 5], 0.6 * shares[:, 0], atol=1e-9, err_msg="in proportion"
+    )
+    np.testing.assert_allclose(record["target_q"][-1], target, atol=1e-9)
+    np.testing.assert_allclose(record["actual_q"][-1], target, atol=2e-3)
+
+
+def test_move_l_is_a_trapezoid_on_a_line(ur: Station) -> None:
+    pose = ur.home_pose
+    goal = [pose[0] + 0.06, pose[1] - 0.04, pose[2] + 0.05, *pose[3:]]
+    with ur.record("target_TCP_pose") as record:
+        assert ur.control.moveL(goal, 0.25, 1.0)
+    distance = float(np.linalg.norm(np.subtract(goal, pose)[:3]))
+    assert_trapezoid(
+        record.time, tool_way(record), distance=distance, speed=0.25, acceleration=1.0
+    )
+    poses = record["target_TCP_pose"]
+    way = np.subtract(goal, pose)[:3] / distance
+    aside = np.cross(poses[:, :3] - pose[:3], way)
+    assert np.linalg.norm(aside, axis=1).max() < 1e-4
+    np.testing.assert_allclose(poses[-1], goal, atol=1e-8)
+
+
+def test_poses_and_joints_are_targets_of_both_kinds_of_move(ur: Station) -> None:
+    pose = ur.home_pose
+    goal = [*pose[:2], pose[2] + 0.05, *pose[3:]]
+    assert ur.control.moveJ_IK(goal, 3.0, 20.0)
+    np.testing.assert_allclose(ur.receive.getTargetTCPPose(), goal, atol=1e-8)
+    assert ur.control.moveL_FK(HOME, 1.0, 5.0)
+    np.testing.assert_allclose(ur.receive.getTargetQ(), HOME, atol=1e-8)
+
+
+def test_a_path_of_joints_does_not_stop_at_blends(ur: Station) -> None:
+    """The client writes six digits of its numbers into the program."""
+    middle, end = [0.25, *HOME[1:]], [0.25, -1.3708, *HOME[2:]]
+    path = [[*middle, 1.0, 4.0, 0.05], [*end, 1.0, 4.0, 0.0]]
+    with ur.record("target_q", "target_qd") as record:
+        assert ur.control.moveJ(path)
+    q, speed = record["target_q"], np.abs(record["target_qd"]).max(axis=1)
+    np.testing.assert_allclose(q[-1], end, atol=1e-5)
+    gap = np.linalg.norm(q - middle, axis=1).min()
+    assert 1e-3 < gap < 0.1, "it cuts the corner"
+    moving = np.flatnonzero(speed > 1e-6)
+    assert speed[moving[0] + 5 : moving[-1] - 5].min() > 0.02, "without a stop"
+
+
+def test_a_path_of_the_tool_is_blended_within_its_radius(ur: Station) -> None:
+    pose = ur.home_pose
+    corner = [pose[0] + 0.08, *pose[1:]]
+    end = [pose[0] + 0.08, pose[1], pose[2] + 0.08, *pose[3:]]
+    path = Path()
+    for place, radius in ((corner, 0.03), (end, 0.0)):
+        path.addEntry(
+            PathEntry(
+                PathEntry.MoveL,
+                PathEntry.PositionTcpPose,
+                [*place, 0.2, 1.0, radius],
+            )
+        )
+    with ur.record("target_TCP_pose", "target_TCP_speed") as record:
+        assert ur.control.movePath(path)
+    points = record["target_TCP_pose"][:, :3]
+    np.testing.assert_allclose(points[-1], end[:3], atol=1e-5)
+    outside = np.linalg.norm(points - corner[:3], axis=1) > 0.0301
+    assert (~outside).sum() > 50
+    aside = np.minimum(np.abs(points[:, 2] - pose[2]), np.abs(points[:, 0] - corner[0]))
+    assert aside[outside].max() < 1e-4, "on its lines outside of the blend"
+    speed = np.linalg.norm(record["target_TCP_speed"][:, :3], axis=1)
+    assert speed[~outside].min() > 0.05
+
+
+def test_asynchronous_moves_show_their_progress(ur: Station) -> None:
+    control = ur.control
+    path = [
+        [*HOME[:k], HOME[k] + 0.2, *HOME[k + 1 :], 1.0, 4.0, 0.0] for k in (0, 3, 5)
+    ]
+    operation = control.getAsyncOperationProgressEx().operationId()
+    assert control.moveJ(path, True)
+    seen = [control.getAsyncOperationProgress()]
+
+    def has_ended() -> bool:
+        progress = control.getAsyncOperationProgress()
+        if progress != seen[-1]:
+            seen.append(progress)
+        return not control.getAsyncOperationProgressEx().isAsyncOperationRunning()
+
+    until(has_ended, "end of the path")
+    assert seen[:3] == [0, 1, 2]
+    assert seen[3] < 0
+    assert control.getAsyncOperationProgressEx().operationId() != operation
+
+
+def test_a_move_replaces_an_asynchronous_one(ur: Station) -> None:
+    control = ur.control
+    assert control.moveJ([1.0, *HOME[1:]], 1.0, 4.0, True)
+    until(lambda: ur.receive.getTargetQd()[0] > 0.5, "motion")
+    with ur.record("target_q", "target_qd") as record:
+        assert control.moveJ(HOME, 1.0, 4.0)
+    np.testing.assert_allclose(record["target_q"][-1], HOME, atol=1e-9)
+    steps = np.abs(np.diff(record["target_qd"], axis=0)).max()
+    assert steps < 4.0 * 0.002 + 1e-6, "speed does not jump"
+
+
+@pytest.mark.parametrize("name", ["stopJ", "stopL"])
+def test_stops_slow_down_as_asked(ur: Station, name: str) -> None:
+    """The first joint alone: the tool turns as fast as it does, and stopL limits both.
+
+    Per m/s², stopL slows down the rotation by as many rad/s².
+    """
+    control = ur.control
+    assert control.moveJ([1.0, *HOME[1:]], 0.8, 4.0, True)
+    until(lambda: ur.receive.getTargetQd()[0] > 0.79, "top speed")
+    with ur.record("target_qd") as record:
+        getattr(control, name)(2.0)
+    speed = record["target_qd"][:, 0]
+    assert speed[0] > 0.7
+    assert speed[-1] == 0.0
+    falling = np.flatnonzero((speed > 0.1) & (speed < 0.7))
+    rates = np.diff(speed[falling]) / np.diff(record.time[falling])
+    np.testing.assert_allclose(rates, -2.0, rtol=1e-3)
+
+
+# ---- streams -------------------------------------------------------------------------
+
+
+def test_speed_j_ramps_and_goes_on_until_it_is_stopped(ur: Station) -> None:
+    with ur.record("target_qd") as record:
+        assert ur.control.speedJ([0.4, 0.0, 0.0, 0.0, 0.0, -0.2], 2.0, 0.1)
+        until(lambda: ur.receive.getTargetQ()[0] > 0.1, "way")
+        assert ur.control.speedStop(4.0)
+    qd = record["target_qd"]
+    np.testing.assert_allclose(qd.max(axis=0)[0], 0.4, atol=1e-9)
+    np.testing.assert_allclose(qd[:, 5], -0.5 * qd[:, 0], atol=1e-9)
+    rates = np.diff(qd[:, 0]) / np.diff(record.time)
+    assert abs(rates.max() - 2.0) < 0.01
+    assert abs(rates.min() + 4.0) < 0.02
+    assert qd[-1, 0] == 0.0
+
+
+def test_speed_l_moves_the_tool_straight(ur: Station) -> None:
+    with ur.record("target_TCP_pose", "target_TCP_speed") as record:
+        assert ur.control.speedL([0.0, 0.0, 0.1, 0.0, 0.0, 0.0], 1.0, 0.0)
+        until(lambda: ur.receive.getTargetTCPSpeed()[2] > 0.0999, "top speed")
+        assert ur.control.speedStop(2.0)
+    speed = record["target_TCP_speed"]
+    np.testing.assert_allclose(speed[:, 2].max(), 0.1, atol=1e-4)
+    assert np.abs(speed[:, [0, 1, 3, 4, 5]]).max() < 1e-3
+    points = record["target_TCP_pose"][:, :3]
+    assert np.ptp(points[:, :2], axis=0).max() < 2e-4
+
+
+@pytest.mark.parametrize("feature", ["FEATURE_BASE", "FEATURE_TOOL"])
+def test_jogging_moves_along_the_axes_of_a_frame(ur: Station, feature: str) -> None:
+    """At home, the tool looks down: its z axis is the base's, reversed."""
+    control = ur.control
+    start = ur.home_pose
+    sign = -1.0 if feature == "FEATURE_BASE" else 1.0
+    assert control.jogStart(
+        [0.0, 0.0, sign * 0.1, 0.0, 0.0, 0.0], getattr(control, feature)
+    )
+    until(lambda: start[2] - ur.receive.getTargetTCPPose()[2] > 0.01, "way down")
+    assert control.jogStop()
+    end = ur.receive.getTargetTCPPose()
+    np.testing.assert_allclose(end[:2], start[:2], atol=1e-3)
+    until(lambda: not any(ur.receive.getTargetQd()), "rest")
+
+
+def test_servo_j_follows_500_targets_a_second_for_ten_seconds(ur: Station) -> None:
+    """With UR's law, the arm is late by the lookahead time, for targets as slow."""
+    lookahead, gain, rate, swing = 0.03, 2000.0, np.pi, 0.15
+    control, receive = ur.control, ur.receive
+    began = receive.getTimestamp()
+
+    def wanted(instant: Array) -> Array:
+        return np.asarray(swing * (1.0 - np.cos(rate * (instant - began))))
+
+    with ur.record("target_q", "target_qd", "actual_q") as record:
+        while (now := receive.getTimestamp()) < began + 10.0:
+            cycle = control.initPeriod()
+            target = [float(wanted(now)), *HOME[1:]]
+            assert control.servoJ(target, 0.0, 0.0, 0.002, lookahead, gain)
+            control.waitPeriod(cycle)
+        assert control.servoStop(10.0)
+    t, q = record.time, record["target_q"][:, 0]
+    assert t[-1] - t[0] > 9.9
+    moving = (t > began + 1.0) & (t < began + 9.9)
+    errors = [
+        np.quantile(np.abs(wanted(t[moving] - delay) - q[moving]), 0.98)
+        for delay in np.arange(lookahead, lookahead + 0.015, 0.001)
+    ]
+    assert min(errors) < 0.005
+    steps = np.abs(np.diff(record["target_qd"][:, 0]))
+    assert steps.max() < 40.0 * 0.002, "smooth"
+    assert np.abs(record["actual_q"] - record["target_q"]).max() < 0.01
+
+
+def test_servo_l_and_servo_c_move_to_poses(ur: Station) -> None:
+    pose = ur.home_pose
+    goal = [*pose[:2], pose[2] + 0.02, *pose[3:]]
+    assert ur.control.servoL(goal, 0.0, 0.0, 0.002, 0.1, 300.0)
+    until(lambda: abs(ur.receive.getTargetTCPPose()[2] - goal[2]) < 1e-5, "arrival")
+    assert ur.control.servoStop()
+    assert ur.control.servoC(pose, 0.25, 1.2, 0.0)
+    until(lambda: abs(ur.receive.getTargetTCPPose()[2] - pose[2]) < 1e-6, "arrival")
+    assert ur.control.servoStop()

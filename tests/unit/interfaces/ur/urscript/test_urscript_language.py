@@ -1,0 +1,444 @@
+"""What programs compute: operators, variables, functions, threads and time."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from urscript_rig import TimeBox, run_in_time
+
+EXPRESSIONS = {
+    "1 + 2 * 3 - 4": "3",
+    "(1 + 2) * 3": "9",
+    "7 / 2": "3.5",
+    "4 / 2": "2",
+    "7 % 3": "1",
+    "-7 % 3": "-1",  # as in C
+    "7.5 % 2": "1.5",
+    "2 * 3.0": "6",
+    "-2 - -3": "1",
+    "1 - 2 - 3": "-4",
+    "8 / 4 / 2": "1",
+    "0.1 + 0.2": "0.3",
+    "1e-3": "0.001",
+    ".5": "0.5",
+    "1 < 2 and 2 <= 2 and 3 != 4": "True",
+    "True or False and False": "True",
+    "True xor True": "False",
+    "True or True xor True": "True",
+    "not 1 > 2": "True",
+    "not True == False": "True",
+    '"a" + "b" == "ab"': "True",
+    '"Hello" != "World"': "True",
+    "[1, 2] == [1, 2.0]": "True",
+    "p[0, 0, 0, 0, 0, 0] == p[0, 0, 0, 0, 0, 1]": "False",
+    "[1, 2, 3][1]": "2",
+    "[[1, 2], [3, 4]][1][0]": "3",
+    "[[1, 2], [3, 4]][1, 0]": "3",
+    "p[1, 2, 3, 4, 5, 6][5]": "6",
+    "[1, 2] + [3, 4]": "[4, 6]",
+    "[2, 4] * 0.5": "[1, 2]",
+    "1 - [1, 2]": "[0, -1]",
+    "[[1, 2], [3, 4], [5, 6]] * [[10, 20, 30], [40, 50, 60]]": (
+        "[[90, 120, 150], [190, 260, 330], [290, 400, 510]]"
+    ),
+    "[[1, 2], [3, 4], [5, 6]] * [10, 20]": "[50, 110, 170]",
+    "-[1, 2]": "[-1, -2]",
+    'str_cat("Integer ", 1)': "Integer 1",
+    'str_cat("", p[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])': "p[1, 2, 3, 4, 5, 6]",
+    "str_cat([True, False, True], [1, 0, 1])": "[True, False, True][1, 0, 1]",
+    'str_at("Hello", 1)': "e",
+    'str_find("Hello World!", "o", 5)': "7",
+    'str_find("abc", "z")': "-1",
+    'str_sub("0123456789abcdefghij", 5, 3)': "567",
+    'str_sub("0123456789abcdefghij", 10)': "abcdefghij",
+    'str_sub("abcde", 2, 50)': "cde",
+    'str_sub("abc", 1, 0)': "",
+    'str_len("Grüße")': "7",  # bytes
+    'str_empty("")': "True",
+    'to_num("12") + to_num("-1.5e1")': "-3",
+    "to_str(1.5)": "1.5",
+    "floor(-1.5)": "-2",
+    "ceil(1.43)": "2",
+    "atan2(0.5, 0.5)": f"{math.pi / 4:.6f}",
+    "log(10, 100)": "2",
+    "pow(5., 3)": "125",
+    "sqrt(9)": "3",
+    "d2r(180)": f"{math.pi:.6f}",
+    "norm(-8)": "8",
+    "norm([3, 4])": "5",
+    "norm(p[-.2, .2, -.2, -1.57, 0, 3.14])": "3.527676",
+    "normalize([0, 5, 0])": "[0, 1, 0]",
+    'length("here")': "4",
+    "size([[1, 2], [3, 4], [5, 6]])": "[3, 2]",
+    "get_list_length([1, 3, 3, 6, 2])": "5",
+    "make_list(3, 0)": "[0, 0, 0]",
+    "binary_list_to_integer([True, False, False, True])": "9",
+    "binary_list_to_integer(integer_to_binary_list(-57))": "-57",
+    "inv([[0, 1, 0], [0, 0, 1], [1, 0, 0]])": "[[0, 0, 1], [1, 0, 0], [0, 1, 0]]",
+    "inv(p[.2, .5, .1, 1.57, 0, 3.14])": (
+        "p[0.193238, 0.417943, -0.296619, 1.239926, 0, 2.479852]"
+    ),
+    "transpose([[1, 2], [3, 4]])": "[[1, 3], [2, 4]]",
+    "pose_trans(p[.2,.5,.1,1.57,0,0], p[.2,.5,.6,1.57,0,0])": (
+        "p[0.4, -0.099602, 0.600478, 3.14, 0, 0]"
+    ),
+    "pose_add(p[.2,.5,.1,1.57,0,0], p[.2,.5,.6,1.57,0,0])": (
+        "p[0.4, 1, 0.7, 3.14, 0, 0]"
+    ),
+    "pose_sub(p[.2,.5,.1,1.57,0,0], p[.2,.5,.6,1.57,0,0])": "p[0, 0, -0.5, 0, 0, 0]",
+    "point_dist(p[.2,.5,.1,1.57,0,3.14], p[.2,.5,.6,0,1.57,3.14])": "0.5",
+    "interpolate_pose(p[.2,.2,.4,0,0,0], p[.2,.2,.6,0,0,1], .5)": (
+        "p[0.2, 0.2, 0.5, 0, 0, 0.5]"
+    ),
+    "rotvec2rpy([3.14, 1.57, 0])": "[-2.808556, -0.162024, 0.900005]",
+    "rpy2rotvec([3.14, 1.57, 0])": "[2.221528, 0.001768, -2.21976]",
+    "wrench_trans(p[0, 0, 0.1, 0, 0, 0], [1, 0, 0, 0, 0, 0])": (
+        "[1, 0, 0, 0, -0.1, 0]"
+    ),
+}
+
+
+def test_expressions_have_the_values_of_the_manual() -> None:
+    text = "".join(f"textmsg({expression})\n" for expression in EXPRESSIONS)
+    run = run_in_time(text)
+    assert run.error is None
+    found = dict(zip(EXPRESSIONS, run.texts, strict=True))
+    assert found == EXPRESSIONS
+
+
+FAILURES = {
+    "x = [1, 2][k]": "1:1: index 2 of a list of 2 elements",
+    "x = 1 / (k - 2)": "division by zero",
+    "x = k + one": "'+' does not apply to an integer and a string",
+    "x = to_num(one)": "to_num: 'one' is not a number",
+    "x = sqrt(-k)": "sqrt: -2 is negative",
+    "x = acos(k)": "outside of [-1, 1]",
+    "x = log(1.0, k)": "no logarithm",
+    "x = pow(-k, 0.5)": "to the power of",
+    "x = inv([[k, k], [k, k]])": "singular",
+    "x = str_at(one, 3)": "index 3 of a string of 3 bytes",
+    "x = p[k, 0, 0, 0, 0, one]": "a pose has 6 numbers, not a string",
+    "x = normalize([k - 2, 0])": "a list of zeros",
+    "x = k and True": "'and' applies to booleans, not to an integer",
+    "x = forever(k)": "forever: calls are nested deeper than 100 levels",
+    "x = nothing()": "there is no value to assign",
+    "x = later": "variable 'later' has no value yet",
+    "join k": "'join' waits for a thread, not for an integer",
+    "kill k": "'kill' ends a thread, not an integer",
+    "sleep(-k)": "the time is -2, less than 0",
+    "one[0] = k": "a string has no elements",
+    "x = str_cat(long, long)": "at most 1023 bytes, not 2000",
+    "x = pow(10.0, 400.0 * k)": "to the power of",
+    "x = floor(1e10 * k)": "32 bits",
+    "x = 2147483647 * k": "32 bits",
+    "set_gravity([k, 0, 0])": "upright",
+    "rq_open()": "rq_open: the arm has no Robotiq gripper",
+    'x = socket_open("10.0.0.1", 80)': "connect to this machine only, not to '10.0.0.1'",
+}
+
+
+@pytest.mark.parametrize("statement", FAILURES)
+def test_a_program_that_fails_stops_with_its_place(statement: str) -> None:
+    run = run_in_time(
+        "def forever(n):\n  return forever(n + 1)\nend\ndef nothing():\n  pass\nend\n"
+        'k = 2\none = "one"\nlong = "1234567890"\nwhile str_len(long) < 1000:\n'
+        "  long = str_cat(long, str_sub(long, 0, 10))\nend\n"
+        f'{statement}\ntextmsg("not reached")\nlater = 1\n'
+    )
+    words = FAILURES[statement].removeprefix("1:1: ")
+    assert run.error is not None
+    assert words in str(run.error)
+    assert str(run.error).startswith("p:")
+    assert run.texts == []
+    line = int(str(run.error).split(":")[1])
+    assert line in {2, 13}
+
+
+def texts(text: str) -> list[str]:
+    run = run_in_time(text)
+    assert run.error is None
+    return run.texts
+
+
+def test_variables_have_the_scopes_of_the_manual() -> None:
+    assert texts("""
+    def program():
+      a = 0
+      b = 0
+      def implicit():
+        a = 1
+        local b = 1
+        c = 3
+        def inner():
+          b = 2
+        end
+        inner()
+        textmsg(b)
+        global d = 4
+      end
+      implicit()
+      textmsg(str_cat(str_cat(a, b), d))
+    end
+    """) == ["1", "124"]
+
+
+def test_arguments_and_assignments_copy_lists() -> None:
+    assert texts("""
+    a = [50, 100]
+    def change(list):
+      list[0] = 25
+      return list
+    end
+    b = a
+    b[1] = 7
+    c = change(a)
+    textmsg(a)
+    textmsg(b, c)
+    m = [[1, 2], [3, 4]]
+    m[1, 0] = 5
+    m[0][1] = 6
+    textmsg(m)
+    q = p[1, 2, 3, 4, 5, 6]
+    q[2] = 9
+    textmsg(q)
+    p = [1, 2]
+    p[0] = 3
+    textmsg(p[0] + p[1])
+    """) == [
+        "[50, 100]",
+        "[50, 7][25, 100]",
+        "[[1, 6], [5, 4]]",
+        "p[1, 2, 9, 4, 5, 6]",
+        "5",
+    ]
+
+
+def test_functions_have_defaults_named_arguments_and_recursion() -> None:
+    assert texts("""
+    scale = 10
+    def add(a, b=scale, c=1):
+      return a + b + c
+    end
+    def factorial(n):
+      if n < 2:
+        return 1
+      end
+      return n * factorial(n - 1)
+    end
+    textmsg(add(1))
+    textmsg(add(1, c=2))
+    textmsg(add(c=3, a=1, b=2))
+    textmsg(factorial(10))
+    """) == ["12", "13", "6", "3628800"]
+
+
+def test_and_and_or_evaluate_no_more_than_they_need() -> None:
+    assert texts("""
+    def told(value, name):
+      textmsg(name)
+      return value
+    end
+    x = told(False, "a") and told(True, "b")
+    y = told(True, "c") or told(True, "d")
+    z = told(True, "e") xor told(True, "f")
+    """) == ["a", "c", "e", "f"]
+
+
+def test_loops_break_continue_and_return() -> None:
+    assert texts("""
+    def first_square_above(limit):
+      i = 0
+      while True:
+        i = i + 1
+        if i % 2 == 1:
+          continue
+        elif i * i > limit:
+          return i
+        else:
+          pass
+        end
+      end
+    end
+    i = 0
+    while i < 10:
+      i = i + 1
+      if i == 5:
+        break
+      end
+    end
+    textmsg(i)
+    textmsg(first_square_above(50))
+    if "":
+      textmsg("empty")
+    end
+    """) == ["5", "8"]
+
+
+def test_sleep_and_sync_take_simulated_time() -> None:
+    run = run_in_time("sleep(1.5)\nsync()\nsync()\ntextmsg(get_steptime())\n")
+    assert run.duration == pytest.approx(1.504)
+    assert run.texts == ["0.002"]
+
+
+def test_threads_run_beside_the_program_and_end_with_it() -> None:
+    run = run_in_time("""
+    count = 0
+    thread counter():
+      while True:
+        count = count + 1
+        sync()
+      end
+    end
+    thread answer():
+      sleep(0.1)
+      return 42
+    end
+    c = run counter()
+    a = run answer()
+    textmsg(join a)
+    kill c
+    before = count
+    sleep(0.1)
+    textmsg(before == count)
+    textmsg(count)
+    """)
+    assert run.error is None
+    assert run.texts[:2] == ["42", "True"]
+    assert int(run.texts[2]) == pytest.approx(50, abs=2)
+    assert run.duration == pytest.approx(0.2, abs=0.005)
+
+
+def test_a_critical_section_holds_other_threads() -> None:
+    assert texts("""
+    thread other():
+      while True:
+        textmsg("other")
+        sleep(0.002)
+      end
+    end
+    t = run other()
+    sleep(0.003)
+    enter_critical
+    textmsg("in")
+    sleep(0.1)
+    textmsg("out")
+    exit_critical
+    sleep(0.005)
+    """)[2:5] == ["in", "out", "other"]
+
+
+def test_halt_and_errors_in_a_thread_end_the_program() -> None:
+    run = run_in_time("""
+    thread stopper():
+      sleep(0.1)
+      halt
+    end
+    t = run stopper()
+    sleep(10)
+    """)
+    assert run.error is None
+    assert run.duration == pytest.approx(0.1, abs=0.01)
+    failing = run_in_time("""
+    x = [0]
+    thread bad():
+      sleep(0.1)
+      x[1] = 2
+    end
+    t = run bad()
+    sleep(10)
+    """)
+    assert "p:5:7: index 1 of a list of 1 elements" in str(failing.error)
+    assert failing.duration == pytest.approx(0.1, abs=0.01)
+
+
+def test_a_thread_that_computes_uses_up_its_periods_and_lets_others_run() -> None:
+    run = run_in_time("""
+    n = 0
+    thread spin():
+      while True:
+        n = n + 1
+      end
+    end
+    t = run spin()
+    sleep(1)
+    textmsg(n)
+    """)
+    assert run.error is None
+    assert run.duration == pytest.approx(1.0, abs=0.01)
+    # At most 500 statements a period, two in each turn of the loop:
+    assert 50_000 < int(run.texts[0]) < 130_000
+
+
+def test_an_endless_loop_without_sync_is_stopped() -> None:
+    run = run_in_time("def p():\n  while True:\n    pass\n  end\nend")
+    assert "add sync() to its loop" in str(run.error)
+    assert str(run.error).startswith("p:")
+    assert 3.9 < run.duration < 4.1
+
+
+def test_too_many_threads_are_an_error() -> None:
+    run = run_in_time("""
+    thread idle():
+      sleep(1)
+    end
+    i = 0
+    while i < 60:
+      t = run idle()
+      i = i + 1
+    end
+    """)
+    assert "more than 50 threads run" in str(run.error)
+
+
+def test_a_paused_program_stands_still() -> None:
+    box = TimeBox()
+
+    def resume_later() -> None:
+        if box.programs.is_paused and box.ticks > 1000:
+            box.programs.resume()
+
+    box.when_updated.add(resume_later)
+    run = run_in_time(
+        "thread clock():\n  while True:\n    sync()\n  end\nend\nt = run clock()\n"
+        'textmsg("a")\npause\ntextmsg("b")\n',
+        box,
+    )
+    assert run.error is None
+    assert run.texts == ["a", "b"]
+
+
+def test_registers_are_shared_with_clients() -> None:
+    box = TimeBox()
+    box.registers.inputs.integers[5] = 17
+    box.registers.inputs.bits[70] = True
+    run = run_in_time(
+        "write_output_integer_register(3, read_input_integer_register(5))\n"
+        "write_output_boolean_register(127, read_input_boolean_register(70))\n"
+        "write_output_float_register(24, 37.68)\n"
+        "textmsg(read_output_float_register(24))\n",
+        box,
+    )
+    assert run.texts == ["37.68"]
+    assert box.registers.outputs.integers[3] == 17
+    assert box.registers.outputs.bits[127]
+
+
+def test_popups_and_messages_have_the_text_as_people_read_it() -> None:
+    run = run_in_time('popup("Grüße", title="Titel")\ntextmsg("a = ", [1, 2.50])\n')
+    assert [(item.text, item.title) for item in run.messages] == [
+        ("Grüße", "Titel"),
+        ("a = [1, 2.5]", ""),
+    ]
+
+
+def test_a_blocking_popup_waits_until_it_is_closed() -> None:
+    box = TimeBox()
+
+    def close_later() -> None:
+        if box.ticks == 250:
+            box.messages.close_popup()
+
+    box.when_updated.add(close_later)
+    run = run_in_time('popup("wait", blocking=True)\n', box)
+    assert run.duration == pytest.approx(0.5, abs=0.01)
