@@ -1,8 +1,7 @@
 """Forward kinematics of one posture in plain floats.
 
 ``ArmChain.forward`` computes many postures at once.  For a single one, numpy's overhead
-is most of its time; this takes a fifth of it.  Rotations are tuples of nine numbers, row
-by row.
+is most of its time.  Rotations are tuples of nine numbers, row by row.
 """
 
 from __future__ import annotations
@@ -58,6 +57,24 @@ class OnePosture(NamedTuple):
             wz += az
         return (vx, vy, vz), (wx, wy, wz)
 
+    def efforts(self, force: Three, torque: Three) -> tuple[float, ...]:
+        """Return the efforts of the joints that a wrench on the flange causes [N·m].
+
+        It acts at the flange's origin, in the axes of the fixed frame.
+        """
+        fx, fy, fz = force
+        tx, ty, tz = torque
+        x, y, z = self.p
+        found = []
+        for (ax, ay, az), (px, py, pz) in zip(self.axes, self.points, strict=True):
+            rx, ry, rz = x - px, y - py, z - pz
+            found.append(
+                ax * (tx + ry * fz - rz * fy)
+                + ay * (ty + rz * fx - rx * fz)
+                + az * (tz + rx * fy - ry * fx)
+            )
+        return tuple(found)
+
 
 @final
 class OnePostureChain:
@@ -88,14 +105,11 @@ class OnePostureChain:
         x = y = z = 0.0
         axes, points = [], []
         for (turn, step), angle in zip(self._steps, q, strict=True):
-            A, B, C, D, E, F, G, H, I = turn  # noqa: E741
             X, Y, Z = step
             x += a * X + b * Y + c * Z
             y += d * X + e * Y + f * Z
             z += g * X + h * Y + i * Z
-            a, b, c = a * A + b * D + c * G, a * B + b * E + c * H, a * C + b * F + c * I
-            d, e, f = d * A + e * D + f * G, d * B + e * E + f * H, d * C + e * F + f * I
-            g, h, i = g * A + h * D + i * G, g * B + h * E + i * H, g * C + h * F + i * I
+            a, b, c, d, e, f, g, h, i = times((a, b, c, d, e, f, g, h, i), turn)
             axes.append((c, f, i))
             points.append((x, y, z))
             cos, sin = math.cos(angle), math.sin(angle)
