@@ -25,6 +25,7 @@ _NEVER: Final = {
     "assert": "'assert' is a function here: write it with an 'if' and 'halt'",
 }
 _KEYWORDS: Final = frozenset(
+<<<<<<< HEAD
     [
         "and",
         "break",
@@ -52,6 +53,13 @@ _KEYWORDS: Final = frozenset(
         "while",
         "xor",
     ]
+=======
+    {
+        *("and", "break", "continue", "def", "elif", "else", "end", "enter_critical"),
+        *("exit_critical", "global", "halt", "if", "join", "kill", "local", "not"),
+        *("or", "pass", "pause", "return", "run", "sec", "thread", "while", "xor"),
+    }
+>>>>>>> main
 )
 _CHARACTERS: Final = {
     "'": 'strings are written with double quotes: "text"',
