@@ -219,7 +219,7 @@ def random_moves(draw: st.DrawFn) -> list[Move]:
     return moves
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=40, deadline=None, derandomize=True)
 @given(random_moves())
 def test_any_sequence_is_smooth_or_refused(moves: list[Move]) -> None:
     try:
