@@ -36,13 +36,15 @@ def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     from tool0.interfaces.ur.client_interface.interface import ClientInterface
     from tool0.interfaces.ur.dashboard import Dashboard
     from tool0.interfaces.ur.program_watch import ProgramWatch
+    from tool0.interfaces.ur.reporter import Reporter
     from tool0.interfaces.ur.rtde.server import RtdeServer
 
     interfaces: list[Interface] = [
         ProgramWatch(box),
+        Reporter(box),
         RtdeServer(box),
-        Dashboard(box, options.programs, allow_sockets=options.allow_sockets),
-        ClientInterface(box, allow_sockets=options.allow_sockets),
+        Dashboard(box, options.programs),
+        ClientInterface(box),
     ]
     if box.gripper is not None:
         from tool0.interfaces.ur.robotiq.interface import (
