@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
+from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final, Protocol
 
@@ -85,12 +86,27 @@ async def serve(
     has_ended = asyncio.Event()
     first: asyncio.Future[UpdateMessage] = loop.create_future()
     boxes: list[Box] = []
+    arrived: deque[UpdateMessage] = deque()
 
-    def take(update: UpdateMessage) -> None:
-        if not first.done():
-            first.set_result(update)
-        for box in boxes:
-            box.take(update)
+    def take() -> None:
+        """Show the newest update: a busy process leaves out those before it."""
+        if not boxes:
+            if arrived and not first.done():
+                first.set_result(arrived[0])
+            return
+        while len(arrived) > 1:
+            update = arrived.popleft()
+            for box in boxes:
+                box.note(update)
+        if arrived:
+            update = arrived.popleft()
+            for box in boxes:
+                box.take(update)
+
+    def put(update: UpdateMessage) -> None:
+        arrived.append(update)
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            loop.call_soon_threadsafe(take)
 
     def refuse(error: Tool0Error) -> None:
         for box in boxes:
@@ -103,7 +119,7 @@ async def serve(
 
         return call
 
-    channel.when_updated = in_loop(take)
+    channel.when_updated = put
     channel.when_ended = in_loop(lambda failure: has_ended.set())
     channel.when_refused = in_loop(refuse)
     arms = [arm.name for arm in await asyncio.to_thread(channel.call, ListArms())]
