@@ -122,7 +122,7 @@ PRINTED = {
         r"Goal successfully reached!|ROS 2 is not available: .*",
         *([] if ROS2 is None else [r"elbow_joint: 1\.4"]),
     ],
-    "20_robotiq_socket": [
+    "23_robotiq_socket": [
         "activated, fault 0",
         r"closed: holds something at 13\d",
         "opened: has arrived at [345]",

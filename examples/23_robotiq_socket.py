@@ -1,7 +1,7 @@
 """Grip a cube through the socket of Robotiq's URCap, as programs do with a real UR.
 
     tool0 bringup --ur
-    python 20_robotiq_socket.py 127.0.0.1
+    python 23_robotiq_socket.py 127.0.0.1
 
 The client needs nothing of tool0.  Without an address, it brings a robot up itself.
 """
