@@ -61,7 +61,9 @@ if TYPE_CHECKING:
         ControlBoxState,
         ProgramState,
         RobotMode,
+        SafetyLimits,
         SafetyMode,
+        UrReport,
     )
     from tool0.hardware.engine import Contact, ObjectState
     from tool0.hardware.payload import Payload
@@ -157,6 +159,7 @@ __all__ = [
     "Ros2Node",
     "Ros2Options",
     "RosUnavailableError",
+    "SafetyLimits",
     "SafetyMode",
     "SceneHandle",
     "SimulationConfig",
@@ -175,6 +178,7 @@ __all__ = [
     "UrArm",
     "UrController",
     "UrOptions",
+    "UrReport",
     "VideoWriter",
     "WasReset",
     "WrenchReading",
@@ -259,6 +263,7 @@ _HOMES = {
     "Ros2Node": "tool0.interfaces.ros2.node",
     "Ros2Options": "tool0.interfaces.ros2.options",
     "RosUnavailableError": "tool0.errors",
+    "SafetyLimits": "tool0.hardware.control_box",
     "SafetyMode": "tool0.hardware.control_box",
     "SceneHandle": "tool0.api.scene",
     "SimulationConfig": "tool0.runtime.config",
@@ -277,6 +282,7 @@ _HOMES = {
     "UrArm": "tool0.interfaces.ur.options",
     "UrController": "tool0.interfaces.ur.process",
     "UrOptions": "tool0.interfaces.ur.options",
+    "UrReport": "tool0.hardware.control_box",
     "VideoWriter": "tool0.sensing.video",
     "WasReset": "tool0.runtime.bus",
     "WrenchReading": "tool0.sensing.force_torque",

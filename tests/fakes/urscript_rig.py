@@ -73,7 +73,6 @@ class TimeBox:
 
     arm = "arm"
     rate = 500.0
-    allow_sockets = False
     gripper = None
     q = qd = effort = tcp = ZEROS
 
@@ -215,6 +214,8 @@ class BoxRig:
         return outcome
 
     def close(self) -> None:
+        if self.box.gripper is not None:
+            self.do(self.box.gripper.close())
         self._channel.close()
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()

@@ -32,7 +32,10 @@ _SLOWEST = 0.02
 """A move that must be slower than this part of its speed passes a singularity."""
 _ROUNDS = 16
 _ROUNDING = 1e-9
-_SHORTEST = 2e-3
+_SPEED_SHARE = 0.999
+"""Part of a joint's largest velocity that is planned with: between two knots it may be
+a little faster."""
+_SHORTEST = 2e-4
 """Intervals whose acceleration is judged [s]: in shorter ones it is rounding."""
 
 
@@ -42,7 +45,8 @@ class JointLimits:
 
     def __init__(self, joints: tuple[Joint, ...]) -> None:
         self.names = tuple(joint.name for joint in joints)
-        self.fastest = np.array([joint.max_velocity for joint in joints])
+        velocities = [joint.max_velocity for joint in joints]
+        self.fastest = _SPEED_SHARE * np.array(velocities)
         """[rad/s], shape (6,)."""
         self.strongest = np.array([joint.max_acceleration for joint in joints])
         """Accelerations of planned motions [rad/s²], shape (6,)."""

@@ -48,23 +48,11 @@ CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
 class Box:
     """One arm and what its control box knows about it."""
 
-    def __init__(
-        self,
-        channel: SocketChannel,
-        arm: str,
-        first: UpdateMessage,
-        *,
-        allow_sockets: bool = False,
-    ) -> None:
-        """Show an arm of the bring-up.
+    def __init__(self, channel: SocketChannel, arm: str, first: UpdateMessage) -> None:
+        """Show an ``arm`` of the bring-up, as ``first`` has it.
 
-        Args:
-            channel: The connection to the bring-up.
-            arm: As ``list_arms`` names it.
-            first: The first update, which has everything.
-            allow_sockets: Whether programs may connect to other machines.
+        ``first`` is the first update: it has everything.
         """
-        self.allow_sockets = allow_sockets
         self._channel = channel
         self._event_loop = asyncio.get_running_loop()
         model = channel.description.model
@@ -109,7 +97,7 @@ class Box:
         """What has been computed from this update."""
         self.update: UpdateMessage
         """The newest update."""
-        self._take(first)
+        self.note(first)
         self.gripper = self._gripper(index)
         """The gripper that the arm carries, if there is one."""
 
@@ -130,7 +118,7 @@ class Box:
 
     def take(self, update: UpdateMessage) -> None:
         """Show the robot after another update, and tell everyone."""
-        self._take(update)
+        self.note(update)
         for callback in tuple(self.when_updated):
             try:
                 callback()
@@ -141,7 +129,8 @@ class Box:
             if not future.done():
                 future.set_result(None)
 
-    def _take(self, update: UpdateMessage) -> None:
+    def note(self, update: UpdateMessage) -> None:
+        """Take an update without telling anyone: a newer one has arrived already."""
         self.update = update
         if not isinstance(update.arms, UnsetType):
             self.arm_update: ArmUpdate = update.arms[self.arm]

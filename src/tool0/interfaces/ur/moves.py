@@ -39,6 +39,8 @@ LEAD: Final = (0.012, 0.03, 0.1)
 the next one: at least, at first, and at most.  It follows the time that this takes."""
 _MARGIN: Final = 0.01
 """How far ahead of the last update a path is replaced [s]; more where that failed."""
+_FIRST_KNOT: Final = 0.002
+"""The earliest knot of a path that replaces another one [s]."""
 _LEAD_FACTOR: Final = 1.5
 _LEAD_DECAY: Final = 0.8
 _ATTEMPTS: Final = 4
@@ -260,8 +262,11 @@ class Moves:
         self, plan: MovePlan, after: int | None = None, at: float | None = None
     ) -> ExecutePath:
         """Return the request for a plan from rest, or for one that continues a path."""
-        first = 0 if after is None else 1  # at rest, the start is checked
-        times, q, qd = (values[first:].tolist() for values in plan.knots)
+        # At rest, the start is checked.  Otherwise the path begins with the motion of
+        # the old one, which may be 0.02 mm away: a knot at once would be a jump.
+        keep = plan.knots.times >= (0.0 if after is None else _FIRST_KNOT)
+        keep[-1] = True
+        times, q, qd = (values[keep].tolist() for values in plan.knots)
         return ExecutePath(
             arm=self._box.arm,
             times=tuple(times),

@@ -92,6 +92,8 @@ class RobotiqGripper:
         self._index = joint_index
         self.command = POWER_ON
         """What clients request."""
+        self.address: tuple[str, int] | None = None
+        """Where the URCap's socket listens, once it does: host and port."""
         self._activation = Activation.RESET
         self._object = ObjectStatus.MOVING
         self._fault = Fault.NONE

@@ -7,8 +7,8 @@ uses up its share of a control period and goes on in the next one.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
-from typing import TYPE_CHECKING, Final, final
+from collections.abc import Awaitable, Callable, Mapping
+from typing import TYPE_CHECKING, Final, Protocol, final
 
 from tool0.errors import Tool0Error
 from tool0.interfaces.ur.tool_contact import ToolHistory
@@ -19,7 +19,6 @@ from tool0.interfaces.ur.urscript.values import Handle, Value
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box
     from tool0.interfaces.ur.moves import Moves
-    from tool0.interfaces.ur.urscript.compiling import Code
 
 MAX_THREADS: Final = 50
 MAX_DEPTH: Final = 100
@@ -32,6 +31,18 @@ MAX_UPDATES: Final = 20
 """Until a change is shown, at most; another client may have changed it back."""
 MAX_SPIN: Final = 1_000_000
 """Statements of a thread without one that takes time, such as sync()."""
+
+
+class Runnable(Protocol):
+    """A program or a thread, compiled."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def at(self) -> Place: ...
+
+    async def call(self, thread: Thread, arguments: Mapping[str, Value]) -> Value: ...
 
 
 @final
@@ -85,14 +96,11 @@ class Thread:
 
     async def hold(self) -> None:
         """Wait while the program is paused, or another thread is critical."""
-        execution = self.execution
         while True:
-            if execution.is_paused:
-                await self.box.programs.gate()
-            elif execution.critical not in {None, self}:
-                await self.box.next_update()
-            else:
+            await self.execution.gate()
+            if self.execution.critical in {None, self}:
                 return
+            await self.box.next_update()
 
     async def until_shown(self, condition: Callable[[], bool]) -> None:
         """Wait until the updates show what a request has changed."""
@@ -122,7 +130,12 @@ class Execution:
     """One run of a program."""
 
     def __init__(
-        self, name: str, box: Box, moves: Moves, *, is_secondary: bool = False
+        self,
+        name: str,
+        box: Box,
+        moves: Moves,
+        *,
+        is_secondary: bool = False,
     ) -> None:
         """Prepare to run.
 
@@ -135,7 +148,7 @@ class Execution:
         self.name = name
         self.box = box
         self.moves = moves
-        self.sockets = Sockets(allow_others=box.allow_sockets)
+        self.sockets = Sockets(box)
         self.history = ToolHistory(box)
         self._is_secondary = is_secondary
         self.force_damping = 0.005
@@ -152,7 +165,7 @@ class Execution:
         self._period = -1.0
         self._used = 0
 
-    async def run(self, code: Code) -> None:
+    async def run(self, code: Runnable) -> None:
         """Run a program to its end, and end its threads.
 
         Raises:
@@ -170,24 +183,24 @@ class Execution:
                     await asyncio.wait(set(self._tasks))
                 self.sockets.close_all()
 
-    @property
-    def is_paused(self) -> bool:
-        """Whether the program waits to be resumed."""
-        return self.box.programs.is_paused and not self._is_secondary
+    async def gate(self) -> None:
+        """Wait while the program is paused."""
+        if not self._is_secondary:
+            await self.box.programs.gate()
 
-    def start_thread(self, code: Code) -> Handle:
+    def start_thread(self, code: Runnable) -> Handle:
         """Start a thread of the program."""
         if len(self._tasks) >= MAX_THREADS:
             raise ValueProblem(f"more than {MAX_THREADS} threads run")
         return Handle(code.name, self._start(code))
 
-    def _start(self, code: Code) -> asyncio.Task[Value]:
+    def _start(self, code: Runnable) -> asyncio.Task[Value]:
         task = asyncio.get_running_loop().create_task(self._run(code))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
         return task
 
-    async def _run(self, code: Code) -> Value:
+    async def _run(self, code: Runnable) -> Value:
         thread = Thread(self, code.name)
         try:
             return await code.call(thread, {})

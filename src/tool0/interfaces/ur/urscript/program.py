@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, final
 
+from tool0.interfaces.ur.moves import Moves
 from tool0.interfaces.ur.urscript import syntax as s
 from tool0.interfaces.ur.urscript.checking import Checker
-from tool0.interfaces.ur.urscript.compiling import Code, Compiler
+from tool0.interfaces.ur.urscript.code import Code
+from tool0.interfaces.ur.urscript.compiling import Compiler
 from tool0.interfaces.ur.urscript.errors import Place, URScriptError
 from tool0.interfaces.ur.urscript.execution import Execution
 from tool0.interfaces.ur.urscript.parsing import parse
@@ -20,9 +22,10 @@ if TYPE_CHECKING:
 class URScriptProgram:
     """A checked program."""
 
-    def __init__(self, code: Code, name: str) -> None:
+    def __init__(self, code: Code, name: str, *, allow_sockets: bool) -> None:
         self._code = code
         self._source = name
+        self._allow_sockets = allow_sockets
 
     @property
     def name(self) -> str:
@@ -40,15 +43,19 @@ class URScriptProgram:
         Raises:
             URScriptError: The program failed, with the location.
         """
-        from tool0.interfaces.ur.moves import Moves
-
         execution = Execution(
-            self._source, box, Moves(box), is_secondary=self.is_secondary
+            self._source,
+            box,
+            Moves(box),
+            is_secondary=self.is_secondary,
+            allow_sockets=self._allow_sockets,
         )
         await execution.run(self._code)
 
 
-def compile_program(text: str, name: str = "program") -> URScriptProgram:
+def compile_program(
+    text: str, name: str = "program", *, allow_sockets: bool = False
+) -> URScriptProgram:
     """Return a program that is checked and ready to run.
 
     A program is a ``def`` or a ``sec`` without parameters, or bare statements.  Of
@@ -58,6 +65,7 @@ def compile_program(text: str, name: str = "program") -> URScriptProgram:
     Args:
         text: The program; lines end with LF, CRLF or CR.
         name: Of the source, for messages.
+        allow_sockets: Whether it may connect to other machines.
 
     Raises:
         URScriptError: What is wrong, with line and column.
@@ -67,7 +75,7 @@ def compile_program(text: str, name: str = "program") -> URScriptProgram:
     scope = program_scope(main)
     Checker(name).check(scope)
     code = Compiler(name).compile(scope)
-    return URScriptProgram(code, name)
+    return URScriptProgram(code, name, allow_sockets=allow_sockets)
 
 
 def _main(statements: s.Block, name: str) -> s.Definition:

@@ -224,7 +224,7 @@ def _is_matrix(value: Value) -> bool:
 
 
 def _matrix_product(a: tuple[Value, ...], b: tuple[Value, ...]) -> Value:
-    columns = list(zip(*b, strict=True)) if _is_matrix(b) else [b]  # type: ignore[arg-type]
+    columns = list(zip(*b, strict=True)) if _is_matrix(b) else [b]
     multiply, add = ARITHMETIC["*"], ARITHMETIC["+"]
 
     def dot(row: Value, column: Sequence[Value]) -> Value:
