@@ -1,8 +1,8 @@
 """URScript to port 30002, and questions to the dashboard server, by plain sockets."""
 
 import socket
-
-import tool0
+import subprocess
+import sys
 
 HOST = "127.0.0.21"
 SQUARE = """
@@ -15,8 +15,8 @@ def square():
     i = i + 1
   end
   movel(start, a=1.5, v=0.5)
-  socket_open("{host}", {port})
-  socket_send_line(str_cat("back within mm: ", point_dist(start, get_actual_tcp_pose()) < 0.001))
+  socket_open("{}", {})
+  socket_send_line(point_dist(start, get_actual_tcp_pose()) < 0.001)
   socket_close()
 end
 """
@@ -27,27 +27,37 @@ def ask(question: str) -> str:
     with socket.create_connection((HOST, 29999)) as dashboard:
         lines = dashboard.makefile("rw")
         lines.readline()  # its greeting
-        lines.write(f"{question}\n")
-        lines.flush()
+        print(question, file=lines, flush=True)
         return lines.readline().strip()
 
 
-with tool0.bringup(arm="ur5e") as robot:
-    with tool0.UrController(robot, tool0.UrOptions(host=HOST)) as ur:
-        ur.wait()
-        print(ask("robotmode"), "/", ask("PolyscopeVersion"))
-        with (
-            socket.create_server(("127.0.0.1", 0)) as ours,
-            socket.create_connection((HOST, 30002)) as script,
-        ):
-            address, port = ours.getsockname()
-            script.sendall(SQUARE.format(host=address, port=port).encode())
-            peer, _ = ours.accept()
-            with peer:
-                print(peer.makefile().readline().strip())
-        # A mistake is found before anything moves.
+def program() -> None:
+    print(ask("robotmode"))
+    with (
+        socket.create_server(("127.0.0.1", 0)) as ours,
+        socket.create_connection((HOST, 30002)) as script,
+    ):
+        script.sendall(SQUARE.format(*ours.getsockname()).encode())
+        peer, _ = ours.accept()
+        with peer:
+            print("back to within a millimetre:", peer.makefile().readline().strip())
+        # Mistakes are found before anything moves.  Clients of 30001 get the message.
         with socket.create_connection((HOST, 30001)) as primary:
-            primary.sendall(b"movej([0, -1.57], a=1)\n")
-            while b"six" not in (received := primary.recv(65536)):
-                pass
-            print("refused:", b"movej" in received)
+            script.sendall(b"movej([0, -1.57, 1.57], a=1.4)\n")
+            received = b""
+            while b"movej" not in received:
+                received += primary.recv(4096)
+            print("refused: movej with three joints")
+
+
+if sys.argv[1:] == ["program"]:
+    program()
+else:
+    import tool0
+
+    with tool0.bringup(arm="ur5e", realtime=False) as robot:
+        with tool0.UrController(robot, tool0.UrOptions(host=HOST)) as ur:
+            ur.wait()
+            client = subprocess.Popen([sys.executable, __file__, "program"])
+            while client.poll() is None:
+                robot.run(0.1)  # as fast as possible
