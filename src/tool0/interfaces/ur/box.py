@@ -48,11 +48,23 @@ CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
 class Box:
     """One arm and what its control box knows about it."""
 
-    def __init__(self, channel: SocketChannel, arm: str, first: UpdateMessage) -> None:
-        """Show an ``arm`` of the bring-up, as ``first`` has it.
+    def __init__(
+        self,
+        channel: SocketChannel,
+        arm: str,
+        first: UpdateMessage,
+        *,
+        allow_sockets: bool = False,
+    ) -> None:
+        """Show an arm of the bring-up.
 
-        ``first`` is the first update: it has everything.
+        Args:
+            channel: The connection to the bring-up.
+            arm: As ``list_arms`` names it.
+            first: The first update, which has everything.
+            allow_sockets: Whether programs may connect to other machines.
         """
+        self.allow_sockets = allow_sockets
         self._channel = channel
         self._event_loop = asyncio.get_running_loop()
         model = channel.description.model

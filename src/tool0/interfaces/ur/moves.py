@@ -161,6 +161,7 @@ class Moves:
     ) -> None:
         """Follow joint positions [rad]; return after ``t`` [s]."""
         box = self._box
+        self._running = None
         box.send(
             ServoJoints(
                 arm=box.arm,
@@ -176,6 +177,7 @@ class Moves:
         """Ramp to joint velocities [rad/s]; return after ``t``, or at full speed."""
         box, a = self._box, _above_0(a)
         change = np.subtract(qd, box.arm_update.target_velocity)
+        self._running = None
         box.send(SpeedJoints(arm=box.arm, velocities=qd, acceleration=a))
         await box.sleep(float(np.abs(change).max()) / a if t is None else t)
 
@@ -185,6 +187,7 @@ class Moves:
         """Ramp to a velocity of the TCP [m/s, rad/s]; return as ``speedj`` does."""
         box, a = self._box, _above_0(a)
         change = np.subtract(xd, box.tcp_speed(target=True))
+        self._running = None
         box.send(SpeedTool(arm=box.arm, twist=xd, acceleration=a, tcp=box.tcp))
         if t is None:
             t = _duration(change, a, a_rot)
@@ -194,6 +197,7 @@ class Moves:
         """Ramp down to rest from any motion; ``a`` is the leading joint's [rad/s²]."""
         box = self._box
         await box.call(StopArm(arm=box.arm, deceleration=_above_0(a)))
+        self._running = None  # also a path that was to begin later
         await self._rest()
 
     async def stopl(self, a: float = 20.0, a_rot: float | None = None) -> None:

@@ -128,7 +128,9 @@ async def serve(
     request = SubscribeUpdates(arms=tuple(arms))
     await asyncio.to_thread(channel.call, request)
     update = await first
-    boxes += [Box(channel, arm, update) for arm in arms]
+    boxes += [
+        Box(channel, arm, update, allow_sockets=options.allow_sockets) for arm in arms
+    ]
     async with contextlib.AsyncExitStack() as stack:
         served = {}
         for number, box in enumerate(boxes):
