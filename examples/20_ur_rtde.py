@@ -42,9 +42,11 @@ if sys.argv[1:] == ["program"]:
 else:
     import tool0
 
-    with tool0.bringup(arm="ur5e", realtime=False) as robot:
-        with tool0.UrController(robot, tool0.UrOptions(host=HOST)) as ur:
-            ur.wait()
-            client = subprocess.Popen([sys.executable, __file__, "program"])
-            while client.poll() is None:
-                robot.run(0.1)  # as fast as possible
+    with (
+        tool0.bringup(arm="ur5e", realtime=False) as robot,
+        tool0.UrController(robot, tool0.UrOptions(host=HOST)) as ur,
+    ):
+        ur.wait()
+        client = subprocess.Popen([sys.executable, __file__, "program"])
+        while client.poll() is None:
+            robot.run(0.1)  # as fast as possible
