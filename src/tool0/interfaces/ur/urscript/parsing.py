@@ -25,41 +25,11 @@ _NEVER: Final = {
     "assert": "'assert' is a function here: write it with an 'if' and 'halt'",
 }
 _KEYWORDS: Final = frozenset(
-<<<<<<< HEAD
-    [
-        "and",
-        "break",
-        "continue",
-        "def",
-        "elif",
-        "else",
-        "end",
-        "enter_critical",
-        "exit_critical",
-        "global",
-        "halt",
-        "if",
-        "join",
-        "kill",
-        "local",
-        "not",
-        "or",
-        "pass",
-        "pause",
-        "return",
-        "run",
-        "sec",
-        "thread",
-        "while",
-        "xor",
-    ]
-=======
     {
         *("and", "break", "continue", "def", "elif", "else", "end", "enter_critical"),
         *("exit_critical", "global", "halt", "if", "join", "kill", "local", "not"),
         *("or", "pass", "pause", "return", "run", "sec", "thread", "while", "xor"),
     }
->>>>>>> main
 )
 _CHARACTERS: Final = {
     "'": 'strings are written with double quotes: "text"',
