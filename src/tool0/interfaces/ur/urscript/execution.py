@@ -136,7 +136,6 @@ class Execution:
         moves: Moves,
         *,
         is_secondary: bool = False,
-        allow_sockets: bool = False,
     ) -> None:
         """Prepare to run.
 
@@ -145,12 +144,11 @@ class Execution:
             box: The control box.
             moves: Its arm's moves.
             is_secondary: Whether it runs beside the program, also while that is paused.
-            allow_sockets: Whether it may connect to other machines.
         """
         self.name = name
         self.box = box
         self.moves = moves
-        self.sockets = Sockets(box, allow_others=allow_sockets)
+        self.sockets = Sockets(box)
         self.history = ToolHistory(box)
         self._is_secondary = is_secondary
         self.force_damping = 0.005
