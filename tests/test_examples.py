@@ -122,6 +122,11 @@ PRINTED = {
         r"Goal successfully reached!|ROS 2 is not available: .*",
         *([] if ROS2 is None else [r"elbow_joint: 1\.4"]),
     ],
+    "23_robotiq_socket": [
+        "activated, fault 0",
+        r"closed: holds something at 13\d",
+        "opened: has arrived at [345]",
+    ],
     "14_pick": [r"holding_inside, gOBJ 2", r"the cube weighs (9\d|10\d) g, .*"],
 }
 """Example → what some of its lines are, in this order."""
