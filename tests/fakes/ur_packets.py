@@ -78,6 +78,8 @@ def unpack(fields: str, data: bytes) -> tuple[dict[str, Any], bytes]:
         size = struct.calcsize(f">{form}")
         items = struct.unpack(f">{form}", data[:size])
         values[name] = items[0] if len(items) == 1 else items
+        if form.endswith("s"):
+            values[name] = values[name].decode()
         data = data[size:]
     return values, data
 

@@ -120,7 +120,7 @@ def test_a_protective_stop_is_unlocked_after_five_seconds(rig, dashboard):
     dashboard.until("safetymode", "Safetymode: PROTECTIVE_STOP")
     assert dashboard.ask("safetystatus") == "Safetystatus: PROTECTIVE_STOP"
     assert dashboard.ask("robotmode") == "Robotmode: RUNNING"
-    dashboard.until("programState", "STOPPED waiting.script")
+    dashboard.until("programState", "STOPPED waiting.urp")
     assert dashboard.ask("play") == "Failed to execute: play"
     assert dashboard.ask("unlock protective stop") == TOO_SOON
     dashboard.until("unlock protective stop", "Protective stop releasing")
@@ -162,7 +162,7 @@ def test_a_program_is_loaded_played_paused_and_stopped(rig, dashboard):
     dashboard.until("programState", "PLAYING waiting.urp")
     assert dashboard.ask("stop") == "Stopped"
     dashboard.until("programState", "STOPPED waiting.urp")
-    assert rig.robot.arm.control_box.read().digital_outputs[3]
+    assert rig.robot.arm.control_box.state.digital_outputs[3]
 
 
 def test_a_program_with_an_error_is_not_loaded(dashboard):

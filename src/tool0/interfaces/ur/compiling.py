@@ -11,27 +11,22 @@ if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box
 
 
-async def compiled(text: str, name: str, *, allow_sockets: bool) -> Program[Box]:
+async def compiled(text: str, name: str) -> Program[Box]:
     """Return a program; its text is read in another thread, as that takes a while.
 
     The program that ur_rtde uploads is recognised and executed natively.
 
-    Args:
-        text: The program.
-        name: Its name, for messages.
-        allow_sockets: Whether it may connect to other machines.
-
     Raises:
         Tool0Error: If it is not valid, with line and column.
     """
-    return await asyncio.to_thread(_compile, text, name, allow_sockets)
+    return await asyncio.to_thread(_compile, text, name)
 
 
-def _compile(text: str, name: str, allow_sockets: bool) -> Program[Box]:
+def _compile(text: str, name: str) -> Program[Box]:
     from tool0.interfaces.ur.rtde_control.program import recognise
     from tool0.interfaces.ur.urscript.program import compile_program
 
     known = recognise(text)
     if known is not None:
         return known
-    return compile_program(text, name, allow_sockets=allow_sockets)
+    return compile_program(text, name)

@@ -8,6 +8,7 @@ https://www.universal-robots.com/articles/ur/dashboard-server/dashboard-server-c
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 import zlib
 from collections.abc import Awaitable, Callable
@@ -33,7 +34,6 @@ from tool0.requests.table import Request
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box
-    from tool0.interfaces.ur.programs import Program
 
 logger = logging.getLogger(__name__)
 
@@ -48,6 +48,8 @@ OPERATIONAL_MODES: Final = ("manual", "automatic")
 CB3, E_SERIES = "CB3", "e-Series"
 BOTH: Final = frozenset({CB3, E_SERIES})
 
+SETTLE_TIMEOUT: Final = 1.0
+"""Longest wait for a program to pause or resume [wall s]."""
 MAX_WORDS: Final = 4
 """Of a command."""
 
@@ -70,18 +72,9 @@ class Command:
 class Dashboard:
     """The dashboard server of one control box."""
 
-    def __init__(
-        self, box: Box, programs: Path | None = None, *, allow_sockets: bool = False
-    ) -> None:
-        """Serve ``box``.
-
-        Args:
-            box: The control box.
-            programs: The folder with the programs that can be loaded.
-            allow_sockets: Whether they may connect to other machines.
-        """
-        self._box, self._allow_sockets = box, allow_sockets
-        self._files = ProgramFiles(programs)
+    def __init__(self, box: Box, programs: Path | None = None) -> None:
+        """Serve ``box``; programs are loaded from the folder ``programs``."""
+        self._box, self._files = box, ProgramFiles(programs)
         self._port = Port("dashboard server", self._serve)
         self._loaded: ProgramFile | None = None
         self._mode, self._role = "NONE", "PROGRAMMER"
@@ -184,25 +177,24 @@ class Dashboard:
         if found is None:
             return f"File not found: {name}"
         try:
-            await self._compiled(found)
+            await compiled(found.text, found.name)
         except Tool0Error as error:
             self._box.report(error)
             return f"Error while loading program: {name}"
         self._loaded = found
         return f"Loading program: {name}"
 
-    async def _compiled(self, file: ProgramFile) -> Program[Box]:
-        return await compiled(file.text, file.name, allow_sockets=self._allow_sockets)
-
     async def _play(self, _: str) -> str:
         box = self._box
         try:
-            if box.programs.state is RuntimeState.PAUSED:
+            if box.programs.is_paused:
                 box.programs.resume()
+                await self._settle()
             elif self._loaded is None or box.programs.is_running:
                 raise ControlError("no program is loaded, or one is running already")
             else:
-                await box.programs.start(await self._compiled(self._loaded))
+                loaded = self._loaded
+                await box.programs.start(await compiled(loaded.text, loaded.name))
         except Tool0Error as error:
             logger.warning("%s: play: %s", box.arm, error)
             return "Failed to execute: play"
@@ -217,7 +209,16 @@ class Dashboard:
             self._box.programs.pause()
         except ControlError:
             return "Failed to execute: pause"
+        await self._settle()
         return "Pausing program"
+
+    async def _settle(self) -> None:
+        """Wait until the control box has paused or resumed the program."""
+        programs = self._box.programs
+        changing = (RuntimeState.PAUSING, RuntimeState.RESUMING)
+        settled = self._box.until(lambda: programs.state not in changing)
+        with contextlib.suppress(asyncio.TimeoutError):  # time does not pass
+            await asyncio.wait_for(settled, SETTLE_TIMEOUT)
 
     @property
     def _name(self) -> str:

@@ -37,13 +37,15 @@ def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     from tool0.interfaces.ur.client_interface.interface import ClientInterface
     from tool0.interfaces.ur.dashboard import Dashboard
     from tool0.interfaces.ur.program_watch import ProgramWatch
+    from tool0.interfaces.ur.reporter import Reporter
     from tool0.interfaces.ur.rtde.server import RtdeServer
 
     interfaces: list[Interface] = [
         ProgramWatch(box),
+        Reporter(box),
         RtdeServer(box),
-        Dashboard(box, options.programs, allow_sockets=options.allow_sockets),
-        ClientInterface(box, allow_sockets=options.allow_sockets),
+        Dashboard(box, options.programs),
+        ClientInterface(box),
     ]
     if box.gripper is not None:
         from tool0.interfaces.ur.robotiq.interface import (
@@ -149,10 +151,11 @@ def _served(host: str, interfaces: list[Interface]) -> UrArm:
 
     for interface in interfaces:
         if isinstance(interface, RobotiqInterface):
+            path = interface.serial_port
             return UrArm(
                 address=host,
                 modbus_port=interface.modbus_tcp.number,
-                serial_port=str(interface.serial_port),
+                serial_port=None if path is None else str(path),
             )
     return UrArm(address=host)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.errors import TransportError
@@ -37,10 +38,9 @@ _PLACE: Final = re.compile(r"[^:]*:(\d+):(\d+): (.*)", re.DOTALL)
 class ClientInterface:
     """The primary, secondary and real-time interface of a control box."""
 
-    def __init__(self, box: Box, *, allow_sockets: bool = False) -> None:
-        """Serve ``box``; programs may connect to other machines if they are allowed."""
+    def __init__(self, box: Box) -> None:
         self._box = box
-        self._uploads = Uploads(box, allow_sockets=allow_sockets)
+        self._uploads = Uploads(box)
         self._ports = {
             number + offset: Port(name, self._serving(number, is_open=not offset))
             for number, name in (
@@ -139,12 +139,12 @@ class ClientInterface:
     def _send_state(self) -> None:
         peers = self._peers(PRIMARY, SECONDARY)
         if peers:
-            _to_readers(peers, robot_state(self._box))
+            send_to_readers(peers, robot_state(self._box))
 
     def _send_realtime(self) -> None:
-        peers = [peer for peer in self._peers(REALTIME) if peer.owed < MAX_BEHIND]
+        peers = readers(self._peers(REALTIME))
         if peers:  # those who only send programs read nothing
-            _to_readers(peers, realtime_packet(self._box))
+            send_to_readers(peers, realtime_packet(self._box))
 
     def _tell(self, message: Message) -> None:
         """Send a message to clients of the primary interface."""
@@ -168,7 +168,7 @@ class ClientInterface:
         self._send(packet)
 
     def _send(self, packet: bytes) -> None:
-        _to_readers(self._peers(PRIMARY), packet)
+        send_to_readers(self._peers(PRIMARY), packet)
 
 
 def _error(time: float, text: str) -> bytes:
@@ -184,7 +184,12 @@ def _is_due(time: float, last: float, period: float) -> bool:
     return not 0.0 <= time - last < period - 1e-6
 
 
-def _to_readers(peers: list[Peer], packet: bytes) -> None:
-    for peer in peers:
-        if peer.owed < MAX_BEHIND:
-            peer.send(packet)
+def readers(peers: Iterable[Peer]) -> list[Peer]:
+    """Return those who have read what was sent before."""
+    return [peer for peer in peers if peer.owed < MAX_BEHIND]
+
+
+def send_to_readers(peers: Iterable[Peer], packet: bytes) -> None:
+    """Send to those who have read what was sent before."""
+    for peer in readers(peers):
+        peer.send(packet)

@@ -33,8 +33,8 @@ MAX_SECONDARY: Final = 16
 class Uploads:
     """Executes scripts: a program replaces the one that runs, a secondary does not."""
 
-    def __init__(self, box: Box, *, allow_sockets: bool) -> None:
-        self._box, self._allow_sockets = box, allow_sockets
+    def __init__(self, box: Box) -> None:
+        self._box = box
         self._queue: asyncio.Queue[Script] = asyncio.Queue(MAX_WAITING)
         self._secondary: set[asyncio.Task[None]] = set()
         self._task = asyncio.create_task(self._execute_all())
@@ -78,9 +78,7 @@ class Uploads:
             if command is not None:
                 await command()
                 return
-        program = await compiled(
-            script.text, script.name, allow_sockets=self._allow_sockets
-        )
+        program = await compiled(script.text, script.name)
         if not script.is_secondary:
             await self._box.programs.start(program)
             return
