@@ -133,6 +133,11 @@ PRINTED = {
         "OBJ 3 is an arrival",
         "in: True",
     ],
+    "23_robotiq_socket": [
+        "activated, fault 0",
+        r"closed: holds something at 13\d",
+        "opened: has arrived at [345]",
+    ],
     "14_pick": [r"holding_inside, gOBJ 2", r"the cube weighs (9\d|10\d) g, .*"],
 }
 """Example → what some of its lines are, in this order."""
