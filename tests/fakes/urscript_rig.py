@@ -73,6 +73,7 @@ class TimeBox:
 
     arm = "arm"
     rate = 500.0
+    allow_sockets = False
     gripper = None
     q = qd = effort = tcp = ZEROS
 

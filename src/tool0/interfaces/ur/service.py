@@ -128,7 +128,9 @@ async def serve(
     request = SubscribeUpdates(arms=tuple(arms))
     await asyncio.to_thread(channel.call, request)
     update = await first
-    boxes += [Box(channel, arm, update) for arm in arms]
+    boxes += [
+        Box(channel, arm, update, allow_sockets=options.allow_sockets) for arm in arms
+    ]
     async with contextlib.AsyncExitStack() as stack:
         served = {}
         for number, box in enumerate(boxes):
@@ -149,10 +151,11 @@ def _served(host: str, interfaces: list[Interface]) -> UrArm:
 
     for interface in interfaces:
         if isinstance(interface, RobotiqInterface):
+            path = interface.serial_port
             return UrArm(
                 address=host,
                 modbus_port=interface.modbus_tcp.number,
-                serial_port=str(interface.serial_port),
+                serial_port=None if path is None else str(path),
             )
     return UrArm(address=host)
 

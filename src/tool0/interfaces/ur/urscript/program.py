@@ -22,10 +22,9 @@ if TYPE_CHECKING:
 class URScriptProgram:
     """A checked program."""
 
-    def __init__(self, code: Code, name: str, *, allow_sockets: bool) -> None:
+    def __init__(self, code: Code, name: str) -> None:
         self._code = code
         self._source = name
-        self._allow_sockets = allow_sockets
 
     @property
     def name(self) -> str:
@@ -48,14 +47,11 @@ class URScriptProgram:
             box,
             Moves(box),
             is_secondary=self.is_secondary,
-            allow_sockets=self._allow_sockets,
         )
         await execution.run(self._code)
 
 
-def compile_program(
-    text: str, name: str = "program", *, allow_sockets: bool = False
-) -> URScriptProgram:
+def compile_program(text: str, name: str = "program") -> URScriptProgram:
     """Return a program that is checked and ready to run.
 
     A program is a ``def`` or a ``sec`` without parameters, or bare statements.  Of
@@ -65,7 +61,6 @@ def compile_program(
     Args:
         text: The program; lines end with LF, CRLF or CR.
         name: Of the source, for messages.
-        allow_sockets: Whether it may connect to other machines.
 
     Raises:
         URScriptError: What is wrong, with line and column.
@@ -75,7 +70,7 @@ def compile_program(
     scope = program_scope(main)
     Checker(name).check(scope)
     code = Compiler(name).compile(scope)
-    return URScriptProgram(code, name, allow_sockets=allow_sockets)
+    return URScriptProgram(code, name)
 
 
 def _main(statements: s.Block, name: str) -> s.Definition:

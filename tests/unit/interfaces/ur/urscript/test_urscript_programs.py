@@ -21,7 +21,11 @@ from tool0.description.transform import Pose
 from tool0.requests.control_box import SetIO
 
 READY = (0.0, -1.2, 1.9, -2.2708, -1.5708, 0.0)  # [rad]
-HOME = f"movej({list(READY)}, a=3, v=3)\nset_tcp(p[0, 0, 0, 0, 0, 0])\nrq_activate_and_wait()\n"
+HOME = f"""
+movej({list(READY)}, a=3, v=3)
+set_tcp(p[0, 0, 0, 0, 0, 0])
+rq_activate_and_wait()
+"""
 FAST = 4.0  # simulated seconds per wall second
 CUBE = SceneObject(
     name="cube",
