@@ -9,6 +9,7 @@ from __future__ import annotations
 TYPE_CHECKING = False  # typing takes longer to import than this module
 if TYPE_CHECKING:
     from tool0.api.arm import Arm
+    from tool0.api.arm_motion import ArmMotion
     from tool0.api.bringup import bringup
     from tool0.api.connect import connect
     from tool0.api.control_box import ControlBox
@@ -78,6 +79,7 @@ if TYPE_CHECKING:
     from tool0.kinematics.inverse import Branch, InverseKinematics, Solution
     from tool0.lint.check import CheckReport, check
     from tool0.requests.state import SimulationInfo
+    from tool0.requests.updates import ArmUpdate
     from tool0.runtime.bus import Faulted, GoalFinished, Overran, Subscription, WasReset
     from tool0.runtime.config import ControlConfig, SimulationConfig
     from tool0.runtime.poses import NamedPose
@@ -92,6 +94,8 @@ __all__ = [
     "AnalogPin",
     "Arm",
     "ArmChain",
+    "ArmMotion",
+    "ArmUpdate",
     "Batch",
     "Bin",
     "Branch",
@@ -196,6 +200,8 @@ _HOMES = {
     "AnalogPin": "tool0.hardware.control_box",
     "Arm": "tool0.api.arm",
     "ArmChain": "tool0.kinematics.chain",
+    "ArmMotion": "tool0.api.arm_motion",
+    "ArmUpdate": "tool0.requests.updates",
     "Batch": "tool0.batch.batch",
     "Bin": "tool0.api.grasps",
     "Branch": "tool0.kinematics.inverse",

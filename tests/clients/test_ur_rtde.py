@@ -2,70 +2,26 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike
-from rtde_rig import Recorder, ur_bringup
+from rtde_rig import Recorder
 from ur_formulas import Array, assert_trapezoid
-
-import tool0
-
-pytest.importorskip("rtde_control", reason="ur-rtde has no wheel for this platform")
-
-from rtde_control import Path, PathEntry, RTDEControlInterface
-from rtde_receive import RTDEReceiveInterface
-
-HOME = [0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0]
-TIMEOUT = 20.0
-PLAYING = 2
-"""Of RTDE's ``runtime_state``."""
-
-
-class Station:
-    """A robot and its clients."""
-
-    def __init__(self, host: str, robot: tool0.Robot) -> None:
-        self.host, self.robot = host, robot
-        self.receive = RTDEReceiveInterface(host)
-        self.control = RTDEControlInterface(
-            host,
-            500.0,
-            RTDEControlInterface.FLAG_UPLOAD_SCRIPT,
-        )
-
-    def home(self) -> None:
-        assert self.control.moveJ(HOME, 3.0, 20.0)
-        until(lambda: np.allclose(self.receive.getTargetQ(), HOME, atol=1e-9), "home")
-
-    @property
-    def home_pose(self) -> list[float]:
-        return self.control.getForwardKinematics(HOME, [0.0] * 6)
-
-    def record(self, *names: str) -> Recorder:
-        return Recorder(self.host, *names)
+from ur_rtde_rig import HOME, PLAYING, Station, station_of, until
 
 
 @pytest.fixture(scope="module")
 def station() -> Iterator[Station]:
-    with ur_bringup("--arm", "ur5e") as (host, robot):
-        yield Station(host, robot)
+    with station_of("--arm", "ur5e") as station:
+        yield station
 
 
 @pytest.fixture
 def ur(station: Station) -> Station:
     station.home()
     return station
-
-
-def until(condition: Callable[[], bool], what: str) -> None:
-    """Wait for something that a client can only poll."""
-    deadline = time.monotonic() + TIMEOUT
-    while not condition():
-        assert time.monotonic() < deadline, f"no {what}"
-        time.sleep(0.002)
 
 
 def joint_way(record: Recorder, joint: int) -> Array:
@@ -145,6 +101,8 @@ def test_a_path_of_the_tool_is_blended_within_its_radius(ur: Station) -> None:
     pose = ur.home_pose
     corner = [pose[0] + 0.08, *pose[1:]]
     end = [pose[0] + 0.08, pose[1], pose[2] + 0.08, *pose[3:]]
+    from rtde_control import Path, PathEntry
+
     path = Path()
     for place, radius in ((corner, 0.03), (end, 0.0)):
         path.addEntry(

@@ -124,7 +124,7 @@ def timed_leg(
     warnings = []
     zone_in, zone_out, scale = _zones(segment, move, tail)
     if scale < 1.0:
-        warnings.append(f"blends overlap: the radius is reduced to {scale:.0%}")
+        warnings.append(f"overlapping blends: the radius is reduced to {scale:.0%}")
     if tail is not None and is_symmetric:
         zone_in = min(zone_in, tail.remaining)
     n_rests = (tail is None) + (move.r == 0.0)

@@ -44,6 +44,7 @@ _FIRST_KNOT: Final = 0.002
 _LEAD_FACTOR: Final = 1.5
 _LEAD_DECAY: Final = 0.8
 _ATTEMPTS: Final = 4
+_SHOWN_WARNINGS: Final = 5
 _ROUNDING: Final = 1e-9
 STOP: Final = 4.0
 """Of the leading joint, when a motion is cancelled or replaced [rad/s²]."""
@@ -87,9 +88,7 @@ class Moves:
         """
         self._running = running = await self._start(tuple(moves))
         plan = running.plan
-        for warning in plan.warnings:
-            logger.warning("%s: %s", self._box.arm, warning)
-            self._box.messages.text(warning)
+        self._warn(plan.warnings)
         if wait:
             lead = self._lead if plan.tail else 0.0
             await self._until(running, plan.zones[-1] - lead)
@@ -257,6 +256,14 @@ class Moves:
                 self._lead = max(min(taken, LEAD[2]), _LEAD_DECAY * self._lead, LEAD[0])
                 return _Running(rest, number, box.time)
         return None
+
+    def _warn(self, warnings: Sequence[str]) -> None:
+        shown = list(warnings[:_SHOWN_WARNINGS])
+        if len(warnings) > len(shown):
+            shown.append(f"{len(warnings) - len(shown)} more warnings of this path")
+        for warning in shown:
+            logger.warning("%s: %s", self._box.arm, warning)
+            self._box.messages.text(warning)
 
     def _planner(self) -> MovePlanner:
         box = self._box

@@ -151,10 +151,11 @@ def _served(host: str, interfaces: list[Interface]) -> UrArm:
 
     for interface in interfaces:
         if isinstance(interface, RobotiqInterface):
+            path = interface.serial_port
             return UrArm(
                 address=host,
                 modbus_port=interface.modbus_tcp.number,
-                serial_port=str(interface.serial_port),
+                serial_port=None if path is None else str(path),
             )
     return UrArm(address=host)
 

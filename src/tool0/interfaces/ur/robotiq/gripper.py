@@ -168,7 +168,7 @@ class RobotiqGripper:
         elif not command.go_to:
             if before.go_to and self._object is ObjectStatus.MOVING:
                 self._start(self._stop)
-        elif self._goal is None or command != before:
+        elif not self.has_goal or command != before:
             self._start(self._go)
         self._tell()
 
