@@ -9,6 +9,7 @@ from __future__ import annotations
 TYPE_CHECKING = False  # typing takes longer to import than this module
 if TYPE_CHECKING:
     from tool0.api.arm import Arm
+    from tool0.api.arm_motion import ArmMotion
     from tool0.api.bringup import bringup
     from tool0.api.connect import connect
     from tool0.api.control_box import ControlBox
@@ -61,7 +62,9 @@ if TYPE_CHECKING:
         ControlBoxState,
         ProgramState,
         RobotMode,
+        SafetyLimits,
         SafetyMode,
+        UrReport,
     )
     from tool0.hardware.engine import Contact, ObjectState
     from tool0.hardware.payload import Payload
@@ -76,6 +79,7 @@ if TYPE_CHECKING:
     from tool0.kinematics.inverse import Branch, InverseKinematics, Solution
     from tool0.lint.check import CheckReport, check
     from tool0.requests.state import SimulationInfo
+    from tool0.requests.updates import ArmUpdate
     from tool0.runtime.bus import Faulted, GoalFinished, Overran, Subscription, WasReset
     from tool0.runtime.config import ControlConfig, SimulationConfig
     from tool0.runtime.poses import NamedPose
@@ -90,6 +94,8 @@ __all__ = [
     "AnalogPin",
     "Arm",
     "ArmChain",
+    "ArmMotion",
+    "ArmUpdate",
     "Batch",
     "Bin",
     "Branch",
@@ -157,6 +163,7 @@ __all__ = [
     "Ros2Node",
     "Ros2Options",
     "RosUnavailableError",
+    "SafetyLimits",
     "SafetyMode",
     "SceneHandle",
     "SimulationConfig",
@@ -175,6 +182,7 @@ __all__ = [
     "UrArm",
     "UrController",
     "UrOptions",
+    "UrReport",
     "VideoWriter",
     "WasReset",
     "WrenchReading",
@@ -192,6 +200,8 @@ _HOMES = {
     "AnalogPin": "tool0.hardware.control_box",
     "Arm": "tool0.api.arm",
     "ArmChain": "tool0.kinematics.chain",
+    "ArmMotion": "tool0.api.arm_motion",
+    "ArmUpdate": "tool0.requests.updates",
     "Batch": "tool0.batch.batch",
     "Bin": "tool0.api.grasps",
     "Branch": "tool0.kinematics.inverse",
@@ -259,6 +269,7 @@ _HOMES = {
     "Ros2Node": "tool0.interfaces.ros2.node",
     "Ros2Options": "tool0.interfaces.ros2.options",
     "RosUnavailableError": "tool0.errors",
+    "SafetyLimits": "tool0.hardware.control_box",
     "SafetyMode": "tool0.hardware.control_box",
     "SceneHandle": "tool0.api.scene",
     "SimulationConfig": "tool0.runtime.config",
@@ -277,6 +288,7 @@ _HOMES = {
     "UrArm": "tool0.interfaces.ur.options",
     "UrController": "tool0.interfaces.ur.process",
     "UrOptions": "tool0.interfaces.ur.options",
+    "UrReport": "tool0.hardware.control_box",
     "VideoWriter": "tool0.sensing.video",
     "WasReset": "tool0.runtime.bus",
     "WrenchReading": "tool0.sensing.force_torque",

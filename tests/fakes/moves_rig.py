@@ -85,7 +85,9 @@ class MovesRig:
         assert np.abs(slope - middle.qd).max() < HARDEST * step
         assert np.abs(np.diff(motion.qd, axis=0)).max() < HARDEST * step
         fastest = self.kinematics.fastest
-        assert (np.abs(motion.qd) <= fastest * (1 + 1e-3)).all()
+        assert (np.abs(motion.qd) <= fastest).all()
+        mean = np.diff(q, axis=0) / np.diff(times)[:, None]
+        assert (np.abs(mean) <= fastest).all()
         assert (motion.q >= self.kinematics.lower - 1e-6).all()
         assert (motion.q <= self.kinematics.upper + 1e-6).all()
         assert list(plan.begins) == sorted(plan.begins)

@@ -107,4 +107,4 @@ def serving_gripper(
             served.loop.call_soon_threadsafe(stop.set)
     finally:
         thread.join(LONG)
-    assert served.errors == []
+    assert served.errors == [], served.errors

@@ -18,11 +18,11 @@ GRASP, ABOVE, DROP = 0.0025, 0.10, 0.14
 """Heights of the TCP: on a cube, above the cubes, above the bin [m]."""
 TCP = [0.0, 0.0, 0.1418, 0.0, 0.0, 0.0]
 """Between the pads, when they are 45 mm apart."""
-PLACES = [(x, y) for x in (-0.04, 0.0, 0.04) for y in (-0.04, 0.04)]
+PLACES = [(x, y) for x in (-0.055, 0.0, 0.055) for y in (-0.055, 0.0, 0.055)]
 """Where cubes are dropped, around the middle of the bin [m]."""
 BIN = (-0.50, 0.32)
-FAST = {"speed": 0.6, "acceleration": 2.0}
-SLOW = {"speed": 0.4, "acceleration": 1.5}
+FAST = {"speed": 1.0, "acceleration": 3.0}
+SLOW = {"speed": 0.5, "acceleration": 2.0}
 OPEN, CLOSED = 0, 255
 MOVING = 0
 

@@ -215,6 +215,8 @@ class BoxRig:
         return outcome
 
     def close(self) -> None:
+        if self.box.gripper is not None:
+            self.do(self.box.gripper.close())
         self._channel.close()
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()

@@ -249,9 +249,7 @@ def test_commands_of_ur_client_library(rig, clients):
     send_until("power off", robot_mode=3)
     send_until("power on", robot_mode=5)
     send_until("set robotmode run", robot_mode=7)
-    send_until(
-        "def f():\n  while True:\n    sync()\n  end\nend", program_running=True
-    )
+    send_until("def f():\n  while True:\n    sync()\n  end\nend", program_running=True)
     send_until("stop program", program_running=False)
 
 

@@ -78,7 +78,9 @@ describe("the control box", () => {
     expect(text("robot-mode")).toBe("Idle, brakes on");
     expect(text("program-state")).toBe("Stopped");
     expect(isDisabled("power-on")).toBe(true);
+    expect(isDisabled("program-play")).toBe(true);
     press("release-brakes");
+    await show({ program: "STOPPED" });
     press("program-play");
     expect(server().sentOf("release_brakes")).toEqual([{ arm: "arm" }]);
     expect(server().sentOf("play_program")).toEqual([{ arm: "arm" }]);
@@ -88,6 +90,7 @@ describe("the control box", () => {
     expect(screen.queryByTestId("protective-stop-banner")).toBeNull();
     await show({ safety_mode: 3, protective_stop: "too much force" });
     expect(text("protective-stop-banner")).toContain("too much force");
+    expect(isDisabled("program-play")).toBe(true);
     press("unlock-arm");
     expect(server().sentOf("unlock_protective_stop")).toEqual([{ arm: "arm" }]);
     await act(async () => {

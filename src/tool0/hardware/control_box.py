@@ -82,8 +82,8 @@ class ProgramState(Enum):
     """Scaled trajectories stand still."""
 
 
-MAX_REGISTERS: Final = 400
-"""RTDE has 64 bits, 48 integers and 48 floating-point numbers in each direction."""
+MAX_REGISTERS: Final = 448
+"""RTDE has 128 bits, 48 integers and 48 floating-point numbers in each direction."""
 
 
 @final

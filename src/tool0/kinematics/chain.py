@@ -57,6 +57,15 @@ class ArmChain:
         self._crosses = np.array([cross_matrix(*axis) for axis in self._axes])
         self._squares = self._crosses @ self._crosses
 
+    @property
+    def fixed_parts(self) -> tuple[Array, Array, Array]:
+        """What does not turn.
+
+        The pose of each joint in the link before it, shape (6, 4, 4), of the tip in the
+        last link, shape (4, 4), and the axes in the joints' frames, shape (6, 3).
+        """
+        return self._steps, self._last, self._axes
+
     def forward(self, q: Array) -> Posture:
         """Return the pose of the flange at positions ``q`` [rad], shape (n, 6)."""
         turns = rodrigues(self._crosses, self._squares, q)

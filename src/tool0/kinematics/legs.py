@@ -32,7 +32,10 @@ _SLOWEST = 0.02
 """A move that must be slower than this part of its speed passes a singularity."""
 _ROUNDS = 16
 _ROUNDING = 1e-9
-_SHORTEST = 2e-3
+_SPEED_SHARE = 0.999
+"""Part of a joint's largest velocity that is planned with: between two knots it may be
+a little faster."""
+_SHORTEST = 2e-4
 """Intervals whose acceleration is judged [s]: in shorter ones it is rounding."""
 
 
@@ -42,7 +45,8 @@ class JointLimits:
 
     def __init__(self, joints: tuple[Joint, ...]) -> None:
         self.names = tuple(joint.name for joint in joints)
-        self.fastest = np.array([joint.max_velocity for joint in joints])
+        velocities = [joint.max_velocity for joint in joints]
+        self.fastest = _SPEED_SHARE * np.array(velocities)
         """[rad/s], shape (6,)."""
         self.strongest = np.array([joint.max_acceleration for joint in joints])
         """Accelerations of planned motions [rad/s²], shape (6,)."""
@@ -120,7 +124,7 @@ def timed_leg(
     warnings = []
     zone_in, zone_out, scale = _zones(segment, move, tail)
     if scale < 1.0:
-        warnings.append(f"blends overlap: the radius is reduced to {scale:.0%}")
+        warnings.append(f"overlapping blends: the radius is reduced to {scale:.0%}")
     if tail is not None and is_symmetric:
         zone_in = min(zone_in, tail.remaining)
     n_rests = (tail is None) + (move.r == 0.0)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from tool0.kinematics.chain import Array, cross_matrix, rodrigues
 
+Three = tuple[float, float, float]
+Nine = tuple[float, float, float, float, float, float, float, float, float]
 _SMALL = 1e-12
 
 
@@ -30,27 +33,31 @@ def rotation_of(vector: Sequence[float]) -> Array:
 
 
 def rotation_vector(R: Array) -> Array:
-    """Return the rotation vector of a rotation, of length 0 … pi [rad].
+    """Return the rotation vector of a rotation, of length 0 … pi [rad]."""
+    a, b, c, d, e, f, g, h, i = R.ravel().tolist()
+    return np.array(rotation_vector_of((a, b, c, d, e, f, g, h, i)))
+
+
+def rotation_vector_of(R: Nine) -> Three:
+    """Return the rotation vector of a rotation that is given row by row [rad].
 
     By the quaternion whose largest component is computed first (Shepperd 1978): exact
     also near 0 and pi.
     """
-    (a, b, c), (d, e, f), (g, h, i) = R
+    a, b, c, d, e, f, g, h, i = R
     trace = a + e + i
-    choices = (trace, a, e, i)
-    k = int(np.argmax(choices))
-    if k == 0:
-        q = np.array([1.0 + trace, h - f, c - g, d - b])
-    elif k == 1:
-        q = np.array([h - f, 1.0 + a - e - i, b + d, c + g])
-    elif k == 2:
-        q = np.array([c - g, b + d, 1.0 - a + e - i, f + h])
+    largest = max(trace, a, e, i)
+    if largest == trace:
+        w, x, y, z = 1.0 + trace, h - f, c - g, d - b
+    elif largest == a:
+        w, x, y, z = h - f, 1.0 + a - e - i, b + d, c + g
+    elif largest == e:
+        w, x, y, z = c - g, b + d, 1.0 - a + e - i, f + h
     else:
-        q = np.array([d - b, c + g, f + h, 1.0 - a - e + i])
-    q /= np.linalg.norm(q)
-    if q[0] < 0.0:
-        q = -q
-    sine = float(np.linalg.norm(q[1:]))
-    if sine < _SMALL:
-        return np.asarray(2.0 * q[1:])
-    return np.asarray(q[1:] * (2.0 * np.arctan2(sine, q[0]) / sine))
+        w, x, y, z = d - b, c + g, f + h, 1.0 - a - e + i
+    sine = math.sqrt(x * x + y * y + z * z)
+    if sine < _SMALL * abs(w):
+        factor = 2.0 / w
+    else:
+        factor = math.copysign(2.0 / sine, w) * math.atan2(sine, abs(w))
+    return (factor * x, factor * y, factor * z)

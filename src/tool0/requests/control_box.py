@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Annotated, Generic, Literal
+from collections.abc import Callable, Mapping
+from typing import Annotated, Final, Generic, Literal
 
 from msgspec import Meta, field
 
@@ -26,6 +26,10 @@ DigitalPin = Annotated[int, Meta(ge=0, le=N_DIGITAL - 1)]
 """Standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
 AnalogPinNumber = Annotated[int, Meta(ge=0, le=N_ANALOG - 1)]
 Fraction = Annotated[float, Meta(ge=0.01, le=1.0)]
+MOST_PROGRAM: Final = 200
+"""Characters of a program's name."""
+MOST_POPUP: Final = 1000
+"""Characters of a popup."""
 Mass = Annotated[float, Meta(ge=0.0, le=1000.0)]
 """[kg]"""
 
@@ -158,16 +162,16 @@ class SetSafetyLimits(_OfArm[None], frozen=True):
 class ReportUr(_OfArm[None], frozen=True):
     """Show what the interface of UR's protocols does: for its process only."""
 
-    program: Annotated[str, Meta(max_length=200)] = ""
+    program: Annotated[str, Meta(max_length=MOST_PROGRAM)] = ""
     """The name of its program; empty if there is none."""
     program_state: Annotated[str, Meta(max_length=50)] = "STOPPED"
     """As RTDE names ``runtime_state``."""
-    popup: Annotated[str, Meta(max_length=1000)] | None = None
+    popup: Annotated[str, Meta(max_length=MOST_POPUP)] | None = None
     """The text that waits for an answer."""
     clients: Annotated[int, Meta(ge=0)] = 0
     """Connections to all of its ports."""
     registers: Annotated[
-        dict[str, bool | int | float], Meta(max_length=MAX_REGISTERS)
+        Mapping[str, bool | int | float], Meta(max_length=MAX_REGISTERS)
     ] = field(default_factory=dict)
     """Those that are not zero, by their names in RTDE."""
 

@@ -65,6 +65,7 @@ class ArmUpdate(Struct, frozen=True, kw_only=True):
     target_acceleration: Six
     """[rad/s²]"""
     mode: MotionMode
+    """What moves it: ``free`` is a controller of ROS, or nothing."""
     path: int
     """Number of the last path; 0 before the first."""
     path_time: float
@@ -72,6 +73,7 @@ class ArmUpdate(Struct, frozen=True, kw_only=True):
     is_done: bool
     """Whether the path or the stop has ended: the setpoint is at rest."""
     force_mode: bool
+    """Whether it pushes with a force; the setpoint is the motion without it."""
     wrench: Six
     """External force [N] and torque [N·m] on the tool at the flange, in its axes, less
     the payload and the tare."""

@@ -32,6 +32,7 @@ from tool0.kernel.kernel import Kernel
 from tool0.kernel.program import Ended, Program
 from tool0.runtime.arm_modes import ArmModes
 from tool0.runtime.arm_motions import ArmMotions
+from tool0.runtime.arm_samples import ArmSamples
 from tool0.runtime.control_boxes import ControlBoxes
 from tool0.runtime.joint_motion import (
     joints_by_controller,
@@ -45,7 +46,6 @@ from tool0.sensing.grasp import GraspAssist
 from tool0.sensing.grip_contacts import GripContacts
 from tool0.sensing.snapshot import ArmSample
 from tool0.sensing.stalls import StallMonitor, contacts_text, external_contacts
-from tool0.sensing.tool_wrench import ToolWrench
 
 
 @final
@@ -94,8 +94,9 @@ class Core:
         self._watch_drift()
         self.when_goal_starts: Callable[[Goal], None] = lambda goal: None
         self._sensors: tuple[ForceTorqueSensor, ...] = ()
-        self._wrenches: dict[str, ToolWrench] = {}
-        """On the tools of arms whose updates are sent, by arm."""
+        self._samples = ArmSamples(
+            model, engine, hardware, self.control_boxes, self.arm_motions
+        )
         self.grasp_assist = GraspAssist(model, engine) if grasp_assist else None
         self.stall_monitor = StallMonitor(model, hardware)
         self.grip_contacts = GripContacts(model, engine.joint_names)
@@ -397,27 +398,14 @@ class Core:
 
     def arm_samples(self) -> Mapping[str, ArmSample]:
         """Return what moves each arm, and the wrench on its tool, between two ticks."""
-        return {arm: self._arm_sample(arm) for arm in self.arm_motions.specs}
-
-    def _arm_sample(self, arm: str) -> ArmSample:
         program = self._program
         before = self._before if program is None else program.step_start()
-        wrench = self._wrench(arm).read(before, self.state, self._forces())
-        return self.arm_motions.sample(arm, self.time, wrench)
+        return self._samples.read(self.time, before, self.state, self._forces())
 
     def zero_wrench(self, arm: str | None) -> None:
-        """Let the wrench on an arm's tool be 0 now, in samples from now on."""
-        name = self.control_boxes.find(arm).arm
-        self._arm_sample(name)
-        self._wrench(name).zero()
-
-    def _wrench(self, arm: str) -> ToolWrench:
-        found = self._wrenches.get(arm)
-        if found is None:
-            flange = self.control_boxes.flange(arm)
-            self._wrenches[arm] = found = ToolWrench(self._model, flange, self.engine)
-            found.subtract(self.hardware.payloads.get(flange))
-        return found
+        """Let the wrench on an arm's tool be 0 in samples from now on."""
+        self.arm_samples()
+        self._samples.zero(arm)
 
     def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
         """Return to the initial pose changed by ``position``, objects to their start.
@@ -450,9 +438,7 @@ class Core:
         self.control_boxes.set_payload(arm, payload)
         for sensor in self._sensors:
             sensor.subtract(self.hardware.payloads)
-        for name, wrench in self._wrenches.items():
-            flange = self.control_boxes.flange(name)
-            wrench.subtract(self.hardware.payloads.get(flange))
+        self._samples.note_payloads()
 
     def set_stopped(self, engaged: bool) -> None:
         """Brake every joint, or release the brakes; controllers then hold still."""

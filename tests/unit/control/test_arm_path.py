@@ -102,8 +102,8 @@ def test_replacement_leaves_the_old_path_at_the_given_time() -> None:
     motion.replaced(new, 2, after=1, at=1.0, now=0.4)
     assert [motion.setpoint(k / 100) for k in range(40, 100)] == old[40:100]
     assert motion.progress(0.9) == (1, 0.9)
-    assert motion.progress(1.3)[0] == 2  # type: ignore[index]
-    assert motion.progress(1.3)[1] == pytest.approx(0.3)  # type: ignore[index]
+    assert motion.progress(1.3)[0] == 2
+    assert motion.progress(1.3)[1] == pytest.approx(0.3)
     before, after = motion.setpoint(1.0), motion.setpoint(math.nextafter(1.0, 2.0))
     for one, other in zip(before[:2], after[:2], strict=True):
         assert one == pytest.approx(other, abs=EXACT)
@@ -117,11 +117,11 @@ def test_replacements_can_be_queued_and_replaced() -> None:
     again = path([1.0], [[0.0, 1.0]], [[0, 0]])
     motion.replaced(again, 2, after=1, at=1.0, now=0.1)
     motion.replaced(again, 3, after=2, at=0.5, now=0.2)
-    assert motion.progress(1.6)[0] == 3  # type: ignore[index]
+    assert motion.progress(1.6)[0] == 3
     with pytest.raises(ControlError, match=r"path 2 replaces path 1 from 1\.0+ s on"):
         motion.replaced(again, 4, after=1, at=1.2, now=0.3)
     motion.replaced(again, 4, after=1, at=0.8, now=0.3)
-    assert motion.progress(0.9)[0] == 4  # type: ignore[index]
+    assert motion.progress(0.9)[0] == 4
     with pytest.raises(ControlError, match=r"path 2 is not executed.*1, 4"):
         motion.replaced(again, 5, after=2, at=0.1, now=0.3)
     with pytest.raises(ControlError, match=r"path 1 is at 0\.5.* s already"):

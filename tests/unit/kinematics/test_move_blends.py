@@ -219,7 +219,7 @@ def random_moves(draw: st.DrawFn) -> list[Move]:
     return moves
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=40, deadline=None, derandomize=True)
 @given(random_moves())
 def test_any_sequence_is_smooth_or_refused(moves: list[Move]) -> None:
     try:
@@ -227,3 +227,27 @@ def test_any_sequence_is_smooth_or_refused(moves: list[Move]) -> None:
     except UnreachableError:
         return
     RIG.check(plan)
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(random_moves(), st.floats(0.0, 0.2))
+def test_any_sequence_that_comes_move_by_move_is_smooth(
+    moves: list[Move], late: float
+) -> None:
+    plan = RIG.planner.plan(HOME, [])
+    for move in moves:
+        try:
+            rest = None
+            if plan.tail is not None:
+                time = plan.tail.entry + late
+                rest = RIG.planner.resume(plan, time, [move])
+            if rest is None:
+                rest = RIG.planner.plan(plan.end, [move])
+            else:
+                old = sampled(plan.knots, np.array([time]))
+                np.testing.assert_allclose(rest.knots.q[0], old.q[0], atol=1e-4)
+                np.testing.assert_allclose(rest.knots.qd[0], old.qd[0], atol=5e-3)
+        except UnreachableError:
+            return
+        RIG.check(rest)
+        plan = rest

@@ -106,7 +106,8 @@ def test_a_time_replaces_speed_and_acceleration(rig: MovesRig, rests: int) -> No
 
 def test_too_fast_a_move_becomes_slower_and_says_so(rig: MovesRig) -> None:
     plan = rig.plan(rig.joint([0.8, 0, 0, 0, 0, 0], a=40.0, v=10.0))
-    assert np.abs(plan.knots.qd).max() == pytest.approx(rig.kinematics.fastest[0])
+    fastest = rig.kinematics.fastest[0]
+    assert np.abs(plan.knots.qd).max() == pytest.approx(fastest, rel=2e-3)
     plan = rig.plan(rig.tool_move((0.1, 0.3, 0.0), a=10.0, v=3.0))
     rig.check(plan)
     (warning,) = plan.warnings

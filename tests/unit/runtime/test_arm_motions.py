@@ -68,7 +68,7 @@ def test_a_taken_arm_is_moved_by_a_controller_of_its_own(robot: tool0.Robot) -> 
 
 def test_only_a_program_can_start_and_stop_it(robot: tool0.Robot) -> None:
     robot.arm.motion.take()
-    with pytest.raises(ControlError, match="tool0's own.*return_arm"):
+    with pytest.raises(ControlError, match=r"tool0's own.*return_arm"):
         robot.switch(stop=["arm_motion"])
     with pytest.raises(ControlError, match="'Python' moves the arm 'arm'"):
         robot.switch(start=["eff_joint_traj_controller"])
@@ -101,7 +101,7 @@ def test_wrong_values_are_refused_with_what_would_be_right(
     motion.take()
     with pytest.raises(RequestError, match="'after' and 'at' need each other"):
         motion.execute_path([1.0], [DOWN], REST, after=1)
-    with pytest.raises(ControlError, match="path 1 is not executed.*none"):
+    with pytest.raises(ControlError, match=r"path 1 is not executed.*none"):
         motion.execute_path([1.0], [DOWN], REST, after=1, at=0.5)
     with pytest.raises(RequestError, match="positions"):
         motion.servo_joints(DOWN[:5])

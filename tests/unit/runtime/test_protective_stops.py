@@ -12,7 +12,9 @@ from ur5_rig import ARM
 import tool0
 from tool0.description.config import DescriptionConfig
 from tool0.description.transform import Pose
-from tool0.hardware.control_box import SafetyMode
+from tool0.errors import ControlError
+from tool0.hardware.control_box import ProgramState, SafetyMode
+from tool0.requests.arm_motion import ExecutePath, ReturnArm, TakeArm
 from tool0.runtime.config import ControlConfig
 
 INTERFACE = "hardware_interface/PositionJointInterface"
@@ -123,3 +125,26 @@ def test_an_emergency_stop_is_none(robot: tool0.Robot) -> None:
     robot.emergency_stop(False)
     robot.run(0.5)
     assert not reason(robot)
+
+
+def test_a_program_that_has_the_arm_loses_it(robot: tool0.Robot) -> None:
+    box, call = robot.arm.control_box, robot.channel.call
+    box.set_safety_limits(enabled=True)
+    call(TakeArm(by="a program"))
+    positions = robot.arm.inverse_kinematics(IN_TABLE)[0].positions
+    there = tuple(positions[name] for name in robot.arm.joint_names)
+    rest = ((0.0,) * 6,)
+    call(ExecutePath(times=(1.0,), positions=(there,), velocities=rest))
+    robot.run(2.0)
+    assert "touches 'table'" in reason(robot)
+    assert box.state.taken_by == ""
+    with pytest.raises(ControlError, match="protective stop"):
+        call(TakeArm(by="a program"))
+    call(ReturnArm())
+    robot.run(5.0)
+    box.unlock()
+    call(TakeArm(by="a program"))
+    call(ReturnArm())
+    assert box.state.program is ProgramState.STOPPED
+    box.play()
+    assert robot.arm.move_to(OVER_TABLE).wait(10.0)

@@ -24,10 +24,23 @@ function robotTone(box: ControlBox): Tone {
   return box.robot_mode === IDLE ? "warning" : "neutral";
 }
 
+function canPlay(box: ControlBox): boolean {
+  return isPowered(box) && box.safety_mode <= 2;
+}
+
 /** Green while the arm may move, red while something stops it. */
 function safetyTone({ safety_mode }: ControlBox): Tone {
   if (safety_mode === 1) return "ok";
   return safety_mode === 2 ? "warning" : "danger";
+}
+
+function ProgramBadge({ state, ...rest }: { state: string; "data-testid"?: string }) {
+  const known = state === "PLAYING" || state === "PAUSED" || state === "STOPPED";
+  return (
+    <Badge tone={known ? PROGRAM_TONES[state] : "accent"} {...rest}>
+      {known ? t(`box.program.${state}`) : state}
+    </Badge>
+  );
 }
 
 export function ControlBoxPanel() {
@@ -75,9 +88,7 @@ function Modes({ box }: { box: ControlBox }) {
           <dt>{t("box.program")}</dt>
           <dd>
             {taken_by !== "" && <code class="muted">{taken_by}</code>}
-            <Badge tone={PROGRAM_TONES[program]} data-testid="program-state">
-              {t(`box.program.${program}`)}
-            </Badge>
+            <ProgramBadge state={program} data-testid="program-state" />
           </dd>
         </div>
       </dl>
@@ -106,7 +117,7 @@ function Modes({ box }: { box: ControlBox }) {
       </div>
       <div class="row wrap">
         <Button
-          disabled={disabled || program === "PLAYING"}
+          disabled={disabled || program === "PLAYING" || !canPlay(box)}
           data-testid="program-play"
           onClick={() => void sendRequest("play_program", { arm })}
         >
@@ -186,9 +197,7 @@ function UrPrograms({ ur }: { ur: NonNullable<ControlBox["ur"]> }) {
           <dt>{t("box.program")}</dt>
           <dd data-testid="ur-program">
             {ur.program !== "" && <code class="muted">{ur.program}</code>}
-            <Badge tone={ur.program_state === "PLAYING" ? "ok" : "neutral"}>
-              {ur.program_state}
-            </Badge>
+            <ProgramBadge state={ur.program_state ?? ""} />
           </dd>
         </div>
       </dl>
@@ -197,7 +206,7 @@ function UrPrograms({ ur }: { ur: NonNullable<ControlBox["ur"]> }) {
           {ur.popup}
         </p>
       )}
-      <h3 class="caption">{t("box.registers")}</h3>
+      <h3 class="subtitle">{t("box.registers")}</h3>
       {registers.length === 0 ? (
         <p class="hint">{t("box.noRegisters")}</p>
       ) : (

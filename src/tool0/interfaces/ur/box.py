@@ -19,24 +19,26 @@ from tool0.description.parts import find_grippers, gripper_of
 from tool0.errors import Tool0Error, UnreachableError
 from tool0.hardware.control_box import ControlBoxState
 from tool0.interfaces.ur.messages import Messages
-from tool0.interfaces.ur.pose import matrix_of, pose_of
 from tool0.interfaces.ur.programs import ProgramSlot
 from tool0.interfaces.ur.registers import Registers
 from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
-from tool0.kinematics.chain import (
-    ArmChain,
-    Array,
-    Posture,
-    find_chains,
-    fixed_transform,
-)
+from tool0.kinematics.chain import ArmChain, Array, find_chains, fixed_transform
 from tool0.kinematics.inverse import InverseKinematics
+from tool0.kinematics.one_posture import (
+    OnePosture,
+    OnePostureChain,
+    parts_of,
+    rotated,
+    times,
+)
+from tool0.kinematics.pose import Nine, Three, matrix_of, rotation_vector_of
 from tool0.requests.table import Request
 from tool0.requests.updates import ArmUpdate, Six, UpdateMessage
 
 logger = logging.getLogger(__name__)
 R = TypeVar("R")
 
+_IDENTITY: Final[Nine] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 NO_TCP: Final[Six] = (0.0,) * 6
 CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
 """The arms whose control box is a CB3; all later ones have an e-Series one."""
@@ -96,13 +98,18 @@ class Box:
         index = {name: k for k, name in enumerate(first.joint_names)}
         self._indices = [index[name] for name in self.chain.joint_names]
         self._waiting: list[asyncio.Future[None]] = []
-        self._postures: Posture | None = None
-        self._T_base_chain = np.linalg.inv(self.T_chain_base)
+        self._postures_of = OnePostureChain(
+            self.chain, np.asarray(np.linalg.inv(self.T_chain_base))
+        )
+        self._postures: dict[bool, OnePosture] = {}
+        """Those of this update: measured, and the setpoint's."""
+        self._R_tcp: tuple[tuple[float, ...], Nine] = ((), _IDENTITY)
+        """The rotation vector of the TCP in the flange, and the rotation."""
         self._known: dict[tuple[str, bool], Six] = {}
         """What has been computed from this update."""
         self.update: UpdateMessage
         """The newest update."""
-        self._take(first)
+        self.note(first)
         self.gripper = self._gripper(index)
         """The gripper that the arm carries, if there is one."""
 
@@ -123,7 +130,7 @@ class Box:
 
     def take(self, update: UpdateMessage) -> None:
         """Show the robot after another update, and tell everyone."""
-        self._take(update)
+        self.note(update)
         for callback in tuple(self.when_updated):
             try:
                 callback()
@@ -134,7 +141,8 @@ class Box:
             if not future.done():
                 future.set_result(None)
 
-    def _take(self, update: UpdateMessage) -> None:
+    def note(self, update: UpdateMessage) -> None:
+        """Take an update without telling anyone: a newer one has arrived already."""
         self.update = update
         if not isinstance(update.arms, UnsetType):
             self.arm_update: ArmUpdate = update.arms[self.arm]
@@ -142,7 +150,7 @@ class Box:
             self.state: ControlBoxState = next(
                 box for box in update.control_boxes if box.arm == self.arm
             )
-        self._postures = None
+        self._postures.clear()
         self._known.clear()
 
     async def next_update(self) -> None:
@@ -228,14 +236,26 @@ class Box:
         """Return the velocity of the TCP in the base frame's axes [m/s, rad/s]."""
         return self._once("speed", target, self._compute_speed)
 
+    def tcp_rotation(self, *, target: bool = False) -> Nine:
+        """Return the TCP's rotation in the base frame, row by row."""
+        if self.tcp[3:] != self._R_tcp[0]:
+            self._R_tcp = self.tcp[3:], parts_of(matrix_of(self.tcp))[0]
+        return times(self.posture(target=target).R, self._R_tcp[1])
+
+    def flange_wrench(self) -> tuple[Three, Three]:
+        """Return the external force and torque at the flange, in the base's axes."""
+        R, wrench = self.posture().R, self.arm_update.wrench
+        return rotated(R, wrench[:3]), rotated(R, wrench[3:])
+
     def tcp_wrench(self) -> Six:
         """Return the external wrench at the TCP in the base frame's axes [N, N·m]."""
         return self._once("wrench", False, self._compute_wrench)
 
     def forward(self, q: Sequence[float], tcp: Sequence[float] | None = None) -> Six:
         """Return the pose of the TCP at joint positions ``q`` [rad]."""
-        T_tip_tcp = matrix_of(self.tcp if tcp is None else tcp)
-        return self._tcp_pose(self.chain.forward(np.asarray([q])), T_tip_tcp)
+        R, p = parts_of(matrix_of(self.tcp if tcp is None else tcp))
+        posture = self._postures_of.forward(q)
+        return (*posture.at(p), *rotation_vector_of(times(posture.R, R)))
 
     def inverse(
         self,
@@ -277,14 +297,12 @@ class Box:
         a, b, c, d, e, f = (values[k] for k in self._indices)
         return (a, b, c, d, e, f)
 
-    def posture(self, *, target: bool = False) -> Posture:
-        """Return the measured posture, or that of the setpoint."""
-        if self._postures is None:
-            rows = np.array([self.q, self.arm_update.target_position])
-            self._postures = self.chain.forward(rows)
-        row = slice(1, 2) if target else slice(0, 1)
-        T_base_tip, axes, points = self._postures
-        return Posture(T_base_tip[row], axes[row], points[row])
+    def posture(self, *, target: bool = False) -> OnePosture:
+        """Return the measured posture in the base frame, or that of the setpoint."""
+        if target not in self._postures:
+            q = self.arm_update.target_position if target else self.q
+            self._postures[target] = self._postures_of.forward(q)
+        return self._postures[target]
 
     def _once(self, what: str, target: bool, compute: Callable[[bool], Six]) -> Six:
         """Return a quantity of this update, computed by whoever needs it first."""
@@ -294,36 +312,18 @@ class Box:
         return self._known[key]
 
     def _compute_pose(self, target: bool) -> Six:
-        return self._tcp_pose(self.posture(target=target), matrix_of(self.tcp))
+        posture = self.posture(target=target)
+        R = self.tcp_rotation(target=target)
+        return (*posture.at(self.tcp[:3]), *rotation_vector_of(R))
 
     def _compute_speed(self, target: bool) -> Six:
-        T_base_tip, axes, points = (rows[0] for rows in self.posture(target=target))
+        posture = self.posture(target=target)
         qd = self.arm_update.target_velocity if target else self.qd
-        turns = axes * np.array(qd)[:, None]
-        tcp = T_base_tip[:3, 3] + T_base_tip[:3, :3] @ self.tcp[:3]
-        linear = _cross(turns, tcp - points).sum(axis=0)
-        R = self._T_base_chain[:3, :3]
-        x, y, z = (R @ linear).tolist()
-        rx, ry, rz = (R @ turns.sum(axis=0)).tolist()
-        return (x, y, z, rx, ry, rz)
+        linear, angular = posture.velocity(posture.at(self.tcp[:3]), qd)
+        return (*linear, *angular)
 
     def _compute_wrench(self, target: bool) -> Six:
-        R = (
-            self._T_base_chain[:3, :3]
-            @ self.posture(target=target).T_base_tip[0, :3, :3]
-        )
-        wrench = np.array(self.arm_update.wrench)
-        force = wrench[:3]
-        torque = wrench[3:] - _cross(np.array(self.tcp[:3]), force)
-        fx, fy, fz = (R @ force).tolist()
-        tx, ty, tz = (R @ torque).tolist()
-        return (fx, fy, fz, tx, ty, tz)
-
-    def _tcp_pose(self, posture: Posture, T_tip_tcp: Array) -> Six:
-        return pose_of(self._T_base_chain @ posture.T_base_tip[0] @ T_tip_tcp)
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Return the cross products of rows; a quarter of the time of numpy's."""
-    ahead, behind = [1, 2, 0], [2, 0, 1]
-    return a[..., ahead] * b[..., behind] - a[..., behind] * b[..., ahead]
+        (fx, fy, fz), (tx, ty, tz) = self.flange_wrench()
+        x, y, z = rotated(self.posture(target=target).R, self.tcp[:3])
+        torque = (tx - y * fz + z * fy, ty - z * fx + x * fz, tz - x * fy + y * fx)
+        return (fx, fy, fz, *torque)

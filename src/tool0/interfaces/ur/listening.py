@@ -59,6 +59,13 @@ class Peer:
 
 
 Serve = Callable[[Peer], Awaitable[None]]
+_open_ports: set[Port] = set()
+"""Those of this process that are listened on."""
+
+
+def count_clients(host: str) -> int:
+    """Return how many clients the ports at an address have together."""
+    return sum(len(port.peers) for port in _open_ports if port.host == host)
 
 
 @final
@@ -79,7 +86,7 @@ class Port:
         self.peers: set[Peer] = set()
         self._server: asyncio.Server | None = None
         self._tasks: set[asyncio.Task[None]] = set()
-        self.number = 0
+        self.host, self.number = "", 0
         """Of the port, once it listens."""
 
     async def listen(self, host: str, port: int) -> None:
@@ -99,10 +106,12 @@ class Port:
                 f"cannot listen on {host}:{port} ({self.name}): {reason}; "
                 "choose another address (--ur-host) or other ports (--ur-port-base)"
             ) from None
-        self.number = self._server.sockets[0].getsockname()[1]
+        self.host, self.number = host, self._server.sockets[0].getsockname()[1]
+        _open_ports.add(self)
 
     async def close(self) -> None:
         """Close the port and its connections."""
+        _open_ports.discard(self)
         if self._server is not None:
             self._server.close()
         for peer in tuple(self.peers):

@@ -39,9 +39,12 @@ LEAD: Final = (0.012, 0.03, 0.1)
 the next one: at least, at first, and at most.  It follows the time that this takes."""
 _MARGIN: Final = 0.01
 """How far ahead of the last update a path is replaced [s]; more where that failed."""
+_FIRST_KNOT: Final = 0.002
+"""The earliest knot of a path that replaces another one [s]."""
 _LEAD_FACTOR: Final = 1.5
 _LEAD_DECAY: Final = 0.8
 _ATTEMPTS: Final = 4
+_SHOWN_WARNINGS: Final = 5
 _ROUNDING: Final = 1e-9
 STOP: Final = 4.0
 """Of the leading joint, when a motion is cancelled or replaced [rad/s²]."""
@@ -85,9 +88,7 @@ class Moves:
         """
         self._running = running = await self._start(tuple(moves))
         plan = running.plan
-        for warning in plan.warnings:
-            logger.warning("%s: %s", self._box.arm, warning)
-            self._box.messages.text(warning)
+        self._warn(plan.warnings)
         if wait:
             lead = self._lead if plan.tail else 0.0
             await self._until(running, plan.zones[-1] - lead)
@@ -159,6 +160,7 @@ class Moves:
     ) -> None:
         """Follow joint positions [rad]; return after ``t`` [s]."""
         box = self._box
+        self._running = None
         box.send(
             ServoJoints(
                 arm=box.arm,
@@ -174,6 +176,7 @@ class Moves:
         """Ramp to joint velocities [rad/s]; return after ``t``, or at full speed."""
         box, a = self._box, _above_0(a)
         change = np.subtract(qd, box.arm_update.target_velocity)
+        self._running = None
         box.send(SpeedJoints(arm=box.arm, velocities=qd, acceleration=a))
         await box.sleep(float(np.abs(change).max()) / a if t is None else t)
 
@@ -183,6 +186,7 @@ class Moves:
         """Ramp to a velocity of the TCP [m/s, rad/s]; return as ``speedj`` does."""
         box, a = self._box, _above_0(a)
         change = np.subtract(xd, box.tcp_speed(target=True))
+        self._running = None
         box.send(SpeedTool(arm=box.arm, twist=xd, acceleration=a, tcp=box.tcp))
         if t is None:
             t = _duration(change, a, a_rot)
@@ -192,6 +196,7 @@ class Moves:
         """Ramp down to rest from any motion; ``a`` is the leading joint's [rad/s²]."""
         box = self._box
         await box.call(StopArm(arm=box.arm, deceleration=_above_0(a)))
+        self._running = None  # also a path that was to begin later
         await self._rest()
 
     async def stopl(self, a: float = 20.0, a_rot: float | None = None) -> None:
@@ -252,6 +257,14 @@ class Moves:
                 return _Running(rest, number, box.time)
         return None
 
+    def _warn(self, warnings: Sequence[str]) -> None:
+        shown = list(warnings[:_SHOWN_WARNINGS])
+        if len(warnings) > len(shown):
+            shown.append(f"{len(warnings) - len(shown)} more warnings of this path")
+        for warning in shown:
+            logger.warning("%s: %s", self._box.arm, warning)
+            self._box.messages.text(warning)
+
     def _planner(self) -> MovePlanner:
         box = self._box
         return MovePlanner(box.kinematics, box.tcp, box.T_chain_base)
@@ -260,8 +273,11 @@ class Moves:
         self, plan: MovePlan, after: int | None = None, at: float | None = None
     ) -> ExecutePath:
         """Return the request for a plan from rest, or for one that continues a path."""
-        first = 0 if after is None else 1  # at rest, the start is checked
-        times, q, qd = (values[first:].tolist() for values in plan.knots)
+        # At rest, the start is checked.  Otherwise the path begins with the motion of
+        # the old one, which may be 0.02 mm away: a knot at once would be a jump.
+        keep = plan.knots.times >= (0.0 if after is None else _FIRST_KNOT)
+        keep[-1] = True
+        times, q, qd = (values[keep].tolist() for values in plan.knots)
         return ExecutePath(
             arm=self._box.arm,
             times=tuple(times),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
+from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final, Protocol
 
@@ -36,10 +37,12 @@ def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     from tool0.interfaces.ur.client_interface.interface import ClientInterface
     from tool0.interfaces.ur.dashboard import Dashboard
     from tool0.interfaces.ur.program_watch import ProgramWatch
+    from tool0.interfaces.ur.reporter import Reporter
     from tool0.interfaces.ur.rtde.server import RtdeServer
 
     interfaces: list[Interface] = [
         ProgramWatch(box),
+        Reporter(box),
         RtdeServer(box),
         Dashboard(box, options.programs),
         ClientInterface(box),
@@ -83,12 +86,27 @@ async def serve(
     has_ended = asyncio.Event()
     first: asyncio.Future[UpdateMessage] = loop.create_future()
     boxes: list[Box] = []
+    arrived: deque[UpdateMessage] = deque()
 
-    def take(update: UpdateMessage) -> None:
-        if not first.done():
-            first.set_result(update)
-        for box in boxes:
-            box.take(update)
+    def take() -> None:
+        """Show the newest update: a busy process leaves out those before it."""
+        if not boxes:
+            if arrived and not first.done():
+                first.set_result(arrived[0])
+            return
+        while len(arrived) > 1:
+            update = arrived.popleft()
+            for box in boxes:
+                box.note(update)
+        if arrived:
+            update = arrived.popleft()
+            for box in boxes:
+                box.take(update)
+
+    def put(update: UpdateMessage) -> None:
+        arrived.append(update)
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            loop.call_soon_threadsafe(take)
 
     def refuse(error: Tool0Error) -> None:
         for box in boxes:
@@ -101,7 +119,7 @@ async def serve(
 
         return call
 
-    channel.when_updated = in_loop(take)
+    channel.when_updated = put
     channel.when_ended = in_loop(lambda failure: has_ended.set())
     channel.when_refused = in_loop(refuse)
     arms = [arm.name for arm in await asyncio.to_thread(channel.call, ListArms())]
@@ -133,10 +151,11 @@ def _served(host: str, interfaces: list[Interface]) -> UrArm:
 
     for interface in interfaces:
         if isinstance(interface, RobotiqInterface):
+            path = interface.serial_port
             return UrArm(
                 address=host,
                 modbus_port=interface.modbus_tcp.number,
-                serial_port=str(interface.serial_port),
+                serial_port=None if path is None else str(path),
             )
     return UrArm(address=host)
 

@@ -11,8 +11,7 @@ from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple, final
 
-import numpy as np
-
+from tool0.kinematics.one_posture import rotated
 from tool0.requests.updates import Six
 
 if TYPE_CHECKING:
@@ -102,7 +101,6 @@ class ToolHistory:
         """
         if not any(direction[:3]):
             return math.hypot(*moment.force)
-        box = self._box
-        R = box.T_chain_base[:3, :3].T @ box.posture().T_base_tip[0, :3, :3]
-        unit = np.asarray(direction[:3]) / math.hypot(*direction[:3])
-        return -float(unit @ R @ np.asarray(moment.force))
+        force = rotated(self._box.posture().R, moment.force)
+        along = sum(f * d for f, d in zip(force, direction[:3], strict=True))
+        return -along / math.hypot(*direction[:3])

@@ -145,9 +145,9 @@ def test_a_move_that_comes_later_is_blended_or_starts_at_rest(
     robot: tool0.Robot, pause: float
 ) -> None:
     async def program(box: Box, moves: Moves) -> None:
-        await moves.movel(lifted(box, 0.0, 0.0, -0.05), a=3.0, v=0.3, r=0.02)
+        await moves.movel(lifted(box, 0.0, 0.0, -0.1), a=3.0, v=0.3, r=0.04)
         await box.sleep(pause)
-        await moves.movel(lifted(box, 0.05, 0.0, -0.05), a=3.0, v=0.3, r=0.02)
+        await moves.movel(lifted(box, 0.1, 0.0, -0.1), a=3.0, v=0.3, r=0.04)
         await moves.movej(panned(0.1), a=3.0, v=1.05)
         check_at(box, panned(0.1))
 

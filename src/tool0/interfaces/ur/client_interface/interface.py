@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.errors import TransportError
@@ -141,8 +142,8 @@ class ClientInterface:
             send_to_readers(peers, robot_state(self._box))
 
     def _send_realtime(self) -> None:
-        peers = self._peers(REALTIME)
-        if peers:
+        peers = readers(self._peers(REALTIME))
+        if peers:  # those who only send programs read nothing
             send_to_readers(peers, realtime_packet(self._box))
 
     def _tell(self, message: Message) -> None:
@@ -183,8 +184,12 @@ def _is_due(time: float, last: float, period: float) -> bool:
     return not 0.0 <= time - last < period - 1e-6
 
 
-def send_to_readers(peers: list[Peer], packet: bytes) -> None:
+def readers(peers: Iterable[Peer]) -> list[Peer]:
+    """Return those who have read what was sent before."""
+    return [peer for peer in peers if peer.owed < MAX_BEHIND]
+
+
+def send_to_readers(peers: Iterable[Peer], packet: bytes) -> None:
     """Send to those who have read what was sent before."""
-    for peer in peers:
-        if peer.owed < MAX_BEHIND:
-            peer.send(packet)
+    for peer in readers(peers):
+        peer.send(packet)

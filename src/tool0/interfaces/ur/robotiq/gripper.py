@@ -92,6 +92,8 @@ class RobotiqGripper:
         self._index = joint_index
         self.command = POWER_ON
         """What clients request."""
+        self.address: tuple[str, int] | None = None
+        """Where the URCap's socket listens, once it does: host and port."""
         self._activation = Activation.RESET
         self._object = ObjectStatus.MOVING
         self._fault = Fault.NONE
@@ -166,7 +168,7 @@ class RobotiqGripper:
         elif not command.go_to:
             if before.go_to and self._object is ObjectStatus.MOVING:
                 self._start(self._stop)
-        elif self._goal is None or command != before:
+        elif not self.has_goal or command != before:
             self._start(self._go)
         self._tell()
 

@@ -22,7 +22,8 @@ class RobotiqInterface:
 
     def __init__(self, gripper: RobotiqGripper, serial_port: Path) -> None:
         """Open nothing yet; ``serial_port`` is the file that clients open."""
-        self.serial_port = serial_port
+        self.serial_port: Path | None = serial_port
+        """None if there could be none."""
         self._gripper = gripper
         self.modbus_tcp = ModbusTcp(gripper)
         self._socket = UrcapSocket(gripper)
@@ -39,6 +40,7 @@ class RobotiqInterface:
         try:
             self._modbus_rtu.open()
         except OSError as error:  # a container may have no pseudo-terminals
+            self.serial_port = None
             logger.warning("no serial port for the gripper: %s", error)
 
     async def close(self) -> None:

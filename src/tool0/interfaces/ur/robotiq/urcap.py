@@ -124,6 +124,7 @@ class UrcapSocket:
     async def start(self, host: str, port_base: int) -> None:
         """Listen; TransportError if the port is in use."""
         await self._port.listen(host, PORT + port_base)
+        self._gripper.address = (host, PORT + port_base)
 
     async def close(self) -> None:
         """End all connections."""

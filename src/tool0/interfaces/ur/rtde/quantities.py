@@ -6,13 +6,11 @@ constant, or follows from efforts by the rules below; each says which.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Final
-
-import numpy as np
 
 from tool0.hardware.control_box import AnalogDomain, RobotMode, SafetyMode
 from tool0.hardware.payload import payload_inertia
-from tool0.interfaces.ur.pose import rotation_of
 from tool0.interfaces.ur.programs import RuntimeState
 from tool0.requests.updates import Six
 
@@ -131,30 +129,24 @@ def tool_accelerometer(box: Box) -> Three:
 
     The motion's own acceleration is left out.
     """
-    up = rotation_of(box.tcp_pose()[3:])[2]
-    x, y, z = (GRAVITY * up).tolist()
-    return (x, y, z)
+    *_, x, y, z = box.tcp_rotation()
+    return (GRAVITY * x, GRAVITY * y, GRAVITY * z)
 
 
 def elbow_position(box: Box) -> Three:
     """Return where the axis of the third joint is, in the base frame [m]."""
-    point = box.posture().points[0, 2] - box.T_chain_base[:3, 3]
-    x, y, z = (box.T_chain_base[:3, :3].T @ point).tolist()
-    return (x, y, z)
+    return box.posture().points[2]
 
 
 def elbow_velocity(box: Box) -> Three:
     """Return the velocity of that point [m/s]."""
-    posture = box.posture()
-    levers = posture.points[0, 2] - posture.points[0, :2]
-    columns = np.cross(posture.axes[0, :2], levers)
-    x, y, z = (box.T_chain_base[:3, :3].T @ (np.array(box.qd[:2]) @ columns)).tolist()
-    return (x, y, z)
+    linear, _ = box.posture().velocity(elbow_position(box), box.qd, n_joints=2)
+    return linear
 
 
 def tcp_force(box: Box) -> float:
     """Return the magnitude of the external force at the TCP [N]."""
-    return float(np.linalg.norm(box.tcp_wrench()[:3]))
+    return math.hypot(*box.tcp_wrench()[:3])
 
 
 def payload_moments(box: Box) -> Six:

@@ -10,8 +10,6 @@ import math
 from collections.abc import Awaitable, Callable, Sequence
 from typing import TYPE_CHECKING, Final, final
 
-import numpy as np
-
 from tool0.errors import ControlError
 from tool0.interfaces.ur.moves import Moves
 from tool0.interfaces.ur.pose import matrix_of, pose_of
@@ -192,11 +190,8 @@ class Commands:
 
     def _external_torques(self) -> None:
         """Answer what the drives do against external forces at the tool [N·m]."""
-        posture = self._box.posture()
-        R = posture.T_base_tip[0, :3, :3]
-        wrench = self._box.arm_update.wrench
-        external = np.concatenate([R @ wrench[:3], R @ wrench[3:]])
-        self._exchange.answer((-posture.jacobian[0].T @ external).tolist())
+        efforts = self._box.posture().efforts(*self._box.flange_wrench())
+        self._exchange.answer([-effort for effort in efforts])
 
     def _compose_poses(self) -> None:
         first, second = self._exchange.six(0), self._exchange.six(6)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, final
+from typing import TYPE_CHECKING, Final, Literal, cast, final
 
 from msgspec import structs
 
+from tool0.errors import ControlError
 from tool0.requests.arm_motion import (
     EndForceMode,
     EndFreedrive,
@@ -38,12 +39,15 @@ class Compliance:
         """Be compliant along some axes of a frame, and press there: force_mode."""
         exchange = self._exchange
         a, b, c, d, e, f = (exchange.integer(k) != 0 for k in range(2, 8))
+        kind = exchange.integer(1)
+        if kind not in {1, 2, 3}:
+            raise ControlError(f"force_mode: the type must be 1, 2 or 3, got {kind}")
         self._force = StartForceMode(
             arm=self._box.arm,
             frame=exchange.six(0),
             selection=(a, b, c, d, e, f),
             wrench=exchange.six(6),
-            kind=exchange.integer(1),
+            kind=cast(Literal[1, 2, 3], kind),
             limits=exchange.six(12),
             tcp=self._box.tcp,
             damping=self._damping,

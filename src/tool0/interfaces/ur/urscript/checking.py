@@ -7,7 +7,8 @@ from typing import Final, NoReturn, TypeAlias, cast, final
 from tool0.errors import nearest_name
 from tool0.interfaces.ur.urscript import syntax as s
 from tool0.interfaces.ur.urscript.errors import Place, URScriptError, ValueProblem
-from tool0.interfaces.ur.urscript.functions import Function, Parameter, library
+from tool0.interfaces.ur.urscript.functions import Function, Parameter
+from tool0.interfaces.ur.urscript.library.table import library
 from tool0.interfaces.ur.urscript.scopes import Scope
 from tool0.interfaces.ur.urscript.unsupported import reason_against
 from tool0.interfaces.ur.urscript.values import (

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Mapping
-from dataclasses import dataclass
-from enum import Enum
-from typing import Any, Final, NamedTuple, TypeAlias, final
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple, final
 
 from tool0.interfaces.ur.urscript import syntax as s
+from tool0.interfaces.ur.urscript.code import (
+    Body,
+    Code,
+    Frame,
+    Jump,
+    Node,
+    Outcome,
+    Returned,
+    charged,
+    evaluated,
+    not_compiled,
+)
 from tool0.interfaces.ur.urscript.errors import Place, ValueProblem
-from tool0.interfaces.ur.urscript.execution import MAX_DEPTH, Halted, Thread
-from tool0.interfaces.ur.urscript.expressions import Expressions, Frame, Node, evaluated
+from tool0.interfaces.ur.urscript.execution import Halted
+from tool0.interfaces.ur.urscript.expressions import Expressions
 from tool0.interfaces.ur.urscript.scopes import Scope
 from tool0.interfaces.ur.urscript.values import (
     Handle,
@@ -21,24 +31,6 @@ from tool0.interfaces.ur.urscript.values import (
 )
 
 
-class Jump(Enum):
-    """Where execution continues after a statement that jumps."""
-
-    BREAK = "break"
-    CONTINUE = "continue"
-
-
-@final
-class Returned(NamedTuple):
-    """The value of ``return``."""
-
-    value: Value
-
-
-Outcome: TypeAlias = Jump | Returned | None
-Body: TypeAlias = Callable[[Frame], Awaitable[Outcome]]
-
-
 class Step(NamedTuple):
     """A compiled statement."""
 
@@ -46,45 +38,6 @@ class Step(NamedTuple):
     run: Callable[[Frame], Any]
     is_async: bool
     at: Place
-
-
-@final
-@dataclass(slots=True, eq=False)
-class Code:
-    """A function, a thread or the program, compiled."""
-
-    definition: s.Definition
-    defaults: dict[str, Node]
-    body: Body
-
-    @property
-    def name(self) -> str:
-        """Of the definition."""
-        return self.definition.name
-
-    @property
-    def at(self) -> Place:
-        """Where the definition stands."""
-        return self.definition.at
-
-    async def call(self, thread: Thread, arguments: Mapping[str, Value]) -> Value:
-        """Execute it and return its value."""
-        if thread.depth >= MAX_DEPTH:
-            raise ValueProblem(f"calls are nested deeper than {MAX_DEPTH} levels")
-        frame = Frame(thread, thread.execution.globals, dict(arguments))
-        for name, node in self.defaults.items():
-            if name not in arguments:
-                (frame.locals[name],) = await evaluated([node], frame)
-        thread.depth += 1
-        try:
-            outcome = await self.body(frame)
-        finally:
-            thread.depth -= 1
-        return outcome.value if isinstance(outcome, Returned) else None
-
-
-async def _not_compiled(frame: Frame) -> Outcome:
-    raise AssertionError(frame)
 
 
 @final
@@ -98,6 +51,8 @@ class Compiler:
     def compile(self, scope: Scope) -> Code:
         """Return a definition with all that it contains as closures."""
         code = self._declared(scope.definition)
+        is_program = scope.parent is None
+        code.n_variables = len(scope.globals if is_program else scope.locals)
         expressions = Expressions(self._program, scope, lambda n: self._find(scope, n))
         code.defaults = {
             item.name: expressions.node(item.default)
@@ -117,7 +72,7 @@ class Compiler:
     def _declared(self, definition: s.Definition) -> Code:
         key = id(definition)
         if key not in self._codes:
-            self._codes[key] = Code(definition, {}, _not_compiled)
+            self._codes[key] = Code(definition, 0, {}, not_compiled)
         return self._codes[key]
 
 
@@ -213,9 +168,10 @@ class Statements:
                 message = f"variable '{name}' has no value yet"
                 raise self._expressions.error(message, at)
             try:
-                variables[name] = with_element(variables[name], indexes, new)
+                value = with_element(variables[name], indexes, new)
             except ValueProblem as problem:
                 raise self._expressions.error(problem, at) from None
+            variables[name] = charged(frame, value)
 
         return Step(run, is_async=True, at=at)
 

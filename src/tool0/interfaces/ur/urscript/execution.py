@@ -7,8 +7,8 @@ uses up its share of a control period and goes on in the next one.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
-from typing import TYPE_CHECKING, Final, final
+from collections.abc import Awaitable, Callable, Mapping
+from typing import TYPE_CHECKING, Final, Protocol, final
 
 from tool0.errors import Tool0Error
 from tool0.interfaces.ur.tool_contact import ToolHistory
@@ -19,9 +19,10 @@ from tool0.interfaces.ur.urscript.values import Handle, Value
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box
     from tool0.interfaces.ur.moves import Moves
-    from tool0.interfaces.ur.urscript.compiling import Code
 
 MAX_THREADS: Final = 50
+MAX_VARIABLES: Final = 2_000
+"""Of all calls that are not finished, with those of the program."""
 MAX_DEPTH: Final = 100
 """Of calls in calls."""
 SLICE: Final = 100
@@ -32,6 +33,18 @@ MAX_UPDATES: Final = 20
 """Until a change is shown, at most; another client may have changed it back."""
 MAX_SPIN: Final = 1_000_000
 """Statements of a thread without one that takes time, such as sync()."""
+
+
+class Runnable(Protocol):
+    """A program or a thread, compiled."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def at(self) -> Place: ...
+
+    async def call(self, thread: Thread, arguments: Mapping[str, Value]) -> Value: ...
 
 
 @final
@@ -64,8 +77,9 @@ class Thread:
 
     async def give_way(self, at: Place) -> None:
         """Let others have their turn, after a number of statements."""
+        used = SLICE - self.left
         self.left = SLICE
-        self._spun += SLICE
+        self._spun += used
         if self._spun > MAX_SPIN:
             raise URScriptError(
                 f"thread '{self.name}' executed {MAX_SPIN} statements without one that "
@@ -73,7 +87,7 @@ class Thread:
                 at,
                 self.execution.name,
             )
-        await self.execution.share(SLICE)
+        await self.execution.share(used)
         await self.hold()
 
     async def timed(self, action: Awaitable[Value]) -> Value:
@@ -85,14 +99,11 @@ class Thread:
 
     async def hold(self) -> None:
         """Wait while the program is paused, or another thread is critical."""
-        execution = self.execution
         while True:
-            if execution.is_paused:
-                await self.box.programs.gate()
-            elif execution.critical not in {None, self}:
-                await self.box.next_update()
-            else:
+            await self.execution.gate()
+            if self.execution.critical in {None, self}:
                 return
+            await self.box.next_update()
 
     async def until_shown(self, condition: Callable[[], bool]) -> None:
         """Wait until the updates show what a request has changed."""
@@ -122,7 +133,12 @@ class Execution:
     """One run of a program."""
 
     def __init__(
-        self, name: str, box: Box, moves: Moves, *, is_secondary: bool = False
+        self,
+        name: str,
+        box: Box,
+        moves: Moves,
+        *,
+        is_secondary: bool = False,
     ) -> None:
         """Prepare to run.
 
@@ -135,7 +151,7 @@ class Execution:
         self.name = name
         self.box = box
         self.moves = moves
-        self.sockets = Sockets(allow_others=box.allow_sockets)
+        self.sockets = Sockets(box)
         self.history = ToolHistory(box)
         self._is_secondary = is_secondary
         self.force_damping = 0.005
@@ -149,10 +165,11 @@ class Execution:
         """The thread that moves the robot."""
         self._tasks: set[asyncio.Task[Value]] = set()
         self._end: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._variables = 0
         self._period = -1.0
         self._used = 0
 
-    async def run(self, code: Code) -> None:
+    async def run(self, code: Runnable) -> None:
         """Run a program to its end, and end its threads.
 
         Raises:
@@ -170,24 +187,35 @@ class Execution:
                     await asyncio.wait(set(self._tasks))
                 self.sockets.close_all()
 
-    @property
-    def is_paused(self) -> bool:
-        """Whether the program waits to be resumed."""
-        return self.box.programs.is_paused and not self._is_secondary
+    async def gate(self) -> None:
+        """Wait while the program is paused."""
+        if not self._is_secondary:
+            await self.box.programs.gate()
 
-    def start_thread(self, code: Code) -> Handle:
+    def add_variables(self, count: int) -> None:
+        """Count the variables of a call, or those of one that has ended.
+
+        Raises:
+            ValueProblem: There are too many.
+        """
+        self._variables += count
+        if count > 0 and self._variables > MAX_VARIABLES:
+            self._variables -= count
+            raise ValueProblem(f"the program has more than {MAX_VARIABLES} variables")
+
+    def start_thread(self, code: Runnable) -> Handle:
         """Start a thread of the program."""
         if len(self._tasks) >= MAX_THREADS:
             raise ValueProblem(f"more than {MAX_THREADS} threads run")
         return Handle(code.name, self._start(code))
 
-    def _start(self, code: Code) -> asyncio.Task[Value]:
+    def _start(self, code: Runnable) -> asyncio.Task[Value]:
         task = asyncio.get_running_loop().create_task(self._run(code))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
         return task
 
-    async def _run(self, code: Code) -> Value:
+    async def _run(self, code: Runnable) -> Value:
         thread = Thread(self, code.name)
         try:
             return await code.call(thread, {})
@@ -195,6 +223,8 @@ class Execution:
             self._finish(None)
         except Tool0Error as error:
             self._finish(error)
+        except ValueProblem as problem:
+            self._finish(URScriptError(str(problem), code.at, self.name))
         except RecursionError:
             message = "calls, blocks and expressions are nested too deep"
             self._finish(URScriptError(message, code.at, self.name))
@@ -213,11 +243,15 @@ class Execution:
 
     async def share(self, statements: int) -> None:
         """Count statements of this control period; wait when there were too many."""
-        now = self.box.time
-        if now != self._period:
-            self._period, self._used = now, 0
+        self._look_at_time()
         self._used += statements
-        if self._used >= PER_PERIOD:
-            await self.box.next_update()
-        else:
+        if self._used < PER_PERIOD:
             await asyncio.sleep(0)
+        while self._used >= PER_PERIOD:
+            await self.box.next_update()
+            self._look_at_time()
+
+    def _look_at_time(self) -> None:
+        if self.box.time != self._period:
+            self._period = self.box.time
+            self._used = max(self._used - PER_PERIOD, 0)

@@ -6,15 +6,23 @@ program, and whatever contains them.  All else is evaluated by ordinary function
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, cast, final
+from collections.abc import Awaitable, Callable
+from typing import Any, cast, final
 
 from tool0.errors import Tool0Error
 from tool0.interfaces.ur.urscript import syntax as s
+from tool0.interfaces.ur.urscript.code import (
+    Code,
+    Frame,
+    Node,
+    Run,
+    charged,
+    combined,
+    evaluated,
+)
 from tool0.interfaces.ur.urscript.errors import Place, URScriptError, ValueProblem
-from tool0.interfaces.ur.urscript.execution import Thread
-from tool0.interfaces.ur.urscript.functions import Function, Parameter, library
+from tool0.interfaces.ur.urscript.functions import Function, Parameter
+from tool0.interfaces.ur.urscript.library.table import library
 from tool0.interfaces.ur.urscript.scopes import Scope
 from tool0.interfaces.ur.urscript.values import (
     ARITHMETIC,
@@ -28,54 +36,6 @@ from tool0.interfaces.ur.urscript.values import (
     negated,
     positive,
 )
-
-if TYPE_CHECKING:
-    from tool0.interfaces.ur.urscript.compiling import Code
-
-
-@final
-@dataclass(slots=True)
-class Frame:
-    """The variables that one call of a function sees."""
-
-    thread: Thread
-    globals: dict[str, Value]
-    locals: dict[str, Value]
-
-
-# Any: a Value, or with ``is_async`` an awaitable one.
-Run: TypeAlias = Callable[[Frame], Any]
-Combine: TypeAlias = Callable[[Frame, list[Value]], Value]
-
-
-class Node(NamedTuple):
-    """A compiled expression."""
-
-    run: Run
-    is_async: bool
-
-
-def combined(nodes: Sequence[Node], combine: Combine) -> Node:
-    """Return the node that combines the values of others, evaluated in order."""
-    runs = [node.run for node in nodes]
-    if not any(node.is_async for node in nodes):
-
-        def run(frame: Frame) -> Value:
-            return combine(frame, [each(frame) for each in runs])
-
-        return Node(run, is_async=False)
-
-    async def run_async(frame: Frame) -> Value:
-        return combine(frame, await evaluated(nodes, frame))
-
-    return Node(run_async, is_async=True)
-
-
-async def evaluated(nodes: Sequence[Node], frame: Frame) -> list[Value]:
-    """Return the values of nodes, evaluated in order."""
-    return [
-        await node.run(frame) if node.is_async else node.run(frame) for node in nodes
-    ]
 
 
 @final
@@ -145,7 +105,7 @@ class Expressions:
     ) -> Node:
         def combine(frame: Frame, values: list[Value]) -> Value:
             try:
-                return make(values)
+                return charged(frame, make(values))
             except ValueProblem as problem:
                 raise self.error(problem, at) from None
 
@@ -204,7 +164,7 @@ class Expressions:
             total = values[0]
             for apply, value, at in zip(applies, values[1:], places, strict=True):
                 try:
-                    total = apply(total, value)
+                    total = charged(frame, apply(total, value))
                 except ValueProblem as problem:
                     raise self.error(problem, at) from None
             return total
@@ -217,7 +177,7 @@ class Expressions:
         def run(frame: Frame) -> Value:
             a, b = left(frame), right(frame)
             try:
-                return apply(a, b)
+                return charged(frame, apply(a, b))
             except ValueProblem as problem:
                 raise self.error(problem, at) from None
 
@@ -288,7 +248,7 @@ class Expressions:
             try:
                 if takes_thread:
                     return cast("Value", compute(frame.thread, *arguments))
-                return cast("Value", compute(*arguments))
+                return charged(frame, cast("Value", compute(*arguments)))
             except URScriptError:
                 raise
             except (ValueProblem, Tool0Error) as problem:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from functools import cache
-from typing import Any, Final, TypeAlias, cast, final, get_type_hints
+from typing import Any, Final, TypeAlias, final, get_type_hints
 
 from tool0.interfaces.ur.urscript.kinds import Kind
 from tool0.interfaces.ur.urscript.values import Value
@@ -90,32 +89,3 @@ def _kind_of(hint: Any) -> Kind:
             if isinstance(extra, Kind):
                 return extra
     raise TypeError(f"{hint} has no kind")
-
-
-@cache
-def library() -> dict[str, Function]:
-    """Return all functions of the library by name."""
-    from tool0.interfaces.ur.urscript.library import (
-        arithmetic,
-        force,
-        gripper,
-        inputs_outputs,
-        motion,
-        poses,
-        program,
-        registers,
-        settings,
-        sockets,
-        state,
-        strings,
-    )
-
-    modules = (
-        *(arithmetic, force, gripper, inputs_outputs, motion, poses, program),
-        *(registers, settings, sockets, state, strings),
-    )
-    found: dict[str, Function] = {}
-    for module in modules:
-        for item in cast("tuple[Function, ...]", module.FUNCTIONS):
-            found[item.name] = item
-    return found

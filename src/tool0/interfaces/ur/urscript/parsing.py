@@ -25,8 +25,11 @@ _NEVER: Final = {
     "assert": "'assert' is a function here: write it with an 'if' and 'halt'",
 }
 _KEYWORDS: Final = frozenset(
-    "and break continue def elif else end enter_critical exit_critical global halt if "
-    "join kill local not or pass pause return run sec thread while xor".split()
+    {
+        *("and", "break", "continue", "def", "elif", "else", "end", "enter_critical"),
+        *("exit_critical", "global", "halt", "if", "join", "kill", "local", "not"),
+        *("or", "pass", "pause", "return", "run", "sec", "thread", "while", "xor"),
+    }
 )
 _CHARACTERS: Final = {
     "'": 'strings are written with double quotes: "text"',

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, final
 
+from tool0.interfaces.ur.moves import Moves
 from tool0.interfaces.ur.urscript import syntax as s
 from tool0.interfaces.ur.urscript.checking import Checker
-from tool0.interfaces.ur.urscript.compiling import Code, Compiler
+from tool0.interfaces.ur.urscript.code import Code
+from tool0.interfaces.ur.urscript.compiling import Compiler
 from tool0.interfaces.ur.urscript.errors import Place, URScriptError
 from tool0.interfaces.ur.urscript.execution import Execution
 from tool0.interfaces.ur.urscript.parsing import parse
@@ -40,10 +42,11 @@ class URScriptProgram:
         Raises:
             URScriptError: The program failed, with the location.
         """
-        from tool0.interfaces.ur.moves import Moves
-
         execution = Execution(
-            self._source, box, Moves(box), is_secondary=self.is_secondary
+            self._source,
+            box,
+            Moves(box),
+            is_secondary=self.is_secondary,
         )
         await execution.run(self._code)
 

@@ -6,9 +6,12 @@ import asyncio
 import contextlib
 import ipaddress
 from collections.abc import Callable
-from typing import Final, TypeVar, final
+from typing import TYPE_CHECKING, Final, TypeVar, final
 
 from tool0.interfaces.ur.urscript.errors import ValueProblem
+
+if TYPE_CHECKING:
+    from tool0.interfaces.ur.box import Box
 
 T = TypeVar("T")
 
@@ -17,6 +20,8 @@ OPEN_TIMEOUT: Final = 2.0
 """For a connection, and for a peer that does not read [wall s]; as on the robot."""
 MAX_BUFFER: Final = 1 << 16
 """What is kept of what a peer sent [bytes]."""
+OWN_GRIPPER: Final = ("127.0.0.1", 63352)
+"""Where a program finds its gripper, which may listen at another address."""
 _CHUNK: Final = 4096
 _LOOPBACK: Final = ipaddress.ip_network("127.0.0.0/8")
 
@@ -81,9 +86,9 @@ class Connection:
 class Sockets:
     """The connections of one run of a program, by name."""
 
-    def __init__(self, *, allow_others: bool) -> None:
-        """Connect to this machine only, unless others are allowed."""
-        self._allow_others = allow_others
+    def __init__(self, box: Box) -> None:
+        """Connect to this machine only, unless the box allows others."""
+        self._box = box
         self._connections: dict[str, Connection] = {}
 
     async def open(self, address: str, port: int, name: str) -> bool:
@@ -96,7 +101,10 @@ class Sockets:
         if len(self._connections) >= MAX_SOCKETS:
             raise ValueProblem(f"a program has at most {MAX_SOCKETS} sockets")
         host = "127.0.0.1" if address == "localhost" else address
-        if not self._allow_others and not _is_loopback(host):
+        gripper = self._box.gripper
+        if (host, port) == OWN_GRIPPER and gripper and gripper.address:
+            host, port = gripper.address
+        if not self._box.allow_sockets and not _is_loopback(host):
             raise ValueProblem(
                 f"programs connect to this machine only, not to '{address}'; other "
                 "machines need the option --ur-sockets"

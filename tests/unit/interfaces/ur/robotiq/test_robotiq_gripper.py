@@ -217,3 +217,19 @@ def test_other_grippers_open_and_close(
             served.do(lambda request=request: gripper.move_and_wait(request))
             assert gripper.status.object_status is ObjectStatus.ARRIVED
             assert gripper.position == pytest.approx(expected, abs=1)
+
+
+def test_fingers_that_open_meet_what_is_around_them(activated: ServedGripper) -> None:
+    gripper, robot = activated.gripper, activated.robot
+    activated.do(lambda: gripper.move_and_wait(255))
+    x, y, z = BETWEEN_PADS
+    for name, side in (("left wall", 1.0), ("right wall", -1.0)):
+        wall = Box(size=(0.02, 0.1, 0.03))
+        robot.scene.add(name, wall, xyz=(x + side * 0.06, y, z))
+    activated.do(lambda: gripper.move_and_wait(0))
+    assert gripper.status.object_status is ObjectStatus.MET_OPENING
+    assert gripper.counts.open + 10 < gripper.position < gripper.counts.closed - 10
+    for name in ("left wall", "right wall"):
+        robot.scene.remove(name)
+    activated.wait_until(lambda: gripper.status.object_status is ObjectStatus.ARRIVED)
+    assert gripper.position == gripper.counts.open

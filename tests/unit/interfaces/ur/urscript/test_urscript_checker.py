@@ -10,7 +10,7 @@ from raises_naming import raises_naming
 
 from tool0.errors import Tool0Error
 from tool0.interfaces.ur.urscript.errors import URScriptError
-from tool0.interfaces.ur.urscript.functions import library
+from tool0.interfaces.ur.urscript.library.table import library
 from tool0.interfaces.ur.urscript.program import compile_program
 from tool0.interfaces.ur.urscript.unsupported import reason_against
 

@@ -19,7 +19,13 @@ from tool0.interfaces.ur.urscript.kinds import (
     Vector,
 )
 from tool0.interfaces.ur.urscript.values import Pose, Value, described
-from tool0.requests import arm_motion
+from tool0.requests.arm_motion import (
+    EndForceMode,
+    EndFreedrive,
+    StartForceMode,
+    StartFreedrive,
+    ZeroWrench,
+)
 from tool0.requests.control_box import SetPayload, SetTcp, StopProtectively
 from tool0.requests.updates import Six
 
@@ -52,7 +58,7 @@ async def force_mode(
     if min(limits) < 0.0:
         raise ValueProblem("the limits are not negative")
     execution = thread.execution
-    request = arm_motion.StartForceMode(
+    request = StartForceMode(
         arm=thread.box.arm,
         frame=_six(task_frame),
         selection=selection_vector,
@@ -68,7 +74,7 @@ async def force_mode(
 
 async def end_force_mode(thread: Thread) -> None:
     """Hold positions along all axes again."""
-    await thread.box.call(arm_motion.EndForceMode(arm=thread.box.arm))
+    await thread.box.call(EndForceMode(arm=thread.box.arm))
 
 
 def force_mode_set_damping(thread: Thread, damping: Number) -> None:
@@ -87,7 +93,7 @@ def force_mode_set_gain_scaling(thread: Thread, scaling: Number) -> None:
 
 async def zero_ftsensor(thread: Thread) -> None:
     """Tare the force-torque reading."""
-    await thread.box.call(arm_motion.ZeroWrench(arm=thread.box.arm))
+    await thread.box.call(ZeroWrench(arm=thread.box.arm))
 
 
 async def freedrive_mode(
@@ -100,15 +106,13 @@ async def freedrive_mode(
     elif feature == "tool":
         pose = Pose(thread.box.tcp_pose())
     assert isinstance(pose, Pose)
-    request = arm_motion.StartFreedrive(
-        arm=thread.box.arm, axes=freeAxes, frame=_six(pose)
-    )
+    request = StartFreedrive(arm=thread.box.arm, axes=freeAxes, frame=_six(pose))
     await thread.box.call(request)
 
 
 async def end_freedrive_mode(thread: Thread) -> None:
     """Hold the position again."""
-    await thread.box.call(arm_motion.EndFreedrive(arm=thread.box.arm))
+    await thread.box.call(EndFreedrive(arm=thread.box.arm))
 
 
 async def set_tcp(thread: Thread, pose: PoseLike, tcp_name: Text = "") -> None:
@@ -125,7 +129,7 @@ async def _set_payload(thread: Thread, mass: float, cog: Vector) -> None:
     box = thread.box
     await box.call(SetPayload(arm=box.arm, mass=mass, center_of_gravity=cog))
     await thread.until_shown(lambda: box.state.payload.mass == mass)
-    await box.call(arm_motion.ZeroWrench(arm=box.arm))
+    await box.call(ZeroWrench(arm=box.arm))
 
 
 async def set_payload(thread: Thread, m: Number, cog: Vector | None = None) -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Final
 
-import numpy as np
-
 from tool0.errors import UnreachableError
 from tool0.interfaces.ur.urscript.errors import ValueProblem
 from tool0.interfaces.ur.urscript.execution import Thread
@@ -81,10 +79,8 @@ def get_tcp_offset(thread: Thread) -> Value:
 
 def get_tcp_force(thread: Thread) -> Value:
     """Return the external wrench at the flange, in the base frame's axes [N, N·m]."""
-    box = thread.box
-    R = box.T_chain_base[:3, :3].T @ box.posture().T_base_tip[0, :3, :3]
-    wrench = np.asarray(box.arm_update.wrench)
-    return Pose([*(R @ wrench[:3]).tolist(), *(R @ wrench[3:]).tolist()])
+    force, torque = thread.box.flange_wrench()
+    return Pose([*force, *torque])
 
 
 def force(thread: Thread) -> float:
@@ -94,11 +90,7 @@ def force(thread: Thread) -> float:
 
 def get_joint_torques(thread: Thread) -> Value:
     """Return the joint torques that the external wrench causes [N·m]."""
-    posture = thread.box.posture()
-    R = posture.T_base_tip[0, :3, :3]
-    wrench = np.asarray(thread.box.arm_update.wrench)
-    in_chain = np.concatenate([R @ wrench[:3], R @ wrench[3:]])
-    return tuple((posture.jacobian[0].T @ in_chain).tolist())
+    return thread.box.posture().efforts(*thread.box.flange_wrench())
 
 
 def get_forward_kin(

@@ -1,0 +1,161 @@
+"""Arms over the Unix socket: their updates, and streams of targets without replies."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from served import serving, use_folder
+
+import tool0
+from tool0.api.connect import SocketChannel
+from tool0.errors import ControlError, Tool0Error
+from tool0.requests.arm_motion import (
+    ReadArmMotion,
+    ReturnArm,
+    ServoJoints,
+    StopArm,
+    TakeArm,
+)
+from tool0.requests.updates import ArmUpdate, SubscribeUpdates, UpdateMessage
+
+LONG = 30.0  # [wall s]; only a failing test waits so long
+
+
+class Client:
+    """A connection of a program that moves the arm."""
+
+    def __init__(self) -> None:
+        self.channel = SocketChannel("tool0")
+        self.updates: queue.Queue[UpdateMessage] = queue.Queue()
+        self.refusals: queue.Queue[Tool0Error] = queue.Queue()
+        self.channel.when_updated = self.updates.put
+        self.channel.when_refused = self.refusals.put
+
+    def arm(self) -> ArmUpdate:
+        """Return the next update of the arm."""
+        arms = self.updates.get(timeout=LONG).arms
+        assert isinstance(arms, dict)
+        return arms["arm"]
+
+    def until(self, mode: str) -> ArmUpdate:
+        while (arm := self.arm()).mode != mode:
+            pass
+        return arm
+
+    def subscribe(self) -> None:
+        self.channel.call(SubscribeUpdates(arms=("arm",)))
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    return use_folder(monkeypatch, tmp_path)
+
+
+@pytest.fixture(scope="module")
+def robot() -> Iterator[tool0.Robot]:
+    with tool0.bringup(gripper=None) as robot:
+        yield robot
+
+
+@pytest.fixture
+def client(robot: tool0.Robot) -> Iterator[Client]:
+    with serving(robot):
+        client = Client()
+        yield client
+        robot.resume()
+        client.channel.call(ReturnArm())
+        while robot.arm.motion.state.mode != "free":
+            robot.run(0.02)
+        client.channel.close()
+
+
+def test_every_update_has_the_arms_that_were_asked_for(client: Client) -> None:
+    client.subscribe()
+    free = client.arm()
+    assert (free.mode, free.path, free.is_done) == ("free", 0, True)
+    client.channel.call(TakeArm(by="test"))
+    held = client.until("hold")
+    assert held.target_position == pytest.approx(free.target_position, abs=0.05)
+    assert len(held.wrench) == 6
+    with pytest.raises(ControlError, match="no arm 'left'"):
+        client.channel.call(SubscribeUpdates(arms=("left",)))
+
+
+def test_streamed_targets_are_executed_one_by_one(
+    robot: tool0.Robot, client: Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """None is dropped or delayed, also while time stands still; the last one counts."""
+    client.subscribe()
+    client.channel.call(TakeArm(by="test"))
+    start = client.until("hold").target_position
+    controller = robot.simulation.core.arm_motions.find(None)
+    aimed: queue.Queue[float] = queue.Queue()
+    check = controller.require_positions
+
+    def note(positions: tuple[float, ...]) -> None:
+        aimed.put(positions[0])
+        check(positions)
+
+    monkeypatch.setattr(controller, "require_positions", note)
+    robot.pause()
+    targets = [start[0] + 0.001 * k for k in range(200)]
+    for target in targets:
+        client.channel.post(ServoJoints(positions=(target, *start[1:])))
+    assert [aimed.get(timeout=LONG) for _ in targets] == targets
+    robot.resume()
+    while client.until("servo").target_position[0] < targets[-1] - 0.01:
+        pass
+
+
+def test_a_refused_target_is_reported(client: Client) -> None:
+    client.channel.post(ServoJoints(positions=(0.0,) * 6))
+    error = client.refusals.get(timeout=LONG)
+    assert "no program moves the arm" in str(error)
+    client.channel.call(TakeArm(by="test"))
+    client.channel.post(ServoJoints(positions=(9.0,) * 6))
+    assert "beyond its limits" in str(client.refusals.get(timeout=LONG))
+
+
+def test_a_target_does_not_overtake_the_request_before_it(client: Client) -> None:
+    client.subscribe()
+    client.channel.call(TakeArm(by="test"))
+    start = client.until("hold").target_position
+    for _ in range(20):
+        client.channel.submit(StopArm(), lambda outcome: outcome())
+        client.channel.post(ServoJoints(positions=start))
+        assert client.channel.call(ReadArmMotion()).mode == "servo"
+
+
+def test_while_time_runs_fast_updates_have_the_arms_of_their_instant() -> None:
+    with tool0.bringup(gripper=None, realtime=False) as robot, serving(robot):
+        client = Client()
+        client.channel.call(TakeArm(by="test"))
+        client.subscribe()
+        is_over = threading.Event()
+
+        def run() -> None:
+            while not is_over.is_set():
+                robot.run(0.5)
+
+        runner = threading.Thread(target=run)
+        runner.start()
+        try:
+            client.until("hold")
+            motion = robot.arm.motion
+            goal = tuple(q + 0.3 for q in motion.state.target_position)
+            path = motion.execute_path([60.0], [goal], [(0.0,) * 6])
+            while True:
+                update = client.updates.get(timeout=LONG)
+                arm = update.arms["arm"]
+                if arm.path == path and arm.is_done:
+                    break
+            assert arm.target_position == pytest.approx(goal)
+            assert arm.path_time == 60.0
+        finally:
+            is_over.set()
+            runner.join()
+            client.channel.close()
