@@ -5,12 +5,17 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, NamedTuple, TypeAlias, final
+from typing import Any, Final, NamedTuple, TypeAlias, final
 
 from tool0.interfaces.ur.urscript import syntax as s
 from tool0.interfaces.ur.urscript.errors import Place, ValueProblem
 from tool0.interfaces.ur.urscript.execution import MAX_DEPTH, Thread
-from tool0.interfaces.ur.urscript.values import Value
+from tool0.interfaces.ur.urscript.values import Value, weight
+
+_LONG: Final = 5
+"""Elements of a list from which on its size counts."""
+_PER_STATEMENT: Final = 10
+"""Elements whose work is that of one statement."""
 
 
 @final
@@ -51,6 +56,13 @@ def combined(nodes: Sequence[Node], combine: Combine) -> Node:
     return Node(run_async, is_async=True)
 
 
+def charged(frame: Frame, value: Value) -> Value:
+    """Return a value; the work of making a long list counts as statements."""
+    if type(value) is tuple and len(value) > _LONG:
+        frame.thread.left -= weight(value) // _PER_STATEMENT
+    return value
+
+
 async def evaluated(nodes: Sequence[Node], frame: Frame) -> list[Value]:
     """Return the values of nodes, evaluated in order."""
     return [
@@ -82,6 +94,8 @@ class Code:
     """A function, a thread or the program, compiled."""
 
     definition: s.Definition
+    n_variables: int
+    """Of its own; those of the program are global."""
     defaults: dict[str, Node]
     body: Body
 
@@ -99,15 +113,18 @@ class Code:
         """Execute it and return its value."""
         if thread.depth >= MAX_DEPTH:
             raise ValueProblem(f"calls are nested deeper than {MAX_DEPTH} levels")
-        frame = Frame(thread, thread.execution.globals, dict(arguments))
-        for name, node in self.defaults.items():
-            if name not in arguments:
-                (frame.locals[name],) = await evaluated([node], frame)
+        execution = thread.execution
+        execution.add_variables(self.n_variables)
+        frame = Frame(thread, execution.globals, dict(arguments))
         thread.depth += 1
         try:
+            for name, node in self.defaults.items():
+                if name not in arguments:
+                    (frame.locals[name],) = await evaluated([node], frame)
             outcome = await self.body(frame)
         finally:
             thread.depth -= 1
+            execution.add_variables(-self.n_variables)
         return outcome.value if isinstance(outcome, Returned) else None
 
 

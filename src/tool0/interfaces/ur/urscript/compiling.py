@@ -14,6 +14,7 @@ from tool0.interfaces.ur.urscript.code import (
     Node,
     Outcome,
     Returned,
+    charged,
     evaluated,
     not_compiled,
 )
@@ -50,6 +51,8 @@ class Compiler:
     def compile(self, scope: Scope) -> Code:
         """Return a definition with all that it contains as closures."""
         code = self._declared(scope.definition)
+        is_program = scope.parent is None
+        code.n_variables = len(scope.globals if is_program else scope.locals)
         expressions = Expressions(self._program, scope, lambda n: self._find(scope, n))
         code.defaults = {
             item.name: expressions.node(item.default)
@@ -69,7 +72,7 @@ class Compiler:
     def _declared(self, definition: s.Definition) -> Code:
         key = id(definition)
         if key not in self._codes:
-            self._codes[key] = Code(definition, {}, not_compiled)
+            self._codes[key] = Code(definition, 0, {}, not_compiled)
         return self._codes[key]
 
 
@@ -165,9 +168,10 @@ class Statements:
                 message = f"variable '{name}' has no value yet"
                 raise self._expressions.error(message, at)
             try:
-                variables[name] = with_element(variables[name], indexes, new)
+                value = with_element(variables[name], indexes, new)
             except ValueProblem as problem:
                 raise self._expressions.error(problem, at) from None
+            variables[name] = charged(frame, value)
 
         return Step(run, is_async=True, at=at)
 

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from tool0.interfaces.ur.moves import Moves
 
 MAX_THREADS: Final = 50
+MAX_VARIABLES: Final = 2_000
+"""Of all calls that are not finished, with those of the program."""
 MAX_DEPTH: Final = 100
 """Of calls in calls."""
 SLICE: Final = 100
@@ -75,8 +77,9 @@ class Thread:
 
     async def give_way(self, at: Place) -> None:
         """Let others have their turn, after a number of statements."""
+        used = SLICE - self.left
         self.left = SLICE
-        self._spun += SLICE
+        self._spun += used
         if self._spun > MAX_SPIN:
             raise URScriptError(
                 f"thread '{self.name}' executed {MAX_SPIN} statements without one that "
@@ -84,7 +87,7 @@ class Thread:
                 at,
                 self.execution.name,
             )
-        await self.execution.share(SLICE)
+        await self.execution.share(used)
         await self.hold()
 
     async def timed(self, action: Awaitable[Value]) -> Value:
@@ -136,7 +139,6 @@ class Execution:
         moves: Moves,
         *,
         is_secondary: bool = False,
-        allow_sockets: bool = False,
     ) -> None:
         """Prepare to run.
 
@@ -145,12 +147,11 @@ class Execution:
             box: The control box.
             moves: Its arm's moves.
             is_secondary: Whether it runs beside the program, also while that is paused.
-            allow_sockets: Whether it may connect to other machines.
         """
         self.name = name
         self.box = box
         self.moves = moves
-        self.sockets = Sockets(box, allow_others=allow_sockets)
+        self.sockets = Sockets(box)
         self.history = ToolHistory(box)
         self._is_secondary = is_secondary
         self.force_damping = 0.005
@@ -164,6 +165,7 @@ class Execution:
         """The thread that moves the robot."""
         self._tasks: set[asyncio.Task[Value]] = set()
         self._end: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._variables = 0
         self._period = -1.0
         self._used = 0
 
@@ -190,6 +192,17 @@ class Execution:
         if not self._is_secondary:
             await self.box.programs.gate()
 
+    def add_variables(self, count: int) -> None:
+        """Count the variables of a call, or those of one that has ended.
+
+        Raises:
+            ValueProblem: There are too many.
+        """
+        self._variables += count
+        if count > 0 and self._variables > MAX_VARIABLES:
+            self._variables -= count
+            raise ValueProblem(f"the program has more than {MAX_VARIABLES} variables")
+
     def start_thread(self, code: Runnable) -> Handle:
         """Start a thread of the program."""
         if len(self._tasks) >= MAX_THREADS:
@@ -210,6 +223,8 @@ class Execution:
             self._finish(None)
         except Tool0Error as error:
             self._finish(error)
+        except ValueProblem as problem:
+            self._finish(URScriptError(str(problem), code.at, self.name))
         except RecursionError:
             message = "calls, blocks and expressions are nested too deep"
             self._finish(URScriptError(message, code.at, self.name))
@@ -228,11 +243,15 @@ class Execution:
 
     async def share(self, statements: int) -> None:
         """Count statements of this control period; wait when there were too many."""
-        now = self.box.time
-        if now != self._period:
-            self._period, self._used = now, 0
+        self._look_at_time()
         self._used += statements
-        if self._used >= PER_PERIOD:
-            await self.box.next_update()
-        else:
+        if self._used < PER_PERIOD:
             await asyncio.sleep(0)
+        while self._used >= PER_PERIOD:
+            await self.box.next_update()
+            self._look_at_time()
+
+    def _look_at_time(self) -> None:
+        if self.box.time != self._period:
+            self._period = self.box.time
+            self._used = max(self._used - PER_PERIOD, 0)

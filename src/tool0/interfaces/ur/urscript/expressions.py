@@ -16,6 +16,7 @@ from tool0.interfaces.ur.urscript.code import (
     Frame,
     Node,
     Run,
+    charged,
     combined,
     evaluated,
 )
@@ -104,7 +105,7 @@ class Expressions:
     ) -> Node:
         def combine(frame: Frame, values: list[Value]) -> Value:
             try:
-                return make(values)
+                return charged(frame, make(values))
             except ValueProblem as problem:
                 raise self.error(problem, at) from None
 
@@ -163,7 +164,7 @@ class Expressions:
             total = values[0]
             for apply, value, at in zip(applies, values[1:], places, strict=True):
                 try:
-                    total = apply(total, value)
+                    total = charged(frame, apply(total, value))
                 except ValueProblem as problem:
                     raise self.error(problem, at) from None
             return total
@@ -176,7 +177,7 @@ class Expressions:
         def run(frame: Frame) -> Value:
             a, b = left(frame), right(frame)
             try:
-                return apply(a, b)
+                return charged(frame, apply(a, b))
             except ValueProblem as problem:
                 raise self.error(problem, at) from None
 
@@ -247,7 +248,7 @@ class Expressions:
             try:
                 if takes_thread:
                     return cast("Value", compute(frame.thread, *arguments))
-                return cast("Value", compute(*arguments))
+                return charged(frame, cast("Value", compute(*arguments)))
             except URScriptError:
                 raise
             except (ValueProblem, Tool0Error) as problem:

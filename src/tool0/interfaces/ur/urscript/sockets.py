@@ -86,10 +86,9 @@ class Connection:
 class Sockets:
     """The connections of one run of a program, by name."""
 
-    def __init__(self, box: Box, *, allow_others: bool) -> None:
-        """Connect to this machine only, or also to others."""
+    def __init__(self, box: Box) -> None:
+        """Connect to this machine only, unless the box allows others."""
         self._box = box
-        self._allow_others = allow_others
         self._connections: dict[str, Connection] = {}
 
     async def open(self, address: str, port: int, name: str) -> bool:
@@ -105,7 +104,7 @@ class Sockets:
         gripper = self._box.gripper
         if (host, port) == OWN_GRIPPER and gripper and gripper.address:
             host, port = gripper.address
-        if not self._allow_others and not _is_loopback(host):
+        if not self._box.allow_sockets and not _is_loopback(host):
             raise ValueProblem(
                 f"programs connect to this machine only, not to '{address}'; other "
                 "machines need the option --ur-sockets"

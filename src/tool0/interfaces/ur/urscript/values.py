@@ -19,7 +19,11 @@ from tool0.interfaces.ur.urscript.trees import INT_RANGE
 MAX_TEXT: Final = 1023
 """Longest string that operators and functions make [bytes], as on the robot."""
 MAX_LIST: Final = 10_000
-"""Most elements of a list."""
+"""Most elements of a list; a pose counts six."""
+MAX_WRITTEN: Final = 500
+"""Most elements of a list that is written as text."""
+MAX_PRODUCT: Final = 2_000
+"""Most multiplications of a product of matrices."""
 
 
 @final
@@ -76,7 +80,7 @@ def checked_list(items: Sequence[Value]) -> tuple[Value, ...]:
     Raises:
         ValueProblem: The elements are of different kinds, or nested too deep.
     """
-    if len(items) > MAX_LIST:
+    if weight(items) > MAX_LIST:
         raise ValueProblem(f"lists have at most {MAX_LIST} elements")
     families = {"a number" if is_number(item) else described(item) for item in items}
     if len(families) > 1:
@@ -90,9 +94,13 @@ def checked_list(items: Sequence[Value]) -> tuple[Value, ...]:
             raise ValueProblem("the rows of a matrix have equal lengths")
         if any(type(item) in {tuple, Pose} for row in rows for item in row):
             raise ValueProblem("lists can be nested once, as a matrix")
-        if sum(len(row) for row in rows) > MAX_LIST:
-            raise ValueProblem(f"matrices have at most {MAX_LIST} elements")
     return tuple(items)
+
+
+def weight(items: Sequence[Value]) -> int:
+    """Return how many values a list has, with those of its rows or poses."""
+    first = items[0] if items else None
+    return len(items) * (len(first) if isinstance(first, tuple) else 1)
 
 
 def checked_pose(items: Sequence[Value]) -> Pose:
@@ -127,6 +135,9 @@ def to_text(value: Value) -> str:
         case str():
             return value
         case tuple():
+            if weight(value) > MAX_WRITTEN:
+                size = f"{MAX_WRITTEN} elements"
+                raise ValueProblem(f"a list of more than {size} is no text")
             start = "p[" if isinstance(value, Pose) else "["
             return start + ", ".join(to_text(item) for item in value) + "]"
         case _:
@@ -238,7 +249,7 @@ def _matrix_product(a: tuple[Value, ...], b: tuple[Value, ...]) -> Value:
             total = add(total, multiply(x, y))
         return total
 
-    if len(a) * len(columns) * len(b) > MAX_LIST:
+    if len(a) * len(columns) * len(b) > MAX_PRODUCT:
         raise ValueProblem("these matrices are too large to be multiplied")
     rows = [tuple(dot(row, column) for column in columns) for row in a]
     return tuple(rows) if _is_matrix(b) else tuple(row[0] for row in rows)

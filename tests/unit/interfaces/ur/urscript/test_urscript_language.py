@@ -391,6 +391,38 @@ def test_too_many_threads_are_an_error() -> None:
     assert "more than 50 threads run" in str(run.error)
 
 
+def test_long_lists_count_as_many_statements() -> None:
+    run = run_in_time(
+        """
+    a = make_list(5000, 1.5)
+    i = 0
+    while i < 20:
+      a[i] = 2
+      a = a + a
+      i = i + 1
+    end
+    """
+    )
+    assert run.error is None
+    assert run.duration > 20 * 2 * 500 / 500 * 0.002 * 0.9
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("".join(f"v{k} = 1\n" for k in range(2001)), "more than 2000 variables"),
+        ("x = make_list(1001, 0)\ntextmsg(x)\n", "no text"),
+        (
+            "m = make_list(20, 1)\nr = [m, m, m, m, m, m, m, m, m, m, m]\nn = r * "
+            "transpose(r)\n",
+            "too large to be multiplied",
+        ),
+    ],
+)
+def test_memory_and_work_are_limited(text: str, words: str) -> None:
+    assert words in str(run_in_time(text).error)
+
+
 def test_a_paused_program_stands_still() -> None:
     box = TimeBox()
 

@@ -10,6 +10,9 @@ from tool0.interfaces.ur.urscript.functions import Function, function
 from tool0.interfaces.ur.urscript.kinds import AnyValue, Bool, Number, Text
 from tool0.interfaces.ur.urscript.values import to_text
 
+_MESSAGE: Final = 25
+"""Statements that a message counts as, so that clients can follow."""
+
 
 async def sleep(thread: Thread, t: Number) -> None:
     """Wait for simulated time [s]."""
@@ -30,6 +33,7 @@ def get_steptime(thread: Thread) -> float:
 
 def textmsg(thread: Thread, s1: AnyValue, s2: AnyValue = "") -> None:
     """Send a text to the log of all clients."""
+    thread.left -= _MESSAGE
     thread.box.messages.text(shown(to_text(s1) + to_text(s2)))
 
 
