@@ -28,8 +28,8 @@ LATE = 1e-3
 """A sample that arrives later than this after its tick counts as late [s]."""
 N_TARGETS = 200
 JOINT = "wrist_3_joint"
-CHANGE = 0.02
-"""Of effort in a tick that only a command causes [N·m]."""
+CHANGE = 0.0015
+"""Of effort in a tick that only a new target causes: else it is a tenth [N·m]."""
 LONGEST = 0.05
 """A target without effect after this is an error [s]."""
 N_CONNECTIONS = 5
