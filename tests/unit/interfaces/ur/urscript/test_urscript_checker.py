@@ -93,8 +93,8 @@ def test_no_supported_function_counts_as_unsupported() -> None:
         ("movec", "movec(pose_via, pose_to, a=1.2, v=0.25, r=0, mode=0)"),
         ("servoj", "servoj(q, a=0, v=0, t=0.002, lookahead_time=0.1, gain=300)"),
         ("str_find", "str_find(src, target, start_from=0)"),
-        ("set_tcp", "set_tcp(pose, tcp_name=)"),
-        ("socket_open", "socket_open(address, port, socket_name=socket_0)"),
+        ("set_tcp", 'set_tcp(pose, tcp_name="")'),
+        ("socket_open", 'socket_open(address, port, socket_name="socket_0")'),
     ],
 )
 def test_signatures_are_those_of_the_manual(name: str, signature: str) -> None:
@@ -103,3 +103,9 @@ def test_signatures_are_those_of_the_manual(name: str, signature: str) -> None:
 
 def test_errors_are_errors_of_tool0() -> None:
     assert issubclass(URScriptError, Tool0Error)
+
+
+def test_the_documentation_lists_every_function() -> None:
+    text = (Path(__file__).parents[5] / "docs" / "urscript.md").read_text()
+    table = text.split("## Functions")[1].split("\n## ")[0]
+    assert set(re.findall(r"`(\w+)`", table)) == set(library())
