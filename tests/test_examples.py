@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from promised import ROS2, require_gl
+from promised import ROS2, require_gl, require_ur_rtde
 from ros import free_port
 from ros2_domain import Domain
 
@@ -122,6 +122,17 @@ PRINTED = {
         r"Goal successfully reached!|ROS 2 is not available: .*",
         *([] if ROS2 is None else [r"elbow_joint: 1\.4"]),
     ],
+    "20_ur_rtde": [
+        *("moveJ: True", "moveL: True", r"down by 0\.1 m"),
+        r"wrist_3 has turned to (0\.99\d|1\.0\d*) rad",
+        "reachable: True",
+    ],
+    "21_urscript": ["Robotmode: RUNNING", "back to within a millimetre: True"],
+    "22_ur_pick": [
+        "OBJ 2 is an object between the fingers",
+        "OBJ 3 is an arrival",
+        "in: True",
+    ],
     "23_robotiq_socket": [
         "activated, fault 0",
         r"closed: holds something at 13\d",
@@ -174,6 +185,8 @@ def test_an_example_runs_and_is_short(example: Path, tmp_path: Path) -> None:
     if example.stem.endswith("_camera"):
         require_gl()
     text = example.read_text()
+    if "from rtde_" in text:
+        require_ur_rtde()
     assert len(text.splitlines()) < 60
     ast.parse(text, feature_version=(3, 10))
     lines = iter(run(example, tmp_path).splitlines())

@@ -39,6 +39,13 @@ def between(robot: tool0.Robot, first: str, second: str) -> Contact:
     return Contact(first, second, found.point, tuple(force), tuple(torque))
 
 
+def touched(robot: tool0.Robot, *links: str) -> bool:
+    """Return whether the engine finds one of ``links`` in a contact."""
+    simulation = robot.simulation
+    world = simulation.engine.world
+    return simulation.loop.call(lambda: world.is_touched(frozenset(links)))
+
+
 def test_what_lies_presses_with_its_weight(bring_up: BringUp, engine: str) -> None:
     low = box("low", 1.5, GROUND + EDGE / 2, 1.0)
     robot = bring_up(scene=Scene((TABLE, box("cube", 1.0, 0.14, 0.5), low)))
@@ -99,8 +106,11 @@ def test_pads_press_as_hard_as_the_drive_is_set(bring_up: BringUp) -> None:
     for force in (20.0, 235.0):  # test_grip_forces.py has the rest
         robot.gripper.move(opening=0.05).wait(5.0)
         assert robot.contacts() == ()
+        assert not touched(robot, *PADS)
         robot.gripper.move(opening=0.0, force=force)
         robot.run(1.0)
+        assert touched(robot, "forearm_link", PADS[0])
+        assert not touched(robot, "forearm_link", "wrist_3_link")
         pressing = [between(robot, pad, "block") for pad in PADS]
         # What the arm adds on one side, as it does not stand in the very middle, is
         # missing on the other.
