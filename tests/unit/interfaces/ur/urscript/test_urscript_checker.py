@@ -42,6 +42,11 @@ def test_it_is_rejected_where_it_is_wrong(text: str, expected: str) -> None:
         ("#" * 1_000_001, "1000001 characters"),
         ("x = [" + "1," * 10_000 + "1]", "at most 10000 elements"),
         ('x = "' + "a" * 600 + '" + "' + "b" * 600 + '"', "at most 1023 bytes"),
+        ('x = "' + "a" * 1100 + '"', "at most 1023 bytes"),
+        (
+            "x = " + "a" * 100_000,
+            "p:1:205: unexpected 'aaaaaaaaaaaaaaaaaaaaaaaaaaaaaa'",
+        ),
         ("x = 1e999", "too large"),
         ("x = [[1, 2], [3]]", "equal lengths"),
         ("x = [[[1]]]", "nested once"),
@@ -50,7 +55,7 @@ def test_it_is_rejected_where_it_is_wrong(text: str, expected: str) -> None:
 )
 def test_limits_hold_before_anything_runs(text: str, words: str) -> None:
     with pytest.raises(URScriptError, match=words):
-        compile_program(text)
+        compile_program(text, "p")
 
 
 def test_100_levels_and_long_chains_are_no_problem() -> None:
