@@ -147,9 +147,10 @@ def test_broken_packets_on_every_port_change_nothing(rig: UrRig) -> None:
     )
     assert rig.controller.pid == pid, "the process has died"
     assert memory(pid) - before < MAX_GROWTH
+    check_that_good_clients_are_served(rig)
+    rig.robot.run(1.0)  # controllers of efforts sag when a program returns the arm
     drift = np.abs(np.array(list(rig.robot.arm.joints.values())) - q).max()
     assert drift < MAX_DRIFT
-    check_that_good_clients_are_served(rig)
 
 
 def run_together(*tasks: Callable[[], None]) -> None:
@@ -194,11 +195,13 @@ def until_accepted(task: Callable[[], None]) -> None:
 
 def ask_the_dashboard(rig: UrRig) -> None:
     dashboard = rig.dashboard()
-    if not dashboard.greeting:
-        raise ConnectionError
-    dashboard.ask("stop")
-    assert dashboard.ask("robotmode") == "Robotmode: RUNNING"
-    dashboard.close()
+    try:
+        if not dashboard.greeting:
+            raise ConnectionError
+        dashboard.ask("stop")
+        assert dashboard.ask("robotmode") == "Robotmode: RUNNING"
+    finally:
+        dashboard.close()
 
 
 def read_the_state(rig: UrRig) -> None:
