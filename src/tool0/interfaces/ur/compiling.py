@@ -39,4 +39,4 @@ def prepare() -> None:
     from tool0.interfaces.ur.urscript.program import compile_program
 
     with contextlib.suppress(ConfigError):  # lark is not installed
-        compile_program("sleep(0.0)", "nothing", allow_sockets=False)
+        compile_program("sleep(0.0)", "nothing")
