@@ -122,7 +122,8 @@ class Packets:
         data = b""
         while len(data) < count:
             piece = self.connection.recv(count - len(data))
-            assert piece, "the connection has ended"
+            if not piece:
+                raise ConnectionError("the connection has ended")
             data += piece
         return data
 

@@ -52,7 +52,11 @@ class DashboardLines:
     def __init__(self, connection: socket.socket) -> None:
         self._connection = connection
         self._file = connection.makefile("rw", newline="\n")
-        self.greeting = self.read()
+        try:
+            self.greeting = self.read()
+        except OSError:
+            self.close()
+            raise
 
     def read(self) -> str:
         """Return the next line; empty at the end."""

@@ -14,7 +14,7 @@ from tool0.requests.control_box import SetIO, SetTcp, StopProtectively
 
 HOME = (0.3, -1.6, 1.8, -1.7, -1.5, 0.2)
 TCP = (0.01, 0.02, 0.1, 0.0, 0.0, 0.5)
-SWAY = 5e-3
+SWAY = 0.02
 """Of the arm right after a motion [rad]."""
 SPEED = 4.0
 """Of time."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal, final
+from typing import ClassVar, Final, Literal, final
 
 from tool0.control.arm_compliance import Compliance, ComplianceTask
 from tool0.control.arm_model import ArmModel
@@ -26,6 +26,10 @@ from tool0.hardware.engine import JointState, joint_selector
 from tool0.hardware.robot_hardware import EffortLaw
 
 Mode = Literal["hold", "path", "servo", "speed", "stop", "freedrive"]
+
+
+MOST_SAG: Final = 0.05
+"""By which an arm may be away from where its controller wants it to rest [rad]."""
 
 
 @final
@@ -70,6 +74,7 @@ class ArmMotionController:
         self, spec: ArmMotionSpec, indices: Sequence[int], state: JointState
     ) -> None:
         self.spec = spec
+        self._indices = tuple(indices)
         self._select = joint_selector(indices)
         self._state = state
         self._period = 0.0
@@ -82,6 +87,26 @@ class ArmMotionController:
         self._no_efforts = (0.0,) * len(indices)
         self._last: tuple[int, float] = (0, 0.0)
         """Number of the last path, and the time on it when it was left [s]."""
+
+    def rest_at(self, positions: Sequence[float], now: float) -> None:
+        """Rest at ``positions`` [rad], if the arm is near them."""
+        if self._is_near(positions):
+            self._splines = SplineMotion.holding(positions, now)
+
+    def at_rest(self, state: JointState) -> JointState:
+        """Return a state in which the joints are where this controller wants them."""
+        positions = self.motion(state.time).positions
+        if not self._is_near(positions):
+            return state
+        changed = list(state.position)
+        for index, position in zip(self._indices, positions, strict=True):
+            changed[index] = position
+        return state._replace(position=changed)
+
+    def _is_near(self, positions: Sequence[float]) -> bool:
+        measured = self._select(self._state.position)
+        away = max(abs(q - p) for q, p in zip(positions, measured, strict=True))
+        return away < MOST_SAG
 
     # ---- the tick -----------------------------------------------------------------
 

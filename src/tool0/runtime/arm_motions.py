@@ -9,6 +9,7 @@ from typing import Final, final
 from tool0.control.arm_compliance import ComplianceTask
 from tool0.control.arm_motion import ArmMotionController, ArmMotionSpec
 from tool0.control.arm_path import ArmPath
+from tool0.control.controller import TrajectoryFollower
 from tool0.control.manager import ControllerManager
 from tool0.description.model import FLANGE, RobotModel
 from tool0.description.parts import find_arms
@@ -91,11 +92,14 @@ class ArmMotions:
         Raises:
             ControlError: If the arm may not move.
         """
+        held = self._desired(self._boxes.find(arm).arm, now)
         name = self._modes.take(arm, by, now).arm
         self._returning -= {name}
         if name not in self._taken:
             self._manager.start_own(self.specs[name], now)
             self._taken.add(name)
+            if held is not None:
+                self._controller(name).rest_at(held, now.time)
         return self.specs[name].name
 
     def give_back(self, arm: str | None, now: JointState) -> None:
@@ -214,9 +218,29 @@ class ArmMotions:
 
     def note_restart(self, now: JointState) -> None:
         """Note that controllers were restarted: freedrive and force mode have ended."""
-        self._returning = frozenset()
         for arm in self._taken:
             self._modes.set_freedrive(arm, False, now)
+
+    def _desired(self, arm: str, now: JointState) -> tuple[float, ...] | None:
+        """Return where a controller wants an arm to rest, if one does.
+
+        A controller of efforts that has just started lets the arm sag until its
+        integral carries it.  To hold where the arm is then would lower it a little
+        more whenever it is taken.
+        """
+        joints = self.specs[arm].joints
+        for status in self._manager.list():
+            if not (status.is_running and status.joints >= frozenset(joints)):
+                continue
+            controller = self._manager.running(status.name)
+            if not isinstance(controller, TrajectoryFollower):
+                continue
+            names = controller.spec.joints
+            desired = controller.query_state(now.time)
+            order = [names.index(joint) for joint in joints]
+            if not any(desired.velocities[k] for k in order):
+                return tuple(desired.positions[k] for k in order)
+        return None
 
     def _stiffen(self, arm: str, now: JointState) -> None:
         controller = self._controller(arm)
@@ -231,5 +255,6 @@ class ArmMotions:
         return running
 
     def _release(self, arm: str, now: JointState) -> None:
+        wanted = self._controller(arm).at_rest(now)
         self.abort(arm, now)
-        self._modes.give_back(arm, now)
+        self._modes.give_back(arm, wanted)

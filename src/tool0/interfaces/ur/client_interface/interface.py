@@ -96,7 +96,7 @@ class ClientInterface:
                     continue
                 try:
                     for script in reader.read(data):
-                        await self._uploads.put(script)
+                        self._uploads.put(script)
                 except TransportError as error:
                     self._box.report(error)
                     return

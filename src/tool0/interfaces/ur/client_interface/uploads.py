@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections import deque
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Final, final
 
@@ -23,8 +24,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-MAX_WAITING: Final = 16
-"""Programs that wait for their turn; their senders wait as well."""
+MAX_WAITING: Final = 32
+"""Programs that wait for their turn.  A further one replaces the oldest of them, as it
+would replace it anyway when both had started."""
 MAX_SECONDARY: Final = 16
 """Secondary programs at a time."""
 
@@ -35,7 +37,9 @@ class Uploads:
 
     def __init__(self, box: Box) -> None:
         self._box = box
-        self._queue: asyncio.Queue[Script] = asyncio.Queue(MAX_WAITING)
+        self._waiting: deque[Script] = deque()
+        self._arrived = asyncio.Event()
+        self._is_flooded = False
         self._secondary: set[asyncio.Task[None]] = set()
         self._task = asyncio.create_task(self._execute_all())
         arm = box.arm
@@ -50,9 +54,17 @@ class Uploads:
         }
         """Lines that are no URScript; UR's own client library sends these."""
 
-    async def put(self, script: Script) -> None:
+    def put(self, script: Script) -> None:
         """Execute a script after those that wait."""
-        await self._queue.put(script)
+        if len(self._waiting) >= MAX_WAITING:
+            self._waiting.popleft()
+            if not self._is_flooded:
+                self._is_flooded = True
+                self._box.report(
+                    ControlError("programs arrive faster than they can be started")
+                )
+        self._waiting.append(script)
+        self._arrived.set()
 
     async def close(self) -> None:
         """End the secondary programs, and drop what waits."""
@@ -63,7 +75,11 @@ class Uploads:
 
     async def _execute_all(self) -> None:
         while True:
-            script = await self._queue.get()
+            while not self._waiting:
+                self._is_flooded = False
+                self._arrived.clear()
+                await self._arrived.wait()
+            script = self._waiting.popleft()
             try:
                 await self._execute(script)
             except Tool0Error as error:
