@@ -40,9 +40,6 @@ class Holder(Protocol):
     def send(self, request: Request[Any]) -> None:
         """Send a request of which no answer is needed."""
 
-    async def sleep(self, duration: float) -> None:
-        """Wait for simulated time to pass [s]."""
-
     def report(self, error: Tool0Error) -> None:
         """Tell clients and the log about an error."""
 
@@ -77,9 +74,6 @@ class ProgramSlot(Generic[BoxT]):
         self._gate.set()
         self._has_arm = False
         """Whether updates have shown that the program has the arm."""
-        self._keeping = 0.0
-        """How long the arm stays taken after the end of this program [s]."""
-        self._returning: asyncio.Task[None] | None = None
         self.state = RuntimeState.STOPPED
         self.name = ""
         """Of the program that runs, or ran last."""
@@ -112,7 +106,6 @@ class ProgramSlot(Generic[BoxT]):
                 await self._release()
                 raise
             self.name = program.name
-            self._keeping = 0.0
             self.state = RuntimeState.PLAYING
             self._gate.set()
             self._box.messages.program(program.name)
@@ -124,15 +117,6 @@ class ProgramSlot(Generic[BoxT]):
             if await self._cancel():
                 await self._release()
                 self._box.messages.program("")
-
-    def keep_arm(self, duration: float) -> None:
-        """Let the arm rest for a while after the end of this program [s].
-
-        For a program that another one follows: ROS's controllers do not get the arm in
-        between, which they would hold where it is measured, with little stiffness at
-        first.
-        """
-        self._keeping = duration
 
     def pause(self) -> None:
         """Hold the program at its next statement, and its motion.
@@ -192,10 +176,7 @@ class ProgramSlot(Generic[BoxT]):
             self._box.messages.error(f"{program.name}: {error!r}")
         async with self._changing:
             self._task = None  # it can no longer be cancelled
-            if self._keeping > 0.0:
-                await self._rest()
-            else:
-                await self._release()
+            await self._release()
             self._box.messages.program("")
 
     async def _cancel(self) -> bool:
@@ -208,22 +189,6 @@ class ProgramSlot(Generic[BoxT]):
         await asyncio.wait([task])
         self._task = None
         return True
-
-    async def _rest(self) -> None:
-        """Stop the arm, and give it back later, unless another program has it then."""
-        try:
-            await self._box.call(StopArm(arm=self._box.arm))
-        except Tool0Error as error:
-            self._box.report(error)
-        self._gate.set()
-        self.state = RuntimeState.STOPPED
-        self._returning = asyncio.create_task(self._return_after(self._keeping))
-
-    async def _return_after(self, duration: float) -> None:
-        await self._box.sleep(duration)
-        async with self._changing:
-            if self._task is None:
-                await self._release()
 
     async def _release(self) -> None:
         """Give the arm back."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Collection, Iterator
-from typing import TYPE_CHECKING, Final, final
+from typing import TYPE_CHECKING, final
 
 from tool0.errors import ControlError
 from tool0.interfaces.ur.rtde_control.commands import Commands
@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
 NOTHING, STOP = 0, 255
 """Commands of every revision of the program."""
-UNTIL_NEXT: Final = 0.5
-"""How long the arm rests after STOP [s]: for a path or a function of URScript, the
-client stops the program, and uploads another one at once."""
 
 
 def recognise(text: str) -> RtdeControl | None:
@@ -108,7 +105,6 @@ class _CommandServer:
             self._wake.clear()
             command = exchange.command
             if command == STOP:
-                self._box.programs.keep_arm(UNTIL_NEXT)
                 return
             if commands.is_streamed(command):
                 await commands.execute(command)
