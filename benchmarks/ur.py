@@ -17,6 +17,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from subprocess import PIPE, Popen
+from typing import Any
 
 import tool0
 
@@ -175,7 +176,7 @@ def _client(*arguments: str) -> Iterator[Popen[str]]:
             process.kill()
 
 
-def _answer(*arguments: str) -> list:
+def _answer(*arguments: str) -> Any:
     """Return what a client measured: the last line that it prints."""
     with _client(*arguments) as client:
         return json.loads(client.communicate()[0].splitlines()[-1])
