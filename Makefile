@@ -26,7 +26,7 @@ AT_ONCE := $(PYTEST) --numprocesses=auto --maxprocesses=$(WORKERS)
 STURDY  := tests/unit tests/conformance
 # Those of other programs, which mostly wait: two files at a time.
 TWO_FILES := $(PYTEST) --numprocesses=2 --dist=loadfile
-PATIENT := tests/gazebo tests/ros1 tests/ros2 $(wildcard tests/test_*.py)
+PATIENT := tests/gazebo tests/ros1 tests/ros2 tests/ur $(wildcard tests/test_*.py)
 
 .DEFAULT_GOAL := help
 .PHONY: help run setup dev check lint lint-python lint-web format unit unit-python unit-web
