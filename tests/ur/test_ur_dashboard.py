@@ -65,10 +65,11 @@ def test_it_greets_and_ends(rig):
         ("pause", "Failed to execute: pause"),
         ("stop", "Stopped"),
         ("load absent.urp", "File not found: absent.urp"),
-        ("load installation default.installation",)
-        + ("Loading installation: default.installation",),
-        ("load installation cell.installation",)
-        + ("File not found: cell.installation",),
+        (
+            "load installation default.installation",
+            "Loading installation: default.installation",
+        ),
+        ("load installation cell.installation", "File not found: cell.installation"),
         ("popup Hello,  you", "showing popup"),
         ("close popup", "closing popup"),
         ("close safety popup", "closing safety popup"),
@@ -77,14 +78,16 @@ def test_it_greets_and_ends(rig):
         ("get operational mode", "NONE"),
         ("set operational mode manual", "Setting operational mode: MANUAL"),
         ("set operational mode fast", "Failed setting operational mode: fast"),
-        ("clear operational mode",)
-        + (
+        (
+            "clear operational mode",
             "No longer controlling the operational mode. Current operational mode: "
             "'MANUAL'.",
         ),
         ("unlock protective stop", "Protective stop releasing"),
-        ("generate flight report system",)
-        + ("Error: a simulated robot has no reports to save",),
+        (
+            "generate flight report system",
+            "Error: a simulated robot has no reports to save",
+        ),
         ("dance", "could not understand: 'dance'"),
         ("playing", "could not understand: 'playing'"),
         ("setUserRole none", "could not understand: 'setUserRole none'"),
