@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import math
 import sys
 from collections.abc import Iterator
@@ -29,6 +30,7 @@ from benchmarks import (
     ros2,
     streams,
     tick,
+    ur,
 )
 from tool0.description.catalogue import arms, grippers
 from tool0.installation.gazebo.status import gazebo_status
@@ -113,6 +115,10 @@ def figures() -> Iterator[Figure]:
         yield from _ros2_figures()
     else:
         print("no ROS 2 can run here, so none is measured")
+    if importlib.util.find_spec("rtde_control") is not None:
+        yield from _ur_figures()
+    else:
+        print("ur_rtde is not installed, so the UR interface is not measured")
     found = gazebo_status()
     if found.can_run:
         yield from _gazebo_figures()
@@ -229,6 +235,21 @@ def _ros2_figures() -> Iterator[Figure]:
     yield Figure("ROS 2: command → effort, p99 [ms]", 1e3 * delay.p99, 50.0, 10.0)
     start = ros2.start_seconds()
     yield Figure("ROS 2: bring-up until all controllers are active [s]", start, 5, 2.5)
+
+
+def _ur_figures() -> Iterator[Figure]:
+    samples = ur.samples()
+    share = 100.0 * samples.in_time
+    yield Figure("UR: RTDE samples at 500 Hz at most 1 ms late [%]", share, 99.0, 99.9)
+    yield Figure("UR: their age at a client, p50 [ms]", 1e3 * samples.p50, 1.0, 0.4)
+    ratio = ur.speed_ratio()
+    yield Figure("UR: steps/s with it and a client ÷ without", ratio, 0.95, 1.0)
+    delay = ur.latency()
+    yield Figure("UR: servoJ target → effort, p50 [ms]", 1e3 * delay.p50, 2.0, 1.0)
+    yield Figure("UR: servoJ target → effort, p99 [ms]", 1e3 * delay.p99, 4.0, 2.0)
+    connecting = ur.connecting()
+    yield Figure("UR: connecting RTDEReceive [s]", connecting.receive, 0.5, 0.1)
+    yield Figure("UR: connecting RTDEControl [s]", connecting.control, 1.0, 0.3)
 
 
 def _panel_figures() -> Iterator[Figure]:

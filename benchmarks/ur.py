@@ -17,6 +17,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from subprocess import PIPE, Popen
+from typing import Any
 
 import tool0
 
@@ -28,8 +29,8 @@ LATE = 1e-3
 """A sample that arrives later than this after its tick counts as late [s]."""
 N_TARGETS = 200
 JOINT = "wrist_3_joint"
-CHANGE = 0.02
-"""Of effort in a tick that only a command causes [N·m]."""
+CHANGE = 0.0015
+"""Of effort in a tick that only a new target causes: else it is a tenth [N·m]."""
 LONGEST = 0.05
 """A target without effect after this is an error [s]."""
 N_CONNECTIONS = 5
@@ -175,7 +176,7 @@ def _client(*arguments: str) -> Iterator[Popen[str]]:
             process.kill()
 
 
-def _answer(*arguments: str) -> list:
+def _answer(*arguments: str) -> Any:
     """Return what a client measured: the last line that it prints."""
     with _client(*arguments) as client:
         return json.loads(client.communicate()[0].splitlines()[-1])

@@ -199,7 +199,14 @@ def _ur_controller(options: BringupOptions) -> UrController | None:
         return None
     from tool0.interfaces.ur.process import UrController
 
-    return UrController(options.run.name, options.ur.options())
+    given = options.ur.options()
+    if given.is_public:
+        print(
+            f"tool0: warning: whoever reaches {given.host} can move the robot: UR's "
+            "protocols have no passwords",
+            file=sys.stderr,
+        )
+    return UrController(options.run.name, given)
 
 
 def _run(

@@ -139,6 +139,8 @@ class SpeedStream:
         self._model = model
         self._lever: Array | None = None
         """The TCP in the flange's frame; None if joint velocities are given."""
+        self._twist: Array | None = None
+        """Of the TCP at the end of the last tick, if it is known."""
         self._target: Sequence[float] = (0.0,) * len(joints)
         self._acceleration = 1.0
         self._end = math.inf
@@ -160,19 +162,19 @@ class SpeedStream:
             lever: The point in the flange's frame [m], shape (3,).
         """
         self._target, self._acceleration = tuple(target), acceleration
-        self._end, self._lever = until, lever
+        self._end, self._lever, self._twist = until, lever, None
 
     def advance(self, time: float, period: float, speed_scaling: float) -> None:
         is_over = time >= self._end - _ROUNDING
         scale = 0.0 if is_over else speed_scaling
         target = [scale * v for v in self._target]
         if self._lever is None:
-            wanted = _ramped(
-                self.setpoint.velocities, target, self._acceleration * period
-            )
+            most = self._acceleration * period
+            wanted = _ramped(self.setpoint.velocities, target, most)
+            velocities = self._within(wanted, period)
         else:
-            wanted = self._of_tool(target, self._lever, period)
-        self.setpoint = _moved(self.setpoint, self._within(wanted, period), period)
+            velocities = self._of_tool(target, self._lever, period)
+        self.setpoint = _moved(self.setpoint, velocities, period)
 
     def _of_tool(
         self, target: Sequence[float], lever: Array, period: float
@@ -180,19 +182,24 @@ class SpeedStream:
         """Return the joint velocities for a ramp of the tool's twist."""
         import numpy as np
 
-        q, qd, _ = self.setpoint
-        now = np.asarray(qd)
-        place = self._model.place
-        twist = place(np.asarray(q), lever).jacobian @ now
+        q, qd = (
+            np.asarray(self.setpoint.positions),
+            np.asarray(self.setpoint.velocities),
+        )
+        twist = self._twist
+        if twist is None:
+            twist = self._model.place(q, lever).jacobian @ qd
         change = np.asarray(target) - twist
-        size = max(float(np.linalg.norm(change[:3])), float(np.linalg.norm(change[3:])))
+        size = math.sqrt(max(change[:3] @ change[:3], change[3:] @ change[3:]))
         most = self._acceleration * period
         if size > most:
             change *= most / size
-        ahead = np.asarray(q) + period * now  # where the tick's velocity is reached
-        J = place(ahead, lever).jacobian
-        found: list[float] = damped_inverse(J, twist + change).tolist()
-        return found
+        # The tick's velocity is reached at its end.
+        J = self._model.place(q + period * qd, lever).jacobian
+        wanted: list[float] = damped_inverse(J, twist + change).tolist()
+        velocities = self._within(wanted, period)
+        self._twist = J @ np.asarray(velocities)
+        return velocities
 
     def _within(self, wanted: Sequence[float], period: float) -> list[float]:
         """Return velocities within the joints' limits, along the same direction."""

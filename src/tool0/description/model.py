@@ -505,7 +505,7 @@ class RobotModel:
 
     @cached_property
     def flanges(self) -> tuple[str, ...]:
-        """The ends of arms: links called ``tool0``, with or without a prefix."""
+        """Links at the ends of arms, called ``tool0``, with or without a prefix."""
         return tuple(link.name for link in self.links if link.name.endswith(FLANGE))
 
     def links_from(self, name: str) -> tuple[str, ...]:

@@ -55,16 +55,14 @@ class ArmMechanics:
         """Return where the point ``lever`` of the flange is at ``q`` [rad]."""
         import numpy as np
 
-        posture = self.chain.forward(q[None])
-        T, J = posture.T_base_tip[0], posture.jacobian[0]
-        base = self.T_base_chain
-        R = base[:3, :3]
-        arm = T[:3, :3] @ lever
-        position = base[:3, 3] + R @ (T[:3, 3] + arm)
-        linear = J[:3] + np.cross(J[3:], arm, axisa=0).T
-        return Placement(
-            position, R @ T[:3, :3], np.concatenate([R @ linear, R @ J[3:]])
-        )
+        posture, base = self.chain.forward(q[None]), self.T_base_chain
+        T, R = posture.T_base_tip[0], base[:3, :3]
+        point = T[:3, 3] + T[:3, :3] @ lever
+        x, y, z = axes = posture.axes[0].T
+        rx, ry, rz = point[:, None] - posture.points[0].T
+        linear = np.array([y * rz - z * ry, z * rx - x * rz, x * ry - y * rx])
+        J = np.concatenate([R @ linear, R @ axes])
+        return Placement(base[:3, 3] + R @ point, R @ T[:3, :3], J)
 
     def dynamics(self, state: JointState) -> ArmDynamics:
         """Return the mass matrix of the joints, and the efforts that hold them."""

@@ -218,7 +218,6 @@ class ArmMotions:
 
     def note_restart(self, now: JointState) -> None:
         """Note that controllers were restarted: freedrive and force mode have ended."""
-        self._returning = frozenset()
         for arm in self._taken:
             self._modes.set_freedrive(arm, False, now)
 

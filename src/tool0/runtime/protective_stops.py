@@ -18,6 +18,7 @@ from tool0.description.model import Interface, RobotModel
 from tool0.description.parts import ArmParts, find_arms
 from tool0.hardware.control_box import ControlBoxState
 from tool0.hardware.engine import Contact, JointState, World, joint_selector
+from tool0.hardware.payload import modelled_payload
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.sensing.stalls import contacts_text, external_contacts
 
@@ -102,7 +103,7 @@ class ProtectiveStops:
             )
         found = []
         for arm, box in self._watched:
-            reason = arm.look(state, command, box.safety_limits.force)
+            reason = arm.look(state, command, box)
             if reason:
                 found.append((box.arm, reason))
         return found
@@ -129,6 +130,7 @@ class _Arm:
         moved = [frozenset(model.links_from(joint.child)) for joint in arm.joints]
         further = [*moved[1:], frozenset[str]()]
         names = [*(joint.child for joint in arm.joints[:-1]), arm.flange]
+        self._tool_mass = modelled_payload(model, arm.flange).mass
         self._links = moved[0]
         """All but the base."""
         self._bodies = [
@@ -164,16 +166,17 @@ class _Arm:
         for body in self._bodies:
             body.force = [0.0] * 3
 
-    def look(self, state: JointState, command: list[float], force: float) -> str:
+    def look(
+        self, state: JointState, command: list[float], box: ControlBoxState
+    ) -> str:
         """Return why the arm must stop; empty if it need not.
 
-        ``force`` is the largest one of a contact [N].  This takes 2 µs unless something
-        is wrong, or the arm touches something.
+        It takes 2 µs unless something is wrong, or the arm touches something.
         """
         passed, self._last = state.time - self._last, state.time
         if self._is_loaded or self._world.is_touched(self._links):
             share = 1.0 - math.exp(-passed / DETECTION_TIME) if passed >= 0.0 else 1.0
-            if reason := self._force_reason(share, force):
+            if reason := self._force_reason(share, box):
                 return reason
         is_due = not 0.0 <= state.time - self._checked < CHECK_PERIOD
         if is_due or self._is_off(state, command):
@@ -231,12 +234,16 @@ class _Arm:
                 wanted[joint.name] = spline.sample(setpoint.time).position
         return wanted
 
-    def _force_reason(self, share: float, largest: float) -> str:
+    def _force_reason(self, share: float, box: ControlBoxState) -> str:
         """Filter the forces on all bodies; return which one is too large."""
-        touching = self._world.contacts()
+        touching, largest = self._world.contacts(), box.safety_limits.force
+        carried = box.payload.mass - self._tool_mass
         self._is_loaded = False
         for body in self._bodies:
             force, filtered = _exerted(body.links, touching), body.force
+            if body is self._bodies[-1] and any(force):  # it carries the payload
+                for k, g in enumerate(self._world.gravity):
+                    force[k] += carried * g
             for k in range(3):
                 filtered[k] += share * (force[k] - filtered[k])
             strength = math.hypot(*filtered)
@@ -253,7 +260,7 @@ class _Arm:
 def _exerted(links: frozenset[str], touching: Sequence[Contact]) -> list[float]:
     """Return the resultant force that ``links`` exert on everything else [N].
 
-    What they grip cancels, but for its weight and its own contacts.
+    What they grip cancels, but for its weight, inertia and own contacts.
     """
     total = [0.0, 0.0, 0.0]
     for contact in touching:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import tool0
+from tool0.control.arm_model import Placement
 from tool0.control.controller import Role
 from tool0.description.config import DescriptionConfig
 from tool0.errors import ControlError, RequestError
@@ -148,6 +149,30 @@ def test_the_setpoint_is_continuous_from_mode_to_mode(robot: tool0.Robot) -> Non
     assert position == pytest.approx(last.target_position, abs=1e-3)
 
 
+def test_a_velocity_of_the_tool_moves_it_straight(robot: tool0.Robot) -> None:
+    """Ramps of 0.24 s before and after 1 s with the twist of a point off the flange."""
+    motion = robot.arm.motion
+    motion.take()
+    move(robot, DOWN, 2.0)
+    model = robot.simulation.core.arm_motions.specs["arm"].model
+    lever = np.array([0.05, 0.0, 0.1])
+
+    def tcp() -> Placement:
+        return model.place(np.array(motion.state.target_position), lever)
+
+    before = tcp()
+    tool = (*lever, 0.0, 0.0, 0.0)
+    motion.speed_tool((0.06, 0.08, 0.05, 0.0, 0.0, 0.12), 0.5, 1.0, tcp=tool)
+    robot.run(1.5)
+    after = tcp()
+    moved = after.position - before.position
+    assert moved == pytest.approx([0.06, 0.08, 0.05], abs=1e-5)
+    R = after.rotation @ before.rotation.T
+    assert math.atan2(R[1, 0], R[0, 0]) == pytest.approx(0.12, abs=1e-5)
+    assert R[2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-5)
+    assert motion.state.target_velocity == pytest.approx((0.0,) * 6, abs=1e-12)
+
+
 def test_paths_are_executed_by_the_kernel(robot: tool0.Robot) -> None:
     motion, core = robot.arm.motion, robot.simulation.core
     motion.take()
@@ -178,6 +203,13 @@ def test_an_arm_that_moves_stops_before_it_is_given_back(robot: tool0.Robot) -> 
         motion.servo_joints(DOWN)
     robot.run(0.5)
     assert "arm_motion" not in states(robot)
+    assert states(robot)["eff_joint_traj_controller"] == "running"
+    motion.take()
+    motion.speed_joints((0.5, 0, 0, 0, 0, 0), 10.0)
+    robot.run(0.2)
+    motion.give_back()
+    robot.reset()  # which ends the motion
+    robot.run(0.01)
     assert states(robot)["eff_joint_traj_controller"] == "running"
     motion.take()
     motion.speed_joints((0.5, 0, 0, 0, 0, 0), 10.0)

@@ -11,6 +11,8 @@ from ur5_rig import ARM
 
 import tool0
 from tool0.description.config import DescriptionConfig
+from tool0.description.scene import SceneObject
+from tool0.description.shapes import Sphere
 from tool0.description.transform import Pose
 from tool0.errors import ControlError
 from tool0.hardware.control_box import ProgramState, SafetyMode
@@ -148,3 +150,28 @@ def test_a_program_that_has_the_arm_loses_it(robot: tool0.Robot) -> None:
     assert box.state.program is ProgramState.STOPPED
     box.play()
     assert robot.arm.move_to(OVER_TABLE).wait(10.0)
+
+
+def test_a_payload_is_no_collision() -> None:
+    """10 kg are carried if they are expected, and stop the arm if they are not."""
+    with tool0.bringup(arm="ur10e", realtime=False) as robot:
+        box, flange = robot.arm.control_box, robot.pose("tool0")
+        tool = box.state.payload.mass
+        robot.channel.call(TakeArm(by="a program"))  # which holds by servos
+        box.set_payload(tool + 10.0, (0.0, 0.0, 0.3))
+        robot.scene.add(
+            SceneObject(
+                name="part",
+                geometry=Sphere(radius=0.02),
+                pose=Pose(xyz=flange.apply((0.0, 0.0, 0.3))),
+                mass=10.0,
+            )
+        )
+        robot.engine.world.attach("part", "tool0")
+        robot.run(0.5)
+        box.set_safety_limits(enabled=True, force=50.0)
+        robot.run(1.0)
+        assert not reason(robot)
+        box.clear_payload()
+        robot.run(1.0)
+        assert "N at 'tool0', more than 50 N" in reason(robot)

@@ -23,6 +23,7 @@ from tool0.interfaces.server.streams import (
     StreamedSetpoint,
 )
 from tool0.interfaces.server.updates import UpdateStreams
+from tool0.requests.arm_motion import ReturnArm, TakeArm
 from tool0.requests.codec import (
     PROTOCOL,
     GoalEnded,
@@ -90,7 +91,7 @@ class Hub:
         self._workers = ThreadPoolExecutor(WORKERS, "tool0-server-worker")
         # An emergency stop never waits for the requests of others.
         self._urgent_worker = ThreadPoolExecutor(1, "tool0-server-stop")
-        self._urgent: set[asyncio.Task[None]] = set()
+        self._urgent: set[asyncio.Task[bool]] = set()
         self.attach_view: Callable[[Session], None] | None = None
         """Lets a session receive what the panel shows; None without a panel."""
         self.when_shown: Callable[[], None] = lambda: None
@@ -119,6 +120,7 @@ class Hub:
         finally:
             self.sessions.discard(session)
             self._remove_streams(session)
+            self._return_arms(session)
 
     async def close(self) -> None:
         """Close every connection; requests in progress are still carried out."""
@@ -189,7 +191,12 @@ class Hub:
             session.send(encode_reply(ident, request, None))
             return
         await self._setpoints.settle(self.backend.superseded(request))
-        await self._carry_out(session, ident, request, self._workers)
+        if not await self._carry_out(session, ident, request, self._workers):
+            return
+        if isinstance(request, TakeArm):
+            session.arms.add(request.arm)
+        elif isinstance(request, ReturnArm):
+            session.arms.discard(request.arm)
 
     async def _change_streams(
         self,
@@ -219,6 +226,16 @@ class Hub:
                     reply = encode_error(ident, refused)
             session.send(reply)
 
+    def _return_arms(self, session: Session) -> None:
+        """Stop the arms that a peer has taken: it moves them no longer."""
+        for arm in session.arms:
+            with contextlib.suppress(RuntimeError):  # the server ends
+                self._workers.submit(self._return_arm, ReturnArm(arm=arm))
+
+    def _return_arm(self, request: ReturnArm) -> None:
+        with contextlib.suppress(Tool0Error):  # the simulation has ended
+            self.backend.carry_out(request)
+
     def _remove_streams(self, session: Session) -> None:
         """Send no snapshots and updates to a session."""
         for streams in (self._snapshots, self._updates):
@@ -231,7 +248,8 @@ class Hub:
         ident: Ident,
         request: Request[Any],
         workers: ThreadPoolExecutor,
-    ) -> None:
+    ) -> bool:
+        """Send the reply; return whether the request succeeded."""
         loop = asyncio.get_running_loop()
         try:
             text, goals = await loop.run_in_executor(
@@ -239,11 +257,12 @@ class Hub:
             )
         except Exception as error:
             session.send(encode_error(ident, _logged(error)))
-            return
+            return False
         if ident is not None:
             session.send(text)
         for number, goal in goals:
             goal.when_finished(partial(self._report_end, loop, session, number))
+        return True
 
     def _reply(
         self, ident: Ident, request: Request[Any]

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from typing import TYPE_CHECKING
 
+from tool0.errors import ConfigError
 from tool0.interfaces.ur.programs import Program
 
 if TYPE_CHECKING:
@@ -30,3 +32,11 @@ def _compile(text: str, name: str) -> Program[Box]:
     if known is not None:
         return known
     return compile_program(text, name)
+
+
+def prepare() -> None:
+    """Import and build what the first program would wait for: some 0.3 s."""
+    from tool0.interfaces.ur.urscript.program import compile_program
+
+    with contextlib.suppress(ConfigError):  # lark is not installed
+        compile_program("sleep(0.0)", "nothing")

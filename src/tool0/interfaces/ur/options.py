@@ -47,6 +47,11 @@ class UrOptions:
         if self.programs is not None and not self.programs.is_dir():
             raise ConfigError(f"{self.programs} is not a folder with programs")
 
+    @property
+    def is_public(self) -> bool:
+        """Whether other machines can reach it."""
+        return ipaddress.IPv4Address(self.host) not in LOOPBACK
+
     def host_of(self, number: int) -> str:
         """Return the address of arm ``number``, from 0.
 

@@ -12,6 +12,7 @@ from typing import Any, Final, Protocol
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error, TransportError
 from tool0.interfaces.ur.box import Box
+from tool0.interfaces.ur.compiling import prepare
 from tool0.interfaces.ur.options import UrArm, UrOptions
 from tool0.requests.arm import ListArms
 from tool0.requests.updates import SubscribeUpdates, UpdateMessage
@@ -140,6 +141,7 @@ async def serve(
                 await interface.start(host, options.port_base)
             served[box.arm] = _served(host, interfaces)
         ready(served)
+        await asyncio.to_thread(prepare)
         await has_ended.wait()
         for box in boxes:
             await box.programs.stop()

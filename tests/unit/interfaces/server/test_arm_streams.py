@@ -17,6 +17,7 @@ from tool0.requests.arm_motion import (
     ReadArmMotion,
     ReturnArm,
     ServoJoints,
+    SpeedJoints,
     StopArm,
     TakeArm,
 )
@@ -159,3 +160,16 @@ def test_while_time_runs_fast_updates_have_the_arms_of_their_instant() -> None:
             is_over.set()
             runner.join()
             client.channel.close()
+
+
+def test_an_arm_comes_to_rest_when_the_program_that_took_it_is_gone(
+    client: Client, robot: tool0.Robot
+) -> None:
+    client.subscribe()
+    other = Client()
+    other.channel.call(TakeArm(by="other"))
+    other.channel.post(SpeedJoints(velocities=(0.2, 0, 0, 0, 0, 0), acceleration=2.0))
+    client.until("speed")
+    other.channel.close()
+    client.until("free")
+    assert robot.arm.control_box.state.taken_by == ""

@@ -34,6 +34,8 @@ def test_each_arm_has_an_address() -> None:
         *("127.0.0.254", "127.0.0.255", "127.0.1.0"),
     ]
     everywhere = UrOptions(host="0.0.0.0")
+    assert everywhere.is_public
+    assert not options.is_public
     assert everywhere.host_of(0) == "0.0.0.0"
     with pytest.raises(ConfigError, match="several arms"):
         everywhere.host_of(1)

@@ -216,13 +216,13 @@ class Motions:
         if not self._is_jogging:
             await self._cancel()
             self._is_jogging = True
-            self._jog_frame = self._frame(round(exchange.number(6)))
+            self._jog_frame = self._frame(exchange.number(6))
         velocity = exchange.six(0)
         linear = (self._jog_frame @ velocity[:3]).tolist()
         angular = (self._jog_frame @ velocity[3:]).tolist()
         self._speed_tool((*linear, *angular), exchange.number(7))
 
-    def _frame(self, feature: int) -> Array:
+    def _frame(self, feature: float) -> Array:
         """Return the axes of a frame for jogging in the base frame, shape (3, 3)."""
         if feature == BASE:
             return np.eye(3)
@@ -230,7 +230,7 @@ class Motions:
             return rotation_of(self._box.tcp_pose()[3:])
         if feature == CUSTOM:
             return rotation_of(self._exchange.six(8)[3:])
-        raise ControlError(f"jogging: {feature} is no feature; use 0, 1 or 2")
+        raise ControlError(f"jogging: {feature:g} is no feature; use 0, 1 or 2")
 
     async def end_jog(self) -> None:
         """End jogging."""

@@ -10,7 +10,6 @@ import asyncio
 from collections.abc import Awaitable, Callable, Mapping
 from typing import TYPE_CHECKING, Final, Protocol, final
 
-from tool0.errors import Tool0Error
 from tool0.interfaces.ur.tool_contact import ToolHistory
 from tool0.interfaces.ur.urscript.errors import Place, URScriptError, ValueProblem
 from tool0.interfaces.ur.urscript.sockets import Sockets
@@ -221,19 +220,19 @@ class Execution:
             return await code.call(thread, {})
         except Halted:
             self._finish(None)
-        except Tool0Error as error:
-            self._finish(error)
         except ValueProblem as problem:
             self._finish(URScriptError(str(problem), code.at, self.name))
         except RecursionError:
             message = "calls, blocks and expressions are nested too deep"
             self._finish(URScriptError(message, code.at, self.name))
+        except Exception as error:  # told by who runs the program
+            self._finish(error)
         finally:
             if self.critical is thread:
                 self.critical = None
         return None
 
-    def _finish(self, error: Tool0Error | None) -> None:
+    def _finish(self, error: Exception | None) -> None:
         if self._end.done():
             return
         if error is None:

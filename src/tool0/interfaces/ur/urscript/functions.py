@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Final, TypeAlias, final, get_type_hints
 
 from tool0.interfaces.ur.urscript.kinds import Kind
-from tool0.interfaces.ur.urscript.values import Value
+from tool0.interfaces.ur.urscript.values import Value, to_text
 
 NO_DEFAULT: Final = object()
 _THREAD: Final = "thread"
@@ -32,6 +32,17 @@ class Parameter:
         """Whether it has no default."""
         return self.default is NO_DEFAULT
 
+    @property
+    def text(self) -> str:
+        """As a signature shows it; in brackets, what may be left out."""
+        if self.is_required:
+            return self.name
+        if self.default is None:
+            return f"[{self.name}]"
+        if isinstance(self.default, str):
+            return f'{self.name}="{self.default}"'
+        return f"{self.name}={to_text(self.default)}"
+
 
 @final
 @dataclass(frozen=True, slots=True)
@@ -50,11 +61,7 @@ class Function:
     @property
     def signature(self) -> str:
         """As the manual writes it: ``movej(q, a=1.4, …)``."""
-        words = [
-            item.name if item.is_required else f"{item.name}={item.default}"
-            for item in self.parameters
-        ]
-        return f"{self.name}({', '.join(words)})"
+        return f"{self.name}({', '.join(item.text for item in self.parameters)})"
 
 
 def function(

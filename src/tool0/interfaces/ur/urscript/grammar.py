@@ -79,7 +79,7 @@ AND: "and"
 NOT: "not"
 TRUE: "True"
 FALSE: "False"
-NAME: /[A-Za-z_][A-Za-z0-9_]*/
+NAME: /[A-Za-z_][A-Za-z0-9_]{0,199}/
 FLOAT.2: /([0-9]+\.[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+/
 INTEGER: /[0-9]+/
 STRING: /"[^"\n]*"/

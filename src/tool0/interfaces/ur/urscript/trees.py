@@ -12,6 +12,8 @@ from tool0.interfaces.ur.urscript.errors import Place, URScriptError
 
 INT_RANGE: Final = range(-(2**31), 2**31)
 """Integers of URScript have 32 bits."""
+MAX_TEXT: Final = 1023
+"""Longest string [bytes], as on the robot."""
 _POSE: Final = "p"
 _POSE_SIZE: Final = 6
 _DIGITS: Final = re.compile("[0-9]{1,10}")
@@ -176,6 +178,11 @@ def _constant(token: Token) -> s.Constant:
                 raise URScriptError("this number is too large", place(token))
             return value
         case "STRING":  # strings are bytes; one character stands for each
-            return token[1:-1].encode().decode("latin-1")
+            text = token[1:-1].encode().decode("latin-1")
+            if len(text) > MAX_TEXT:
+                raise URScriptError(
+                    f"strings have at most {MAX_TEXT} bytes", place(token)
+                )
+            return text
         case _:
             return token.type == "TRUE"

@@ -14,10 +14,8 @@ from collections.abc import Callable, Sequence
 from typing import Final, TypeAlias, Union, final
 
 from tool0.interfaces.ur.urscript.errors import ValueProblem
-from tool0.interfaces.ur.urscript.trees import INT_RANGE
+from tool0.interfaces.ur.urscript.trees import INT_RANGE, MAX_TEXT
 
-MAX_TEXT: Final = 1023
-"""Longest string that operators and functions make [bytes], as on the robot."""
 MAX_LIST: Final = 10_000
 """Most elements of a list; a pose counts six."""
 MAX_WRITTEN: Final = 500
@@ -195,6 +193,8 @@ def _remainder(a: float, b: float) -> float:
     if type(a) is int and type(b) is int:
         rest = abs(a) % abs(b)
         return rest if a >= 0 else -rest
+    if not math.isfinite(a):
+        raise ValueProblem(f"remainder of {a}")
     return math.fmod(a, b)
 
 

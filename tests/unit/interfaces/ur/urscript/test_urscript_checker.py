@@ -42,6 +42,11 @@ def test_it_is_rejected_where_it_is_wrong(text: str, expected: str) -> None:
         ("#" * 1_000_001, "1000001 characters"),
         ("x = [" + "1," * 10_000 + "1]", "at most 10000 elements"),
         ('x = "' + "a" * 600 + '" + "' + "b" * 600 + '"', "at most 1023 bytes"),
+        ('x = "' + "a" * 1100 + '"', "at most 1023 bytes"),
+        (
+            "x = " + "a" * 100_000,
+            "p:1:205: unexpected 'aaaaaaaaaaaaaaaaaaaaaaaaaaaaaa'",
+        ),
         ("x = 1e999", "too large"),
         ("x = [[1, 2], [3]]", "equal lengths"),
         ("x = [[[1]]]", "nested once"),
@@ -50,7 +55,7 @@ def test_it_is_rejected_where_it_is_wrong(text: str, expected: str) -> None:
 )
 def test_limits_hold_before_anything_runs(text: str, words: str) -> None:
     with pytest.raises(URScriptError, match=words):
-        compile_program(text)
+        compile_program(text, "p")
 
 
 def test_100_levels_and_long_chains_are_no_problem() -> None:
@@ -93,8 +98,8 @@ def test_no_supported_function_counts_as_unsupported() -> None:
         ("movec", "movec(pose_via, pose_to, a=1.2, v=0.25, r=0, mode=0)"),
         ("servoj", "servoj(q, a=0, v=0, t=0.002, lookahead_time=0.1, gain=300)"),
         ("str_find", "str_find(src, target, start_from=0)"),
-        ("set_tcp", "set_tcp(pose, tcp_name=)"),
-        ("socket_open", "socket_open(address, port, socket_name=socket_0)"),
+        ("set_tcp", 'set_tcp(pose, tcp_name="")'),
+        ("socket_open", 'socket_open(address, port, socket_name="socket_0")'),
     ],
 )
 def test_signatures_are_those_of_the_manual(name: str, signature: str) -> None:
@@ -103,3 +108,9 @@ def test_signatures_are_those_of_the_manual(name: str, signature: str) -> None:
 
 def test_errors_are_errors_of_tool0() -> None:
     assert issubclass(URScriptError, Tool0Error)
+
+
+def test_the_documentation_lists_every_function() -> None:
+    text = (Path(__file__).parents[5] / "docs" / "urscript.md").read_text()
+    table = text.split("## Functions")[1].split("\n## ")[0]
+    assert set(re.findall(r"`(\w+)`", table)) == set(library())

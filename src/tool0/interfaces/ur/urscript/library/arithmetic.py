@@ -162,10 +162,10 @@ def size(v: AnyValue) -> Value:
 
 
 def make_list(
-    length: Integer, initial_value: AnyValue, capacity: Integer = -1
+    length: Integer, initial_value: AnyValue, capacity: Integer | None = None
 ) -> Value:
     """Return a list of equal elements; a capacity has no effect."""
-    if not 0 <= length <= MAX_LIST or capacity > MAX_LIST:  # before it is made
+    if not 0 <= length <= MAX_LIST or (capacity or 0) > MAX_LIST:  # before it is made
         raise ValueProblem(f"lists have 0 to {MAX_LIST} elements")
     if isinstance(initial_value, tuple) and not isinstance(initial_value, Pose):
         raise ValueProblem("lists of lists are written as matrices")
