@@ -18,6 +18,6 @@ def test_an_arm_does_not_sink_from_program_to_program(dialect):
             robot.run(0.01)
             robot.channel.call(ReturnArm())
             robot.run(0.02)
-        robot.run(1.0)
+        robot.run(3.0)
         end = np.array(list(robot.arm.joints.values()))
-        assert np.abs(end - start).max() < 5e-4
+        assert np.abs(end - start).max() < 1e-3  # 0.04 rad without

@@ -50,7 +50,7 @@ class ClientInterface:
             )
             for offset in (0, READ_ONLY)
         }
-        self._state_time = self._realtime_time = box.time
+        self._n_states = self._n_realtime = -1
         self._safety_mode = box.state.safety_mode
         self._program = ""
         self._is_quiet = True
@@ -119,11 +119,13 @@ class ClientInterface:
         if box.state.safety_mode is not self._safety_mode:
             self._safety_mode = box.state.safety_mode
             self._send(robot_messages.safety_message(box.time, self._safety_mode))
-        if _is_due(box.time, self._state_time, STATE_PERIOD):
-            self._state_time = box.time
+        n_states = _periods(box.time, STATE_PERIOD)
+        if n_states != self._n_states:
+            self._n_states = n_states
             self._send_state()
-        if _is_due(box.time, self._realtime_time, 1.0 / box.rate):
-            self._realtime_time = box.time
+        n_realtime = _periods(box.time, 1.0 / box.rate)
+        if n_realtime != self._n_realtime:
+            self._n_realtime = n_realtime
             self._send_realtime()
         self._is_quiet = False
 
@@ -179,9 +181,9 @@ def _error(time: float, text: str) -> bytes:
     return robot_messages.exception_message(time, line, column, place[3])
 
 
-def _is_due(time: float, last: float, period: float) -> bool:
-    """Return whether a period has passed, or the time was reset."""
-    return not 0.0 <= time - last < period - 1e-6
+def _periods(time: float, period: float) -> int:
+    """Return how many periods have passed since the time was 0."""
+    return int(time / period + 1e-6)
 
 
 def readers(peers: Iterable[Peer]) -> list[Peer]:
