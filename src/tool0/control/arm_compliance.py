@@ -2,28 +2,35 @@
 
 The efforts balance gravity.  Along the other axes of a frame, stiff virtual springs and
 dampers, scaled by the inertia, keep the tool on its nominal motion.  Along the axes
-that give way, the tool pushes with a commanded force, against a damping.  Nothing is
-measured there: at rest the force on the environment is the commanded one, whatever the
-stiffness of the environment.
+that give way, the tool pushes with a commanded force, against a damping.
+
+Springs, push and damping are one wrench on the tool, so that along the axes that give
+way there is nothing but the push at rest: whatever the friction along the others and
+the stiffness of the environment, the force on it is the commanded one, and nothing is
+measured.  Accelerations that were turned into efforts by the whole mass matrix would
+push there as well, by its off-diagonal parts.  The wrench that accelerates some axes
+alone comes from their part of J M⁻¹ Jᵀ, the inverse of the inertia in the space of the
+task (Khatib 1987, https://doi.org/10.1109/JRA.1987.1087068).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, final
+from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 import numpy as np
 
 from tool0.control.arm_model import ArmModel, Placement
 from tool0.control.arm_setpoint import ArmSetpoint
-from tool0.control.arm_stream import damped_inverse
+from tool0.control.arm_stream import SINGULAR, damped_inverse
 from tool0.hardware.engine import JointSelector, JointState
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
+    Mask = NDArray[np.bool_]
 
 BANDWIDTH: Final = 60.0
 """Natural frequency of the springs [rad/s], if the step of the physics allows it."""
@@ -36,6 +43,9 @@ FREEDRIVE_DAMPING: Final = 8.0
 """The same in freedrive [1/s]."""
 JOINT_DAMPING: Final = 1.0
 """Of the joints' deviation from their nominal motion [1/s], for singular postures."""
+RIDGE: Final = SINGULAR**2
+"""Part by which the mobility along each axis grows in a singular posture, so that the
+forces of the springs stay finite."""
 EASE: Final = 0.3
 """Part of a speed limit below it in which the force fades."""
 SLOW: Final = 1e-3
@@ -49,7 +59,7 @@ class ComplianceTask:
 
     frame: Array
     """The task's frame in the base, shape (4, 4)."""
-    free: Array
+    free: Mask
     """Whether each axis gives way: x, y, z, and about them, shape (6,) of bool."""
     wrench: Array
     """What the tool applies to its environment along those [N, N·m], shape (6,)."""
@@ -93,6 +103,19 @@ def _unit(vector: Array, least: float = 1e-6) -> Array | None:
     return vector / size if size > least else None
 
 
+class _Inertias(NamedTuple):
+    """Wrenches on the tool per motion along the axes of a task, shape (6, 6) each."""
+
+    held: Array
+    """Per acceleration of the axes that do not give way, by forces along these only."""
+    free: Array
+    """The same of those that give way: what resists in a single step, as springs, not
+    bars, hold the others."""
+    drag: Array
+    """Per velocity of those that give way: it decays with their inertia while the
+    others are held.  That can be far more, which bounds the rate."""
+
+
 @final
 class Compliance:
     """Turns a nominal motion into efforts, as a task demands."""
@@ -108,6 +131,8 @@ class Compliance:
         """Since when the nominal motion is known [s], and what it was then."""
         self._known: tuple[Sequence[float], Placement] | None = None
         """Where the TCP was placed last, and for which positions."""
+        self._weighed: tuple[Array, Array, _Inertias] | None = None
+        """The last inertias, and for which masses and axes."""
 
     def follow(self, nominal: ArmSetpoint, time: float) -> None:
         """Take the nominal motion at ``time`` [s], with constant accelerations."""
@@ -133,16 +158,21 @@ class Compliance:
         velocity = axes @ twist
         slip = axes @ nominal_twist - velocity
         rate = min(BANDWIDTH, LARGEST_STEP / dt)
-        ahead = axes @ (goal.jacobian @ np.asarray(nominal.accelerations))
-        held = ahead + rate * (rate * error + 2.0 * slip)
-        wanted = np.where(task.free, -self._drag(velocity, dt), held)
-        pushed = np.where(task.free, self._share(velocity) * task.wrench, 0.0)
-        efforts = (
-            weight
-            + masses @ damped_inverse(J, axes.T @ wanted)
-            + masses @ (JOINT_DAMPING * (np.asarray(nominal.velocities) - speed))
-            + J.T @ (axes.T @ pushed)
+        springs = rate * (rate * error + 2.0 * slip)
+        along = axes @ J
+        inertias = self._inertias(masses, along, R, dt)
+        excess = np.clip(np.abs(velocity) - task.limits, 0.0, None) * np.sign(velocity)
+        wrench = (
+            inertias.held @ springs
+            + self._share(velocity) * np.where(task.free, task.wrench, 0.0)
+            - inertias.drag @ velocity
+            - LARGEST_STEP / dt * (inertias.free @ excess)
         )
+        wanted = JOINT_DAMPING * (np.asarray(nominal.velocities) - speed)
+        if any(nominal.accelerations):
+            ahead = axes @ (goal.jacobian @ np.asarray(nominal.accelerations))
+            wanted += damped_inverse(J, axes.T @ np.where(task.free, 0.0, ahead))
+        efforts = weight + masses @ wanted + along.T @ wrench
         found: list[float] = efforts.tolist()
         return found
 
@@ -155,14 +185,26 @@ class Compliance:
         left = task.limits - velocity * np.sign(task.wrench)
         return np.clip(left / (EASE * task.limits), 0.0, 1.0)
 
-    def _drag(self, velocity: Array, dt: float) -> Array:
-        """Return the deceleration along axes that give way [m/s², rad/s²], shape (6,).
+    def _inertias(self, masses: Array, along: Array, R: Array, dt: float) -> _Inertias:
+        """Return the inertias for the masses and the axes ``R``.
 
-        A motion beyond the limit is damped as much as is stable.
+        ``along`` is the tool's Jacobian in those axes.  The inertias last as long as
+        the masses, except near singular postures, where they change fast.
         """
-        task, most = self.task, LARGEST_STEP / dt
-        excess = np.clip(np.abs(velocity) - task.limits, 0.0, None) * np.sign(velocity)
-        return np.asarray(min(task.damping, most) * velocity + most * excess)
+        known = self._weighed
+        if known is not None and known[0] is masses and np.array_equal(known[1], R):
+            return known[2]
+        task = self.task
+        mobility = along @ np.linalg.solve(masses, along.T)
+        singularity = _singularity(along)
+        mobility += RIDGE * singularity * np.diag(np.diag(mobility))
+        free = _inertia(mobility, task.free)
+        whole = np.where(np.outer(task.free, task.free), np.linalg.inv(mobility), 0.0)
+        ratio = np.trace(mobility @ whole) - task.free.sum() + 1.0
+        drag = min(task.damping, LARGEST_STEP / dt / ratio) * whole
+        found = _Inertias(_inertia(mobility, ~task.free), free, drag)
+        self._weighed = (masses, R, found) if singularity == 0.0 else None
+        return found
 
     def _nominal_at(self, time: float) -> ArmSetpoint:
         assert self._nominal is not None  # the tick has told it
@@ -186,6 +228,22 @@ class Compliance:
             place = self._model.place(np.asarray(nominal.positions), self.task.lever)
             self._known = known = nominal.positions, place
         return known[1]
+
+
+def _inertia(mobility: Array, along: Mask) -> Array:
+    """Return the wrench along some axes per acceleration along them, shape (6, 6).
+
+    ``mobility`` is the acceleration per wrench along all axes, shape (6, 6).
+    """
+    found = np.zeros((6, 6))
+    found[np.ix_(along, along)] = np.linalg.inv(mobility[along][:, along])
+    return found
+
+
+def _singularity(J: Array) -> float:
+    """Return 1 in a singular posture, 0 far from it."""
+    smallest = float(np.linalg.svd(J, compute_uv=False)[-1])
+    return 1.0 - min(1.0, smallest / SINGULAR) ** 2
 
 
 def _pose_error(here: Placement, goal: Placement) -> Array:

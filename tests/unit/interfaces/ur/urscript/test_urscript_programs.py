@@ -352,9 +352,10 @@ def test_force_mode_presses_on_a_table(rig: BoxRig, robot: tool0.Robot) -> None:
         run = ran(rig, "force_mode")
     finally:
         robot.scene.remove("table")
-    force, sliding = run.texts
-    assert int(force.split()[-1]) == pytest.approx(20, abs=4)
+    force, sliding, after = run.texts
+    assert int(force.split()[-1]) == pytest.approx(20, abs=1)
     assert sliding == "while sliding True"
+    assert int(after.split()[-1]) == pytest.approx(20, abs=1)
 
 
 @pytest.mark.usefixtures("at_home")
