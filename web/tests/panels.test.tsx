@@ -283,7 +283,7 @@ describe("the simulation's readings", () => {
 describe("the simulation's buttons", () => {
   useFakeServer();
 
-  it("step only what is paused", async () => {
+  beforeEach(() => {
     server().say(view());
     server().say(status());
     render(
@@ -292,6 +292,9 @@ describe("the simulation's buttons", () => {
         <Confirmation />
       </>,
     );
+  });
+
+  it("step only what is paused", async () => {
     expect(screen.getByTestId<HTMLButtonElement>("sim-step").disabled).toBe(true);
     press("sim-pause");
     await act(() => {
@@ -303,6 +306,24 @@ describe("the simulation's buttons", () => {
     await confirmed();
     const methods = server().sent.map((request) => request.method);
     expect(methods).toEqual(["pause", "step", "resume", "reset"]);
+  });
+
+  it("asks with a button that is not ready in the first picture either", async () => {
+    await pass(1000);
+    let changes = 0;
+    const observer = new MutationObserver((records) => {
+      changes += records.length;
+    });
+    observer.observe(document.body, { subtree: true, attributeFilter: ["disabled"] });
+    for (let k = 0; k < 2; k++) {
+      press("sim-reset");
+      await pass(10);
+      await confirmed();
+      await pass(1000);
+    }
+    observer.disconnect();
+    expect(changes).toBe(2); // each time, it only becomes ready
+    expect(server().sentOf("reset")).toHaveLength(2);
   });
 });
 

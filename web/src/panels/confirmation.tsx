@@ -11,6 +11,8 @@ import { Button } from "../ui/button";
 const READY_AFTER_MS = 400;
 
 interface Question {
+  /** Another one for each question. */
+  readonly number: number;
   readonly text: string;
   /** The label of the confirming button. */
   readonly action: string;
@@ -18,20 +20,26 @@ interface Question {
 }
 
 const question = signal<Question | null>(null);
+let asked = 0;
 
 /** Ask, and act if the user confirms. */
 export function confirm(text: string, action: string, act: () => void): void {
-  question.value = { text, action, act };
+  asked += 1;
+  question.value = { number: asked, text, action, act };
 }
 
 export function Confirmation() {
   const now = question.value;
+  return now === null ? null : <Dialog key={now.number} question={now} />;
+}
+
+/** One question: its button is not ready in the first picture either. */
+function Dialog({ question: now }: { question: Question }) {
   const root = useRef<HTMLDivElement | null>(null);
   const [isReady, setReady] = useState(false);
   useEffect(() => {
     const before = document.activeElement;
     root.current?.querySelector("button")?.focus();
-    setReady(false);
     const timer = setTimeout(() => {
       setReady(true);
     }, READY_AFTER_MS);
@@ -39,8 +47,7 @@ export function Confirmation() {
       clearTimeout(timer);
       if (before instanceof HTMLElement) before.focus();
     };
-  }, [now]);
-  if (now === null) return null;
+  }, []);
   const close = () => {
     question.value = null;
   };
