@@ -56,9 +56,12 @@ def test_speeds_are_the_derivatives_of_positions(robot: tool0.Robot) -> None:
 
     columns = zip(*asyncio.run(while_moving(robot, take)), strict=True)
     time, tcp, tcp_speed, elbow, elbow_speed = map(np.array, columns)
+    elapsed = np.diff(time)
+    near = elapsed < 0.005  # a busy process leaves out updates
+    assert near.sum() > 10
     for position, speed in ((tcp, tcp_speed), (elbow, elbow_speed)):
-        slope = np.diff(position, axis=0) / np.diff(time)[:, None]
-        middle = 0.5 * (speed[1:] + speed[:-1])
+        slope = (np.diff(position, axis=0) / elapsed[:, None])[near]
+        middle = (0.5 * (speed[1:] + speed[:-1]))[near]
         assert np.abs(speed).max() > 0.05
         np.testing.assert_allclose(slope, middle, atol=5e-3)
 
