@@ -33,10 +33,20 @@ def values(box: Box, name: str) -> Any:
 
 
 async def while_moving(robot: tool0.Robot, take: Callable[[Box], Any]) -> list[Any]:
-    """Return what is taken at fifty updates in the middle of a motion."""
+    """Return what is taken at fifty updates in the middle of a motion.
+
+    Its speed is steady there, as the physics computes positions from the speeds at the
+    ends of its steps.
+    """
     async with control_box(robot) as box:
-        robot.move_joints({"elbow_joint": 2.2, "shoulder_lift_joint": -1.0})
-        await box.until(lambda: max(map(abs, box.qd)) > 0.3)
+        goals = {"elbow_joint": 2.2, "shoulder_lift_joint": -1.0}
+        robot.move_joints(goals, speed=0.1)
+        await box.until(
+            lambda: (
+                max(map(abs, box.qd)) > 0.25
+                and max(map(abs, box.arm_update.target_acceleration)) < 0.01
+            )
+        )
         taken = []
         for _ in range(50):
             taken.append(take(box))
