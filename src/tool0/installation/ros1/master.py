@@ -21,8 +21,13 @@ logger = logging.getLogger(__name__)
 
 ROSCORE_TIMEOUT = 20.0
 """[s] until our roscore answers; usually two."""
-UNREGISTER_TIMEOUT = 1.0
-"""For the master to forget our node [wall s]."""
+UNREGISTER_TIMEOUT = 5.0
+"""For the master to forget our node [wall s]; on a busy machine each of tens of calls
+takes a while."""
+_QUIET = 0.05
+"""So long must the master not know our node [wall s]."""
+_POLL_PERIOD = 0.01
+"""[wall s]"""
 CALL_TIMEOUT = 3.0
 """Timeout of a call to the master [s]."""
 ROSCORE_GRACE = 5.0
@@ -98,12 +103,18 @@ class Master:
     def unregister_all(self, uri: str) -> None:
         """Remove what is registered for our node, which is reached at ``uri``.
 
-        Until the master forgets the node: a thread of rospy's may still register.
+        Until the master has forgotten the node for some time: what a thread of rospy's
+        has begun to register may still arrive.
         """
         end = time.monotonic() + UNREGISTER_TIMEOUT
         self._unregister_once(uri)
-        while self._knows(self._node) and time.monotonic() < end:
-            self._unregister_once(uri)
+        unknown_since = time.monotonic()
+        while (now := time.monotonic()) < end and now - unknown_since < _QUIET:
+            if self._knows(self._node):
+                self._unregister_once(uri)
+                unknown_since = time.monotonic()
+            else:
+                time.sleep(_POLL_PERIOD)
 
     def _knows(self, node: str) -> bool:
         """Return whether a node is registered, even a dead one."""
