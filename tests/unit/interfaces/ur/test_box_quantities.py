@@ -43,7 +43,7 @@ async def while_moving(robot: tool0.Robot, take: Callable[[Box], Any]) -> list[A
         robot.move_joints(goals, speed=0.1)
         await box.until(
             lambda: (
-                max(map(abs, box.qd)) > 0.25
+                min(map(abs, box.qd[1:3])) > 0.2
                 and max(map(abs, box.arm_update.target_acceleration)) < 0.01
             )
         )
