@@ -18,8 +18,6 @@ N_DIGITAL: Final = 18
 """Digital pins: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
 N_ANALOG: Final = 2
 """Analogue pins of the box; the tool has as many inputs again."""
-TOOL_VOLTAGES: Final = (0, 12, 24)
-"""What the tool's connector can supply [V]."""
 
 
 class AnalogDomain(IntEnum):

@@ -76,10 +76,6 @@ class SpeedProfile:
         square = self.speeds[k] ** 2 + 2.0 * self._accelerations[k] * beyond
         return np.asarray(np.sqrt(np.maximum(square, 0.0)))
 
-    def acceleration_at(self, distances: Array) -> Array:
-        """Return the acceleration of the phase in which x is, shape (n,)."""
-        return np.asarray(self._accelerations[self._phase(distances)[0]])
-
     def times_at(self, distances: Array) -> Array:
         """Return when each x is reached [s], shape (n,)."""
         k, beyond = self._phase(distances)

@@ -20,7 +20,7 @@ from tool0.runtime.simulation import Simulation
 Row6 = tuple[float, float, float, float, float, float]
 """A number for each joint, from base to flange."""
 Rows6 = tuple[Row6, ...]
-NO_TCP: Row6 = (0.0,) * 6
+ZERO_POSE: Row6 = (0.0,) * 6
 Flags6 = tuple[bool, bool, bool, bool, bool, bool]
 Limit = Annotated[float, Meta(gt=0.0, le=100.0)]
 Limits6 = tuple[Limit, Limit, Limit, Limit, Limit, Limit]
@@ -133,7 +133,7 @@ class SpeedTool(_OfArm[None], frozen=True):
     """[m/s²], and the same number in [rad/s²]."""
     duration: Duration | None = None
     """After this time the arm ramps to rest [s]; never, if left out or 0."""
-    tcp: Row6 = NO_TCP
+    tcp: Row6 = ZERO_POSE
     """The TCP in the flange, with a rotation vector [m, rad]."""
 
 
@@ -157,7 +157,7 @@ class StartForceMode(_OfArm[None], frozen=True):
     kind: Literal[1, 2, 3] = 2
     """1: the frame's y axis points from the TCP to the frame's origin.  2: the frame is
     as given.  3: its x axis is the TCP's velocity, projected onto its xy plane."""
-    tcp: Row6 = NO_TCP
+    tcp: Row6 = ZERO_POSE
     """The TCP in the flange, with a rotation vector [m, rad]."""
     damping: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.005
     """As for ``force_mode_set_damping``: how soon an undriven motion decays."""
@@ -174,7 +174,7 @@ class StartFreedrive(_OfArm[None], frozen=True):
 
     axes: Flags6 = (True,) * 6
     """Along and about which axes of the frame the tool gives way."""
-    frame: Row6 = NO_TCP
+    frame: Row6 = ZERO_POSE
     """In the base, with a rotation vector [m, rad]."""
 
 

@@ -36,7 +36,6 @@ from tool0.errors import ConfigError, SourceLocation
 
 _FILE: Final = "controllers_ros2.yaml"
 _STARTED_FILE: Final = "started_controllers_ros2.yaml"
-_JOINT_STATES: Final = "joint_state_broadcaster"
 _RATE: Final = 500
 """Updates per second of an arm whose folder does not state them [Hz]."""
 _ROTARY: Final = {"$tolerance": "0.02"}

@@ -39,7 +39,6 @@ logger = logging.getLogger(__name__)
 R = TypeVar("R")
 
 _IDENTITY: Final[Nine] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-NO_TCP: Final[Six] = (0.0,) * 6
 CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
 """The arms whose control box is a CB3; all later ones have an e-Series one."""
 

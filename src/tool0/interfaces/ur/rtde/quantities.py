@@ -43,7 +43,6 @@ JOINT_MODES: Final = {
 """UR's mode of each joint: power off, booting, idle, backdrive, running."""
 TOOL_OFF, TOOL_RUNNING = 239, 253
 
-_EMERGENCIES = (SafetyMode.SYSTEM_EMERGENCY_STOP, SafetyMode.ROBOT_EMERGENCY_STOP)
 _SAFETY_BITS: Final = {
     SafetyMode.NORMAL: 1 << 0,
     SafetyMode.REDUCED: 1 << 1,

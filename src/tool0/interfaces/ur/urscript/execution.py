@@ -225,7 +225,7 @@ class Execution:
         except RecursionError:
             message = "calls, blocks and expressions are nested too deep"
             self._finish(URScriptError(message, code.at, self.name))
-        except Exception as error:  # told by who runs the program
+        except Exception as error:  # whoever runs the program reports it
             self._finish(error)
         finally:
             if self.critical is thread:

@@ -15,7 +15,6 @@ INT_RANGE: Final = range(-(2**31), 2**31)
 MAX_TEXT: Final = 1023
 """Longest string [bytes], as on the robot."""
 _POSE: Final = "p"
-_POSE_SIZE: Final = 6
 _DIGITS: Final = re.compile("[0-9]{1,10}")
 
 # Children are what the rules below return, mixed with tokens: lark types them as Any.

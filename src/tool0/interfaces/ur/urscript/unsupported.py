@@ -1,4 +1,4 @@
-"""What URScript has and tool0 does not, with the reason that programs are told."""
+"""What URScript has and tool0 does not, with the reasons that error messages give."""
 
 from __future__ import annotations
 
