@@ -23,7 +23,9 @@ from benchmarks import (
     gym,
     kinematics,
     panel,
+    panel_cameras,
     process,
+    recording,
     rest,
     robosuite,
     ros1,
@@ -107,6 +109,9 @@ def figures() -> Iterator[Figure]:
         ratio = streams.tick_cost_ratio(readers, rate)
         name = f"tick's CPU, {readers} readers at {rate:g} Hz ÷ none"
         yield Figure(name, ratio, 1.3, 1.05)
+    share, rate = recording.recording_cost()
+    yield Figure("recording: processor time [% of a core]", 100.0 * share, 5.0, 4.0)
+    yield Figure("recording: data [kB/s]", rate / 1000.0, 300.0, 150.0)
     if (why := ros1_status().why_not(["rospy", "roscore"])) is None:
         yield from _ros1_figures()
     else:
@@ -263,6 +268,12 @@ def _panel_figures() -> Iterator[Figure]:
         yield Figure(f"more of a processor [%], {name}", processor, 25.0, 10.0)
     rate = costs[panel.FEW].bytes_per_second / 1e3
     yield Figure("sent to a page [kB/s]", rate, 100.0, 50.0)
+    images = panel_cameras.rates()
+    yield Figure("camera images to a page [1/s]", images.images, 10.0, 25.0)
+    share = images.images / images.capacity
+    yield Figure("the same, of what can be rendered", share, 0.5, 0.8)
+    more = images.late_with - images.late_without
+    yield Figure("more ticks late per 10 s, 1 camera", more, 2000.0, 200.0)
 
 
 def main() -> int:

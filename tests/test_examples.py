@@ -139,6 +139,18 @@ PRINTED = {
         "opened: has arrived at [345]",
     ],
     "14_pick": [r"holding_inside, gOBJ 2", r"the cube weighs (9\d|10\d) g, .*"],
+    "24_program": [
+        r"paused in step \(2,\)",
+        "succeeded",
+        r"def program_pick\(\):",
+    ],
+    "25_recording": [
+        r"\d+ snapshots, complete: True",
+        r"0\.\d\d s: eff_joint_traj_controller: goal succeeded",
+        r"1\.\d\d s: gripper_controller: goal succeeded",
+        r"largest error of the elbow: 1\d\.\d mrad",
+        r"the red cube moved by 0\.\d mm",
+    ],
 }
 """Example → what some of its lines are, in this order."""
 WITHOUT_VIDEO = """

@@ -10,33 +10,45 @@ from typing import Any, get_args
 import msgspec
 
 from tool0.interfaces.panel.protocol import ViewMessage
-from tool0.requests.codec import EventMessage, Hello, Reply
+from tool0.requests.codec import EventMessage, Hello, Reply, wire_type
 from tool0.requests.table import entries
 
 SCHEMA = Path(__file__).parent.parent / "web" / "protocol.schema.json"
 
 
 def schema_text() -> str:
-    """Return the schema of ``Requests``, method → params, and of ``ServerMessage``."""
-    requests = {
-        name: entry.request
+    """Return the schema of ``Requests``, ``Responses`` and ``ServerMessage``.
+
+    The first two are objects whose keys are the methods.
+    """
+    rows = {
+        name: entry
         for name, entry in sorted(entries().items())
         if entry.request.__module__.startswith("tool0.")
         if not entry.is_local
     }
+    requests = [entry.request for entry in rows.values()]
+    responses = [wire_type(entry.response) for entry in rows.values()]
     messages = [Hello, Reply, *get_args(ViewMessage), *get_args(EventMessage)]
     refs, components = msgspec.json.schema_components(
-        [*requests.values(), *messages], ref_template="#/$defs/{name}"
+        [*requests, *responses, *messages],
+        ref_template="#/$defs/{name}",
+        schema_hook=lambda kind: {"title": kind.__name__},  # no plain data
     )
-    components["Requests"] = {
-        "title": "Requests",
-        "type": "object",
-        "properties": dict(zip(requests, refs, strict=False)),
-        "required": list(requests),
-    }
+    count = len(rows)
+    for title, found in (
+        ("Requests", refs[:count]),
+        ("Responses", refs[count : 2 * count]),
+    ):
+        components[title] = {
+            "title": title,
+            "type": "object",
+            "properties": dict(zip(rows, found, strict=True)),
+            "required": list(rows),
+        }
     components["ServerMessage"] = {
         "title": "ServerMessage",
-        "anyOf": refs[len(requests) :],
+        "anyOf": refs[2 * count :],
     }
     definitions = ",\n".join(
         f"    {json.dumps(name)}: "
@@ -49,6 +61,7 @@ def schema_text() -> str:
         '  "title": "Protocol",\n'
         '  "anyOf": [\n'
         '    { "$ref": "#/$defs/Requests" },\n'
+        '    { "$ref": "#/$defs/Responses" },\n'
         '    { "$ref": "#/$defs/ServerMessage" }\n'
         "  ],\n"
         f'  "$defs": {{\n{definitions}\n  }}\n'

@@ -24,10 +24,14 @@ TITLES = {
     "arm": "Arm",
     "arm_motion": "Arm: paths and streams of a program that has taken it",
     "objects": "Objects and contacts",
+    "program": "Programs of steps: check, run, save, export",
     "control_box": "Control box: pins, payload, program, power and stops",
     "hardware": "Hardware components",
+    "replay": "Replay of a recording",
     "updates": "Control updates, for the ROS 2 node",
     "sensors": "Cameras and force-torque sensors",
+    "requests": "Recording",
+    "episodes": "Demonstrations",
     "view": "Robot without physics (`tool0 view`)",
 }
 HEAD = """\

@@ -13,9 +13,11 @@ Tool0Error
 │   ├── ClaimError              two controllers want one joint
 │   ├── GoalRejectedError       carries a reason; edges map it to ROS codes
 │   ├── GoalTimeoutError        a goal is still active; a TimeoutError too
+│   ├── ProgramError            a program that cannot be executed
 │   └── RequestError            a value of the wrong type or out of bounds
 ├── GymUnavailableError         Gymnasium is not installed; an ImportError too
 ├── CollectError                episodes cannot be collected
+├── RecordingError              a recording cannot be written or read
 ├── RenderError                 no picture or video can be made
 └── TransportError              a peer misbehaved, or an address is taken
 """
@@ -140,6 +142,10 @@ class GoalTimeoutError(ControlError, TimeoutError):
     """A goal was still active when the wait for it ended."""
 
 
+class ProgramError(ControlError):
+    """A program that cannot be executed: which step, and why."""
+
+
 class RequestError(ControlError):
     """A request whose value has the wrong type or is out of bounds."""
 
@@ -151,6 +157,10 @@ class RequestError(ControlError):
 
 class CollectError(Tool0Error):
     """Episodes cannot be collected; those that were are kept."""
+
+
+class RecordingError(Tool0Error):
+    """A recording cannot be written, or a file is no recording."""
 
 
 class RenderError(Tool0Error):

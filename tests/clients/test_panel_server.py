@@ -69,6 +69,40 @@ def test_a_page_receives_what_it_shows(panel: Panel, robot: tool0.Robot) -> None
     assert status["targets"].keys() >= {"elbow_joint", "finger_joint"}
 
 
+def test_only_pages_that_ask_for_forces_get_them(
+    panel: Panel, robot: tool0.Robot
+) -> None:
+    pose = Pose(xyz=(1.5, 0.0, -0.05))
+    cube = Box(size=(0.1, 0.1, 0.1))
+    robot.scene.add(SceneObject(name="cube", geometry=cube, pose=pose, mass=2.0))
+    robot.simulation.loop.run(0.1)
+    robot.pause()  # the forces of one instant, also while time is held
+    with page_at(panel.url) as asking, page_at(panel.url) as other:
+        assert not robot.simulation.bus.wants_contacts
+        frame = asking.next("frame")
+        assert (frame["contacts"], frame["wrenches"]) == (None, None)
+        assert asking.request("subscribe_view", contacts=True, wrenches=True) is None
+        frame = asking.wait_for("frame", lambda it: it["contacts"] and it["wrenches"])
+        (contact,) = robot.contacts()
+        assert frame["contacts"] == [
+            {
+                "bodies": [contact.first, contact.second],
+                "point": pytest.approx(contact.point, abs=1e-6),
+                "force": pytest.approx(contact.force, abs=1e-4),
+            }
+        ]
+        wrench = robot.arm.motion.state.wrench
+        assert frame["wrenches"] == [pytest.approx(wrench, abs=1e-3)]
+        frame = other.next("frame")
+        assert (frame["contacts"], frame["wrenches"]) == (None, None)
+        assert asking.request("subscribe_view", contacts=True) is None
+        frame = asking.next("frame", lambda it: it["wrenches"] is None)
+        assert frame["contacts"]
+    eventually(
+        lambda: not robot.simulation.bus.wants_contacts, "a page that ended needs them"
+    )
+
+
 def test_pages_see_objects_come_and_go(panel: Panel, robot: tool0.Robot) -> None:
     def box(name: str) -> SceneObject:
         pose = Pose(xyz=(1.5, 0.0, 0.0))

@@ -17,9 +17,9 @@ from .swinging_fingers import SwingingFingers
 
 MATERIALS = {
     "black": (0.16, 0.16, 0.17, 1.0),
-    "grey": (0.42, 0.43, 0.45, 1.0),
-    "metal": (0.70, 0.71, 0.72, 1.0),
-    "rubber": (0.24, 0.24, 0.25, 1.0),
+    "grey": (0.68, 0.69, 0.71, 1.0),
+    "metal": (0.82, 0.83, 0.84, 1.0),
+    "rubber": (0.20, 0.20, 0.21, 1.0),
 }
 
 

@@ -22,6 +22,8 @@ Circle: TypeAlias = tuple[float, float, float]
 
 GRID = 1e-6
 """Vertices lie on this grid [m], so that every machine writes the same bytes."""
+ROUNDED = 0.0012
+"""Bevels of plates from this size on are rounded [m]."""
 AXES = {
     "+x": ((0, 0, 1), (1, 0, 0), (0, 1, 0)),
     "-x": ((0, 0, -1), (-1, 0, 0), (0, 1, 0)),
@@ -75,13 +77,21 @@ def plate(
     *,
     x: tuple[float, float],
     chamfer: float = 0.0005,
-    segments: int = 16,
+    segments: int = 14,
 ) -> Solid:
-    """Return the hull of circles in the y-z plane, as thick as ``x`` [m] says."""
+    """Return the hull of circles in the y-z plane, as thick as ``x`` [m] says.
+
+    Its edges are bevelled, and rounded if the bevel is large enough to be seen.
+    """
     low, high = x
-    outline, inner = (_hull(circles, inset, segments) for inset in (0.0, chamfer))
-    stack = [(inner, low), (outline, low + chamfer)]
-    stack += [(outline, high - chamfer), (inner, high)]
+    steps = 2 if chamfer >= ROUNDED else 1
+    edge = [
+        (chamfer * (1 - math.sin(t)), chamfer * (1 - math.cos(t)))
+        for t in (math.pi / 2 * step / steps for step in range(steps + 1))
+    ]
+    loops = [(_hull(circles, inset, segments), depth) for inset, depth in edge]
+    stack = [(loop, low + depth) for loop, depth in loops]
+    stack += [(loop, high - depth) for loop, depth in reversed(loops)]
     return loft(np.array([[(at, y, z) for y, z in loop] for loop, at in stack]))
 
 

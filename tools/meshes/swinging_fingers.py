@@ -92,7 +92,7 @@ class SwingingFingers:
                 "black": (
                     turned(coupling),
                     block(body),
-                    *_both(cheek, CHEEK, chamfer=0.0015),
+                    *_both(cheek, CHEEK, chamfer=0.0020),
                     plate(
                         [(0.0, 0.045, 0.0035), (0.0, 0.0815, 0.0035)],
                         x=(-CHEEK[0], CHEEK[0]),
@@ -110,7 +110,7 @@ class SwingingFingers:
         """The driven crank, between the body's cheeks."""
         return LinkShape(
             visual={
-                "grey": (
+                "black": (
                     plate(
                         [(0.0, 0.0, 0.0085), (*self.outer_knuckle, 0.0075)],
                         x=(-FORK[1], FORK[1]),
@@ -127,9 +127,13 @@ class SwingingFingers:
         waist = (self.outer_finger[0] * 0.45, self.outer_finger[1] * 0.45, 0.0062)
         return LinkShape(
             visual={
-                "black": (
-                    plate([foot, waist], x=(-PRONG[1] + 0.001, PRONG[1] - 0.001)),
-                    *_both([foot, tip], PRONG, chamfer=0.001),
+                "grey": (
+                    plate(
+                        [foot, waist],
+                        x=(-PRONG[1] + 0.001, PRONG[1] - 0.001),
+                        segments=12,
+                    ),
+                    *_both([foot, tip], PRONG, chamfer=0.0014),
                 ),
                 "metal": (
                     _pin((0.0, 0.0), PRONG[1] + 0.0006, 0.0036),
@@ -172,7 +176,7 @@ class SwingingFingers:
         return LinkShape(
             visual={
                 "black": (
-                    plate(tongue, x=(-TONGUE, TONGUE)),
+                    plate(tongue, x=(-TONGUE, TONGUE), segments=12),
                     plate(back, x=(-FORK[1], FORK[1]), chamfer=0.0008),
                     *_both(prong, (FORK[0], FORK[1] - 0.0004)),
                 ),
@@ -200,7 +204,7 @@ def _both(
 
 def _pin(at: tuple[float, float], half_length: float, radius: float) -> Solid:
     profile = rounded(radius, -half_length, half_length)
-    return turned(profile, axis="+x", at=(0.0, *at), segments=14)
+    return turned(profile, axis="+x", at=(0.0, *at), segments=12)
 
 
 def _bar(

@@ -1,6 +1,7 @@
 /** The page: a bar that is always there, the scene with its plots, and the panels beside. */
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { openCameras } from "./cameras/state";
 import { boxes } from "./control-box";
 import { t } from "./i18n";
 import { Banners } from "./panels/banners";
@@ -13,22 +14,44 @@ import { LogPanel } from "./panels/log";
 import { MotionPanel } from "./panels/motion";
 import { ObjectsPanel } from "./panels/objects";
 import { RobotBar } from "./panels/robot-bar";
+import { ShortcutHelp } from "./panels/shortcut-help";
 import { Toasts } from "./panels/toasts";
 import { TopBar } from "./panels/top-bar";
 import { TreePanel } from "./panels/tree";
-import { connectionState, view } from "./store";
+import { onShortcut } from "./shortcuts";
+import "./program/shortcuts";
+import { connectionState, status, view } from "./store";
 import { Tabs } from "./ui/choice";
 import { ChevronDownIcon, ChevronUpIcon, PlotIcon } from "./ui/icons";
 import { Lazy } from "./ui/lazy";
+import { useMedia } from "./ui/media";
 import { recall, remember } from "./ui/memory";
+import { Splitter } from "./ui/splitter";
 
-const TABS = ["motion", "objects", "controllers", "io", "tree", "log"] as const;
+const TABS = [
+  "motion",
+  "program",
+  "objects",
+  "controllers",
+  "io",
+  "tree",
+  "log",
+] as const;
 type Tab = (typeof TABS)[number];
-/** Tabs that a view without physics lacks. */
-const SIMULATED: readonly Tab[] = ["objects", "controllers", "io"];
+/** Tabs that a view without physics lacks, and a recording. */
+const SIMULATED: readonly Tab[] = ["program", "objects", "controllers", "io"];
+/** Tabs that a robot without an arm lacks. */
+const OF_ARMS: readonly Tab[] = ["program", "io"];
+
+const loadProgram = () => import("./panels/program");
+
+function ProgramTab() {
+  return <Lazy load={loadProgram} />;
+}
 
 const PANELS = {
   motion: MotionPanel,
+  program: ProgramTab,
   objects: ObjectsPanel,
   controllers: ControllersPanel,
   io: ControlBoxPanel,
@@ -40,18 +63,27 @@ const tab = signal<Tab>("motion");
 const plotsOpen = signal(recall("plots", ["open", "closed"]) === "open");
 
 const loadScene = () => import("./scene");
+const loadTimeline = () => import("./timeline");
 const loadPlots = () => import("./plots");
+const loadCameras = () => import("./cameras");
+const loadEpisodes = () => import("./panels/episodes");
+
+/** Scene and controls are side by side. */
+const WIDE = "(min-width: 1100px)";
 
 export function App() {
+  const isWide = useMedia(WIDE);
   useEffect(() => {
     document.addEventListener("keydown", engageOnEscape, { capture: true });
+    document.addEventListener("keydown", onShortcut);
     return () => {
       document.removeEventListener("keydown", engageOnEscape, { capture: true });
+      document.removeEventListener("keydown", onShortcut);
     };
   }, []);
   useEffect(() => {
     // the plots keep recording while their drawer is closed; the scene comes first
-    void loadScene().then(() => import("./plots/state"));
+    void loadScene().then(() => import("./plots/live"));
   }, []);
   useEffect(() => {
     const title = view.value?.robot.title;
@@ -66,14 +98,27 @@ export function App() {
       <TopBar />
       <Banners />
       <Confirmation />
+      <ShortcutHelp />
       <main class="work">
         <section class="stage" aria-label={t("app.scene")}>
           <div class="scene">
             <Lazy load={loadScene} />
+            {openCameras.value.length > 0 && <Lazy load={loadCameras} />}
             <Toasts />
           </div>
+          <Lazy load={loadTimeline} />
           <PlotsDrawer />
         </section>
+        {isWide && (
+          <Splitter
+            label={t("layout.columnWidth")}
+            name="column"
+            grows="right"
+            min={320}
+            max={() => window.innerWidth * 0.6}
+            initial={392}
+          />
+        )}
         <Column />
       </main>
     </>
@@ -84,6 +129,16 @@ function PlotsDrawer() {
   const isOpen = plotsOpen.value;
   return (
     <section class="drawer" aria-label={t("app.plots")}>
+      {isOpen && (
+        <Splitter
+          label={t("layout.plotsHeight")}
+          name="plots-height"
+          grows="below"
+          min={140}
+          max={() => window.innerHeight * 0.7}
+          initial={Math.min(420, Math.max(220, window.innerHeight * 0.34))}
+        />
+      )}
       <button
         type="button"
         class="drawer-handle"
@@ -109,9 +164,9 @@ function PlotsDrawer() {
 }
 
 function Column() {
-  const isView = view.value?.mode === "view";
-  const tabs = TABS.filter((name) => !isView || !SIMULATED.includes(name)).filter(
-    (name) => name !== "io" || boxes.value.length > 0,
+  const isBare = (view.value?.mode ?? "simulation") !== "simulation";
+  const tabs = TABS.filter((name) => !isBare || !SIMULATED.includes(name)).filter(
+    (name) => !OF_ARMS.includes(name) || boxes.value.length > 0,
   );
   const shown = tabs.includes(tab.value) ? tab.value : "motion";
   const Panel = PANELS[shown];
@@ -119,6 +174,7 @@ function Column() {
     <aside class="column" id="controls" tabIndex={-1} aria-label={t("app.controls")}>
       <DriveBar />
       <RobotBar />
+      {(status.value?.episodes ?? null) !== null && <Lazy load={loadEpisodes} />}
       <Tabs
         label={t("app.controls")}
         value={shown}

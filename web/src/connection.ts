@@ -1,12 +1,13 @@
 /** The one WebSocket: it fills the store, carries requests, and reconnects by itself. */
 import { signal } from "@preact/signals";
 import { socketUrl, serverUrl } from "./address";
+import { neededForces } from "./forces";
 import { frames } from "./frames";
 import { t } from "./i18n";
 import { parseMessage, PROTOCOL } from "./messages";
-import type { Method, Params, StreamMethod } from "./messages";
+import type { Method, Params, PostedMethod, StreamMethod } from "./messages";
 import { replaceNotices, report, showNotice } from "./notices";
-import type { ErrorInfo, Reply, Requests, ServerMessage } from "./protocol";
+import type { ErrorInfo, Reply, Requests, Responses, ServerMessage } from "./protocol";
 import { connectionState, view, scene, status } from "./store";
 
 export const BACKOFF_MS = [250, 500, 1000, 2000] as const;
@@ -26,15 +27,23 @@ interface StreamedSetpoint<M extends StreamMethod = StreamMethod> {
   readonly params: Requests[M];
 }
 
+interface Refusal {
+  readonly problem: ErrorInfo;
+}
+/** The response to a request, or why there is none. */
+export type Answer<M extends Method> =
+  { readonly problem: null; readonly result: Responses[M] } | Refusal;
+
 export class Connection {
   private socket: WebSocket | null = null;
   private attempts = 0;
   private retry: ReturnType<typeof setTimeout> | undefined;
   private nextId = 1;
-  private readonly waiting = new Map<number, (problem: ErrorInfo | null) => void>();
+  private readonly waiting = new Map<number, (answer: Answer<Method>) => void>();
   private readonly streams = new Map<string, StreamedSetpoint>();
   private streamTimer: ReturnType<typeof setTimeout> | undefined;
   private streamedAt = -Infinity;
+  private isSubscribed = false;
 
   /** Connect, or connect again at once. */
   open(): void {
@@ -59,20 +68,27 @@ export class Connection {
   }
 
   /** Send a request; the result is why it was refused, or null if it was done. */
-  request<M extends Method>(
+  async request<M extends Method>(
     method: M,
-    ...[params]: Params<M>
+    ...params: Params<M>
   ): Promise<ErrorInfo | null> {
-    if (connectionState.value !== "open") return Promise.resolve(lostProblem());
+    return (await this.ask(method, ...params)).problem;
+  }
+
+  /** Send a request for its response. */
+  ask<M extends Method>(method: M, ...[params]: Params<M>): Promise<Answer<M>> {
+    if (connectionState.value !== "open") return Promise.resolve(lost());
     const id = this.nextId++;
     return new Promise((resolve) => {
       const timer = setTimeout(() => {
         this.waiting.delete(id);
-        resolve({ type: "NoAnswer", message: t("connection.noAnswer") });
+        resolve({
+          problem: { type: "NoAnswer", message: t("connection.noAnswer") },
+        });
       }, ANSWER_TIMEOUT_MS);
-      this.waiting.set(id, (problem) => {
+      this.waiting.set(id, (answer) => {
         clearTimeout(timer);
-        resolve(problem);
+        resolve(answer as Answer<M>);
       });
       this.socket?.send(JSON.stringify({ id, method, params }));
     });
@@ -88,6 +104,13 @@ export class Connection {
     };
     this.streams.set(key, { method, params: { ...params, positions } });
     this.scheduleStreams();
+  }
+
+  /** Send a request that has no answer unless it is refused; drop it while the network is slow. */
+  post<M extends PostedMethod>(method: M, params: Requests[M]): void {
+    if (connectionState.value !== "open" || this.socket === null) return;
+    if (this.socket.bufferedAmount > MAX_BUFFERED) return;
+    this.socket.send(JSON.stringify({ method, params }));
   }
 
   /** Drop the setpoints that were not sent yet. */
@@ -120,6 +143,17 @@ export class Connection {
     for (const setpoint of newest) this.socket.send(JSON.stringify(setpoint));
   }
 
+  /** Let the server know which forces the frames shall have. */
+  changeForces(): void {
+    if (this.isSubscribed) this.subscribe();
+  }
+
+  private subscribe(): void {
+    const params = neededForces.peek();
+    const id = this.nextId++;
+    this.socket?.send(JSON.stringify({ id, method: "subscribe_view", params }));
+  }
+
   private receive(data: unknown): void {
     const message = parseMessage(data);
     if (message === undefined) report("error", t("connection.malformed"));
@@ -134,9 +168,8 @@ export class Connection {
           connectionState.value = "outdated";
           return;
         }
-        this.socket?.send(
-          JSON.stringify({ id: this.nextId++, method: "subscribe_view" }),
-        );
+        this.isSubscribed = true;
+        this.subscribe();
         return;
       case "view":
         this.attempts = 0;
@@ -171,7 +204,12 @@ export class Connection {
       typeof reply.id === "number" ? this.waiting.get(reply.id) : undefined;
     if (typeof reply.id === "number") this.waiting.delete(reply.id);
     if (waiting) {
-      waiting(reply.error ?? null);
+      const { error, result } = reply;
+      waiting(
+        error
+          ? { problem: error }
+          : { problem: null, result: result as Responses[Method] },
+      );
     } else if (reply.error) {
       report("error", reply.error.message);
       refusals.value += 1;
@@ -213,21 +251,26 @@ export class Connection {
 
   /** Fail the requests that wait, and drop the setpoints that were not sent. */
   private abandon(): void {
+    this.isSubscribed = false;
     this.streams.clear();
     clearTimeout(this.streamTimer);
     this.streamTimer = undefined;
     this.streamedAt = -Infinity;
     const waiting = [...this.waiting.values()];
     this.waiting.clear();
-    for (const answer of waiting) answer(lostProblem());
+    for (const answer of waiting) answer(lost());
   }
 }
 
-function lostProblem(): ErrorInfo {
-  return { type: "ConnectionLost", message: t("connection.notSent") };
+function lost(): Refusal {
+  return { problem: { type: "ConnectionLost", message: t("connection.notSent") } };
 }
 
 export const connection = new Connection();
+
+neededForces.subscribe(() => {
+  connection.changeForces();
+});
 
 /** Send a request, report a refusal to the user, and return it. */
 export async function sendRequest<M extends Method>(

@@ -2,13 +2,13 @@
 import { batch, computed, effect, signal } from "@preact/signals";
 import type { Signal } from "@preact/signals";
 import { connection, refusals } from "./connection";
-import { frames } from "./frames";
+import { frames, shown } from "./frames";
 import type { ControllerInfo, ErrorInfo, Status } from "./protocol";
 import { chosenRobot, isOurController, selected } from "./robots";
 import { connectionState, jointIndex, status, view } from "./store";
 
 /** Why driving ended by itself. */
-export type EndReason = "stopped" | "reset" | "lost" | "elsewhere";
+export type EndReason = "stopped" | "reset" | "lost" | "elsewhere" | "past";
 
 /** Another page's target must differ for so long, since messages cross. */
 const ELSEWHERE_AFTER_MS = 500;
@@ -136,6 +136,25 @@ export function drive(joint: string, position: number): void {
   sendGoals();
 }
 
+/** Set the targets of several joints [rad | m]; return whether the sliders drive them all. */
+export function driveTo(positions: Readonly<Record<string, number>>): boolean {
+  const now = goals.value;
+  if (!now || Object.keys(positions).some((joint) => !now.has(joint))) return false;
+  batch(() => {
+    for (const [joint, position] of Object.entries(positions)) {
+      const goal = now.get(joint);
+      if (goal) goal.value = position;
+    }
+  });
+  sendGoals();
+  return true;
+}
+
+/** Take the targets of a motion that this page just requested and that the server plans. */
+export function followPlan(): void {
+  settlesUntil = performance.now() + SETTLES_WITHIN_MS;
+}
+
 /** Take the positions of a pose that this page just sent the robot to. */
 export function adopt(positions: Readonly<Record<string, number>>): void {
   for (const [joint, goal] of goals.value ?? []) {
@@ -211,7 +230,9 @@ function takeTargets({ targets }: Status): void {
 export function review(now: Status | null, wallTimeMs: number): void {
   if (!isDriving.value) return;
   const controller = controllerOf(now);
-  if (now === null) {
+  if (shown.isPast.value) {
+    disable("past");
+  } else if (now === null) {
     disable("lost");
   } else if (now.stopped) {
     disable("stopped");

@@ -13,7 +13,7 @@ export interface Pose {
   readonly R: Rotation;
 }
 
-const IDENTITY: Pose = {
+export const IDENTITY: Pose = {
   p: [0, 0, 0],
   R: [
     [1, 0, 0],
@@ -26,11 +26,12 @@ function dot(a: Vector, b: Vector): number {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-function apply(R: Rotation, v: Vector): Vector {
+/** Return `v` in the axes that `R` turns it to. */
+export function apply(R: Rotation, v: Vector): Vector {
   return [dot(R[0], v), dot(R[1], v), dot(R[2], v)];
 }
 
-function product(A: Rotation, B: Rotation): Rotation {
+export function product(A: Rotation, B: Rotation): Rotation {
   const column = (j: 0 | 1 | 2): Vector => [B[0][j], B[1][j], B[2][j]];
   const row = (a: Vector): Vector => [
     dot(a, column(0)),
@@ -40,10 +41,66 @@ function product(A: Rotation, B: Rotation): Rotation {
   return [row(A[0]), row(A[1]), row(A[2])];
 }
 
-function compose(T_a_b: Pose, T_b_c: Pose): Pose {
+/** Return T_a_c. */
+export function compose(T_a_b: Pose, T_b_c: Pose): Pose {
   const [x, y, z] = apply(T_a_b.R, T_b_c.p);
   const p: Vector = [T_a_b.p[0] + x, T_a_b.p[1] + y, T_a_b.p[2] + z];
   return { p, R: product(T_a_b.R, T_b_c.R) };
+}
+
+/** Return where a point of a frame is, whose pose is given [m]. */
+export function pointAt(T_root_frame: Pose, point: Vector): Vector {
+  return compose(T_root_frame, { p: point, R: IDENTITY.R }).p;
+}
+
+export function transposed(R: Rotation): Rotation {
+  return [
+    [R[0][0], R[1][0], R[2][0]],
+    [R[0][1], R[1][1], R[2][1]],
+    [R[0][2], R[1][2], R[2][2]],
+  ];
+}
+
+/** Return T_b_a. */
+export function inverse({ p, R }: Pose): Pose {
+  const back = transposed(R);
+  const [x, y, z] = apply(back, p);
+  return { p: [-x, -y, -z], R: back };
+}
+
+/** Return the rotation by a rotation vector [rad]. */
+export function fromRotationVector(v: Vector): Rotation {
+  return aboutAxis(v, Math.hypot(...v));
+}
+
+/** Return the rotation vector of a rotation [rad], at most pi long. */
+export function toRotationVector(R: Rotation): Vector {
+  const [w, x, y, z] = toQuaternion(R);
+  const sine = Math.hypot(x, y, z);
+  const k = sine < 1e-12 ? 2 : (2 * Math.atan2(sine, w)) / sine;
+  return [k * x, k * y, k * z];
+}
+
+/** Return the unit quaternion of a rotation, its w not negative. */
+export function toQuaternion(R: Rotation): Quaternion {
+  const size = (a: number, b: number, c: number) =>
+    Math.sqrt(Math.max(0, 1 + a * R[0][0] + b * R[1][1] + c * R[2][2])) / 2;
+  const parts = [size(1, 1, 1), size(1, -1, -1), size(-1, 1, -1), size(-1, -1, 1)];
+  const largest = parts.indexOf(Math.max(...parts));
+  const k = 1 / (4 * (parts[largest] ?? 1));
+  const [dx, dy, dz] = [R[2][1] - R[1][2], R[0][2] - R[2][0], R[1][0] - R[0][1]];
+  const [xy, xz, yz] = [R[0][1] + R[1][0], R[0][2] + R[2][0], R[1][2] + R[2][1]];
+  const m = 1 / (4 * k);
+  const found: Quaternion =
+    largest === 0
+      ? [m, k * dx, k * dy, k * dz]
+      : largest === 1
+        ? [k * dx, m, k * xy, k * xz]
+        : largest === 2
+          ? [k * dy, k * xy, m, k * yz]
+          : [k * dz, k * xz, k * yz, m];
+  const sign = found[0] < 0 ? -1 : 1;
+  return [sign * found[0], sign * found[1], sign * found[2], sign * found[3]];
 }
 
 /** Return the rotation by `rpy` about fixed axes, as URDF means it: Rz · Ry · Rx. */
@@ -75,7 +132,8 @@ export function toRpy(R: Rotation): Vector {
   return [Math.atan2(R[2][1], R[2][2]), pitch, Math.atan2(R[1][0], R[0][0])];
 }
 
-function aboutAxis(axis: Vector, angle: number): Rotation {
+/** Return the rotation by `angle` [rad] about `axis`. */
+export function aboutAxis(axis: Vector, angle: number): Rotation {
   const length = Math.hypot(...axis) || 1;
   const [x, y, z] = [axis[0] / length, axis[1] / length, axis[2] / length];
   const [s, c] = [Math.sin(angle), Math.cos(angle)];

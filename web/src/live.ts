@@ -1,6 +1,6 @@
 /** Numbers that follow the robot, thirty times a second, past Preact: straight into the page. */
 import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
-import { frames } from "./frames";
+import { shown } from "./frames";
 import type { Frame } from "./protocol";
 
 const INTERVAL_MS = 33;
@@ -11,7 +11,7 @@ const followers = new Set<Follower>();
 let drawnAt = -Infinity;
 let due = false;
 
-frames.listen(() => {
+shown.listen(() => {
   if (due || followers.size === 0) return;
   due = true;
   requestAnimationFrame(draw);
@@ -24,7 +24,7 @@ function draw(now: number): void {
   }
   due = false;
   drawnAt = now;
-  const frame = frames.latest;
+  const frame = shown.latest;
   if (frame) for (const follower of followers) follower(frame);
 }
 
@@ -33,7 +33,7 @@ export function useLive(follower: Follower): void {
   const newest = useRef(follower);
   newest.current = follower;
   useLayoutEffect(() => {
-    const frame = frames.latest;
+    const frame = shown.latest;
     if (frame) newest.current(frame);
   });
   useEffect(() => {

@@ -6,6 +6,8 @@ export const PROTOCOL = 2;
 export type Method = keyof Requests;
 /** Requests whose newest alone counts; they have no id and no answer. */
 export type StreamMethod = "steer_joints" | "pose_joints";
+/** Requests that are executed at the next tick, each of them, if they have no id. */
+export type PostedMethod = "pull_link" | "speed_tool";
 /** The params of a method; they can be left out if each of them has a default. */
 export type Params<M extends Method> = object extends Requests[M]
   ? [params?: Requests[M]]
@@ -25,6 +27,7 @@ const NEEDED: Record<
     poses: "array",
     targets: "object",
     control_boxes: "array",
+    programs: "array",
   },
   frame: {
     time: "number",

@@ -1,7 +1,7 @@
 /** The object that the user is moving, and its new pose: one at a time. */
 import { signal } from "@preact/signals";
-import { connection } from "./connection";
 import type { ErrorInfo } from "./protocol";
+import { placeObject } from "./scene-edits";
 import type { Vector } from "./urdf";
 
 /** A pose in the form of requests: [m], and [rad] about fixed axes. */
@@ -10,8 +10,12 @@ export interface Target {
   readonly rpy: Vector;
 }
 
+/** What the arrows in the scene do. */
+export type MoveKind = "move" | "rotate";
+
 export interface Move {
   readonly name: string;
+  readonly kind: MoveKind;
   readonly target: Target;
   /** Why it could not be put there. */
   readonly problem: ErrorInfo | null;
@@ -21,8 +25,18 @@ export interface Move {
 export const moving = signal<Move | null>(null);
 
 /** Start moving an object from its present pose, or end that with null. */
-export function begin(name: string, target: Target | null): void {
-  moving.value = target && { name, target, problem: null };
+export function begin(
+  name: string,
+  target: Target | null,
+  kind: MoveKind = "move",
+): void {
+  moving.value = target && { name, kind, target, problem: null };
+}
+
+/** Let the arrows move or rotate the object. */
+export function setKind(kind: MoveKind): void {
+  const now = moving.peek();
+  if (now) moving.value = { ...now, kind };
 }
 
 /** Change its target; nothing is sent yet. */
@@ -36,11 +50,7 @@ export async function putThere(): Promise<void> {
   const move = moving.peek();
   if (!move) return;
   const { name, target } = move;
-  const problem = await connection.request("place_object", {
-    name,
-    xyz: [...target.position],
-    rpy: [...target.rpy],
-  });
+  const problem = await placeObject(name, target);
   const now = moving.peek();
   if (now?.name === name) moving.value = { ...now, problem };
 }

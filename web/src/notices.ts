@@ -2,7 +2,7 @@
 import { signal } from "@preact/signals";
 import { t } from "./i18n";
 import type { Notice } from "./protocol";
-import { notices } from "./store";
+import { notices, view } from "./store";
 
 export type Severity = Notice["severity"];
 
@@ -110,5 +110,6 @@ export function replaceNotices(known: readonly Notice[]): void {
   for (const toast of toasts.value) dismiss(toast.key);
   notices.value = known;
   const count = known.filter(isLoud).length;
-  if (count > 0) show("warning", t("notices.earlier", { count }));
+  const isRecorded = view.peek()?.mode === "replay";
+  if (count > 0 && !isRecorded) show("warning", t("notices.earlier", { count }));
 }

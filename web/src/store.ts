@@ -10,6 +10,10 @@ export const connectionState = signal<ConnectionState>("connecting");
 export const view = signal<ViewInfo | null>(null);
 /** The objects around the robot. */
 export const scene = signal<ViewScene | null>(null);
+/** The objects of the past frame that the page shows; null: those of `scene`. */
+export const pastScene = signal<ViewScene | null>(null);
+/** The objects that the 3D view shows. */
+export const shownScene = computed(() => pastScene.value ?? scene.value);
 export const status = signal<Status | null>(null);
 /** Oldest first, the last few hundred. */
 export const notices = signal<readonly Notice[]>([]);

@@ -8,10 +8,18 @@ export interface Origin {
   readonly rpy: Vector;
 }
 
+export interface Inertial {
+  /** [kg] */
+  readonly mass: number;
+  /** The centre of mass and the axes of `inertia`, in the link. */
+  readonly origin: Origin;
+  /** About the centre of mass, row by row [kg·m²]. */
+  readonly inertia: readonly [Vector, Vector, Vector];
+}
+
 export interface UrdfLink {
   readonly name: string;
-  /** [kg]; null for a link that has no inertial. */
-  readonly mass: number | null;
+  readonly inertial: Inertial | null;
 }
 
 export interface UrdfJoint {
@@ -62,8 +70,31 @@ function vector(element: Element | null, name: string, otherwise: Vector): Vecto
   return [x, y, z].every(Number.isFinite) ? [x, y, z] : otherwise;
 }
 
+function originOf(element: Element | null): Origin {
+  return {
+    xyz: vector(element, "xyz", [0, 0, 0]),
+    rpy: vector(element, "rpy", [0, 0, 0]),
+  };
+}
+
+function inertialOf(element: Element | null): Inertial | null {
+  const mass = number(child(element, "mass"), "value");
+  if (mass === null) return null;
+  const tensor = child(element, "inertia");
+  const moment = (name: string) => number(tensor, name) ?? 0;
+  const [xy, xz, yz] = [moment("ixy"), moment("ixz"), moment("iyz")];
+  return {
+    mass,
+    origin: originOf(child(element, "origin")),
+    inertia: [
+      [moment("ixx"), xy, xz],
+      [xy, moment("iyy"), yz],
+      [xz, yz, moment("izz")],
+    ],
+  };
+}
+
 function jointOf(element: Element): UrdfJoint {
-  const origin = child(element, "origin");
   const limit = child(element, "limit");
   const mimic = child(element, "mimic");
   const type = element.getAttribute("type") ?? "fixed";
@@ -73,10 +104,7 @@ function jointOf(element: Element): UrdfJoint {
     type,
     parent: child(element, "parent")?.getAttribute("link") ?? "",
     child: child(element, "child")?.getAttribute("link") ?? "",
-    origin: {
-      xyz: vector(origin, "xyz", [0, 0, 0]),
-      rpy: vector(origin, "rpy", [0, 0, 0]),
-    },
+    origin: originOf(child(element, "origin")),
     axis: vector(child(element, "axis"), "xyz", [1, 0, 0]),
     lower: turnsForever ? null : number(limit, "lower"),
     upper: turnsForever ? null : number(limit, "upper"),
@@ -103,8 +131,7 @@ export function parseUrdf(text: string): UrdfModel {
   const links = new Map<string, UrdfLink>();
   for (const element of elements.filter((one) => one.tagName === "link")) {
     const name = element.getAttribute("name") ?? "";
-    const mass = number(child(child(element, "inertial"), "mass"), "value");
-    links.set(name, { name, mass });
+    links.set(name, { name, inertial: inertialOf(child(element, "inertial")) });
   }
   const parentJoint = new Map<string, UrdfJoint>();
   const childJoints = new Map<string, UrdfJoint[]>();

@@ -1,5 +1,6 @@
 import { describe, expect, it, vi } from "vitest";
 import { connection, STREAM_INTERVAL_MS } from "../src/connection";
+import { need } from "../src/forces";
 import { frames } from "../src/frames";
 import { toasts } from "../src/notices";
 import * as store from "../src/store";
@@ -42,6 +43,31 @@ describe("the connection", () => {
     expect(store.connectionState.value).toBe("connecting");
     socket.say(view());
     expect(store.connectionState.value).toBe("open");
+  });
+
+  it("asks for forces while something needs them, also after it reconnects", () => {
+    const socket = greet(2);
+    const [one, other] = [need({ contacts: true }), need({ contacts: true })];
+    one();
+    one();
+    const third = need({ wrenches: true });
+    FakeSocket.newest.end();
+    connection.open();
+    const next = greet(2);
+    other();
+    third();
+    const none = { contacts: false, wrenches: false };
+    const both = { contacts: true, wrenches: true };
+    expect(socket.sentOf("subscribe_view")).toEqual([
+      none,
+      { contacts: true, wrenches: false },
+      both,
+    ]);
+    expect(next.sentOf("subscribe_view")).toEqual([
+      both,
+      { contacts: false, wrenches: true },
+      none,
+    ]);
   });
 
   it("fills the store", () => {

@@ -54,6 +54,7 @@ export function view(changes: Partial<ViewInfo> = {}): ViewInfo {
       robots: [],
       part_names: { pan: { en: "Base joint", zh: "底座关节" } },
     },
+    cameras: [],
     notices: [],
     ...changes,
   };
@@ -75,6 +76,7 @@ export function status(changes: Partial<Status> = {}): Status {
     stalls: [],
     targets: { pan: 0.5, lift: -1 },
     control_boxes: [],
+    programs: [],
     ...changes,
   };
 }
@@ -135,6 +137,13 @@ export class FakeSocket extends EventTarget {
     const id =
       this.sent.filter((request) => request.method === method).at(-1)?.id ?? null;
     this.say({ type: "reply", id, error: { type: "ControlError", message } });
+  }
+
+  /** Carry out the last request of a method. */
+  accept(method: string): void {
+    const id =
+      this.sent.filter((request) => request.method === method).at(-1)?.id ?? null;
+    this.say({ type: "reply", id });
   }
 
   say(message: ServerMessage): void {

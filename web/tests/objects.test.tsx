@@ -2,7 +2,6 @@ import { act, fireEvent, render, screen } from "@testing-library/preact";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { fromQuaternion, toRpy } from "../src/kinematics";
 import { moving } from "../src/moving";
-import { Confirmation } from "../src/panels/confirmation";
 import { describeObject, grouped, ObjectsPanel } from "../src/panels/objects";
 import { TopBar } from "../src/panels/top-bar";
 import type { ViewObject } from "../src/protocol";
@@ -14,12 +13,14 @@ const CUBE: ViewObject = {
   shape: { kind: "box", size: [0.04, 0.04, 0.04] },
   rgba: [1, 0, 0, 1],
   mass: 0.1,
+  friction: 0.7,
 };
 const TABLE: ViewObject = {
   name: "table",
   shape: { kind: "box", size: [0.5, 1, 0.08] },
   rgba: [1, 1, 1, 1],
   mass: null,
+  friction: 1,
 };
 const QUARTER = Math.SQRT1_2;
 
@@ -32,13 +33,13 @@ const settle = () =>
     await vi.advanceTimersByTimeAsync(50);
   });
 
-/** Confirm what was asked. */
-async function confirmed(): Promise<void> {
-  await act(async () => {
-    await vi.advanceTimersByTimeAsync(500);
-  });
-  press("confirmation-act");
+/** Let the server carry out the last request of a method. */
+async function answered(method: string): Promise<void> {
   await settle();
+  await act(async () => {
+    server().accept(method);
+    await vi.advanceTimersByTimeAsync(50);
+  });
 }
 
 function type(id: string, text: string): void {
@@ -58,12 +59,7 @@ describe("the objects", () => {
   useFakeServer();
   beforeEach(async () => {
     server().say(view());
-    render(
-      <>
-        <ObjectsPanel />
-        <Confirmation />
-      </>,
-    );
+    render(<ObjectsPanel />);
     await act(async () => {
       server().say({ type: "scene", number: 3, objects: [TABLE, CUBE] });
       server().say(
@@ -108,18 +104,39 @@ describe("the objects", () => {
     );
   });
 
-  it("are removed once that is confirmed, but not by a double click", async () => {
+  it("are removed at once, and come back by undo as they were", async () => {
     press("object-remove-cube");
-    await settle();
-    expect(screen.getByTestId("confirmation").textContent).toContain("Remove cube?");
-    press("confirmation-act"); // too soon
-    await settle();
-    press("confirmation-cancel");
-    await settle();
-    expect(screen.queryByTestId("confirmation")).toBeNull();
-    press("object-remove-cube");
-    await confirmed();
+    await answered("remove_object");
     expect(server().sentOf("remove_object")).toMatchObject([{ name: "cube" }]);
+    press("objects-undo");
+    await answered("add_object");
+    const [back] = server().sentOf("add_object");
+    const { shape, rgba, friction, mass } = CUBE;
+    expect(back).toMatchObject({ name: "cube", shape, rgba, friction, mass });
+    expect(back).toMatchObject({ xyz: [0.5, -0.1, 0.25] });
+    press("objects-redo");
+    await answered("remove_object");
+    expect(server().sentOf("remove_object")).toHaveLength(2);
+  });
+
+  it("return to where they were by undo", async () => {
+    press("object-move-cube");
+    await settle();
+    type("object-target-position-2", "300");
+    await settle();
+    press("object-put-cube");
+    await answered("place_object");
+    press("objects-undo");
+    await answered("place_object");
+    const [, back] = server().sentOf("place_object");
+    expect(back).toMatchObject({ name: "cube", xyz: [0.5, -0.1, 0.25] });
+  });
+
+  it("are no edit to undo if the server refused it", async () => {
+    press("object-remove-cube");
+    await settle();
+    await refuse("remove_object", "not now");
+    expect(screen.getByTestId("objects-undo").hasAttribute("disabled")).toBe(true);
   });
 
   it("are removed with all parts of what they are parts of", async () => {
@@ -128,7 +145,7 @@ describe("the objects", () => {
       server().say({ type: "scene", number: 4, objects: [...parts, CUBE] });
     });
     press("object-remove-bin");
-    await confirmed();
+    await settle();
     expect(server().sentOf("remove_object")).toMatchObject([
       { name: "bin.floor" },
       { name: "bin.left" },

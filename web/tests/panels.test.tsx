@@ -6,7 +6,7 @@ import { Banners } from "../src/panels/banners";
 import { Confirmation } from "../src/panels/confirmation";
 import { EmergencyStop, engageOnEscape } from "../src/panels/estop";
 import { MotionPanel } from "../src/panels/motion";
-import { Simulation } from "../src/panels/simulation";
+import { Readings, RunButton, TimeControls } from "../src/panels/simulation";
 import type { GripperInfo } from "../src/protocol";
 import { FakeSocket, frame, view, joint, status } from "./fixtures";
 import { useFakeServer } from "./setup";
@@ -19,6 +19,7 @@ const GRIPPER: GripperInfo = {
   max_speed: 0.15,
   min_force: 20,
   max_force: 235,
+  ...{ pad_offset: 0.0425, pad_cos: 0, pad_sin: 0, pad_slope: -1 },
 };
 const server = () => FakeSocket.newest;
 const press = (id: string) => fireEvent.click(screen.getByTestId(id));
@@ -274,7 +275,7 @@ describe("the simulation's readings", () => {
   ])("say at %fx and %fx real time how it keeps up", (speed, factor, tone) => {
     server().say(view());
     server().say(status({ speed, real_time_factor: factor, late_ticks: 12 }));
-    render(<Simulation />);
+    render(<Readings />);
     expect(screen.getByTestId("sim-rtf").parentElement?.className).toBe(tone);
     expect(screen.getByTestId("sim-late").textContent).toBe("12/s");
   });
@@ -288,7 +289,8 @@ describe("the simulation's buttons", () => {
     server().say(status());
     render(
       <>
-        <Simulation />
+        <RunButton />
+        <TimeControls />
         <Confirmation />
       </>,
     );

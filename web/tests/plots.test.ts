@@ -1,133 +1,309 @@
+import { signal } from "@preact/signals";
 import { describe, expect, test } from "vitest";
+import { type LiveSignal, signalsOf } from "../src/plots/catalogue";
 import { csvOf } from "../src/plots/csv";
+import { History, type Moment } from "../src/plots/history";
 import { placesOf } from "../src/plots/image";
+import { parseLayout } from "../src/plots/layout";
+import { HistorySource } from "../src/plots/live";
+import { matches } from "../src/plots/picker";
 import { freeColour, limitsNear, rangeOf, scaleOf } from "../src/plots/quantities";
-import { Recording } from "../src/plots/recording";
-import { tableOf } from "../src/plots/series";
-import type { Frame } from "../src/protocol";
-import { frame, joint } from "./fixtures";
+import { thinned } from "../src/plots/thinning";
+import type { Frame, GripperInfo, ViewInfo } from "../src/protocol";
+import { frame, joint, status, view } from "./fixtures";
+import { parseUrdf } from "../src/urdf";
+import { UR5 } from "./ur5";
 
-function frameAt(
-  time: number,
-  position: number[],
-  desired: (number | null)[] = [],
-): Frame {
-  return frame({
-    time,
-    position,
-    velocity: position.map((one) => 10 * one),
-    effort: position.map((one) => 100 * one),
-    desired: position.map((_one, i) => desired[i] ?? null),
-  });
+function momentAt(time: number, position: number[], more: Partial<Frame> = {}): Moment {
+  const desired = position.map(() => null);
+  const moving = { velocity: position, effort: position.map((one) => 100 * one) };
+  return {
+    frame: frame({ time, position, desired, ...moving, ...more }),
+    status: null,
+    scene: null,
+  };
 }
 
-function times(recording: Recording): number[] {
-  return Array.from({ length: recording.length }, (_one, i) => recording.time(i));
+function times(history: History): number[] {
+  return Array.from({ length: history.length }, (_one, i) => history.time(i));
 }
 
-describe("a recording", () => {
-  test("keeps the newest samples and forgets the oldest", () => {
-    const recording = new Recording(1, 8, 1);
-    for (let i = 0; i < 20; i++) recording.push(frameAt(i, [i]));
-    expect(times(recording)).toEqual([12, 13, 14, 15, 16, 17, 18, 19]);
-    expect(recording.value("position", 0, 0)).toBe(12);
-    expect(recording.value("effort", 0, 7)).toBe(1900);
+/** A source of the robot of `info`, with moments. */
+function sourceOf(info: ViewInfo, moments: Moment[], objects: string[] = []) {
+  const source = new HistorySource(signal(signalsOf(info, null, objects)));
+  for (const one of moments) source.push(one);
+  return source;
+}
+
+/** Return the values of a signal at all moments. */
+function valuesOf(source: HistorySource, id: string): readonly (number | null)[] {
+  return source.read([id], -Infinity, Infinity, Infinity).values[0] ?? [];
+}
+
+describe("the history", () => {
+  test("keeps the newest moments and forgets the oldest", () => {
+    const history = new History(8, 1);
+    for (let i = 0; i < 20; i++) history.push(momentAt(i, [i]));
+    expect(times(history)).toEqual([12, 13, 14, 15, 16, 17, 18, 19]);
+    expect(history.at(0)?.frame.position).toEqual([12]);
   });
 
   test("is cleared when time goes back", () => {
-    const recording = new Recording(1);
-    recording.push(frameAt(5, [1]));
-    recording.push(frameAt(0, [2]));
-    expect(times(recording)).toEqual([0]);
+    const history = new History();
+    history.push(momentAt(5, [1]));
+    history.push(momentAt(0, [2]));
+    expect(times(history)).toEqual([0]);
   });
 
-  test("has one sample of an instant, the newest", () => {
-    const recording = new Recording(1);
-    recording.push(frameAt(1, [1]));
-    recording.push(frameAt(2, [2]));
-    recording.push(frameAt(2, [3]));
-    expect(times(recording)).toEqual([1, 2]);
-    expect(recording.value("position", 0, 1)).toBe(3);
+  test("has one moment of an instant, the newest", () => {
+    const history = new History();
+    history.push(momentAt(1, [1]));
+    history.push(momentAt(2, [2]));
+    history.push(momentAt(2, [3]));
+    expect(times(history)).toEqual([1, 2]);
+    expect(history.at(1)?.frame.position).toEqual([3]);
   });
 
-  test("holds its whole span in slow motion too, and always the newest sample", () => {
-    const recording = new Recording(1, 100, 10);
+  test("holds its whole span in slow motion too, and always the newest moment", () => {
+    const history = new History(100, 10);
     let time = 0;
     for (let i = 0; i < 5000; i++) {
       time = i * 0.004;
-      recording.push(frameAt(time, [time]));
-      expect(recording.time(recording.length - 1)).toBe(time);
+      history.push(momentAt(time, [time]));
+      expect(history.time(history.length - 1)).toBe(time);
     }
-    expect(time - recording.time(0)).toBeGreaterThan(9);
-    const steps = times(recording).map((one, i, all) => one - (all[i - 1] ?? -1));
+    expect(time - history.time(0)).toBeGreaterThan(9);
+    const steps = times(history).map((one, i, all) => one - (all[i - 1] ?? -1));
     expect(Math.min(...steps)).toBeGreaterThan(0);
   });
 
-  test("finds the first sample of a window", () => {
-    const recording = new Recording(1, 8, 1);
-    for (let i = 0; i < 12; i++) recording.push(frameAt(i, [i]));
-    expect(recording.time(recording.firstAt(6.5))).toBe(7);
-    expect(recording.firstAt(-1)).toBe(0);
-    expect(recording.firstAt(99)).toBe(recording.length);
-  });
-
-  test("knows the error only where something is desired", () => {
-    const recording = new Recording(2);
-    recording.push(frameAt(0, [1, 1], [1.5, null]));
-    expect(recording.value("error", 0, 0)).toBe(0.5);
-    expect(recording.value("error", 1, 0)).toBeNaN();
-  });
-
-  test("a copy stays as it was", () => {
-    const recording = new Recording(1);
-    recording.push(frameAt(0, [1]));
-    const copy = recording.copy();
-    recording.push(frameAt(1, [2]));
-    expect(times(copy)).toEqual([0]);
-    expect(copy.value("position", 0, 0)).toBe(1);
+  test("finds the first moment of a window", () => {
+    const history = new History(8, 1);
+    for (let i = 0; i < 12; i++) history.push(momentAt(i, [i]));
+    expect(history.time(history.firstAt(6.5))).toBe(7);
+    expect(history.firstAt(-1)).toBe(0);
+    expect(history.firstAt(99)).toBe(history.length);
   });
 });
 
-describe("a table to draw", () => {
-  test("has desired and position of each joint in the shown unit, and gaps", () => {
-    const recording = new Recording(2);
-    recording.push(frameAt(0, [9, 9]));
-    recording.push(frameAt(1, [1, 2], [null, 3]));
-    const scale = { symbol: "mm", factor: 1000, digits: 1 };
-    const lines = [{ joint: joint("b"), index: 1, colour: 0, scale }];
-    expect(tableOf(recording, lines, "position", 0.5)).toEqual([[1], [3000], [2000]]);
-    const other = [{ joint: joint("a"), index: 0, colour: 0, scale }];
-    expect(tableOf(recording, other, "error", 0.5)).toEqual([[1], [null]]);
+describe("the signals of a robot", () => {
+  test("are its joints, the wrench of its arm, and the simulation", () => {
+    const info = view();
+    const robots = [
+      {
+        ...{ name: "arm", title: null, prefix: "", base: "base", gripper: null },
+        ...{ joints: ["pan", "lift"], tip: "tool0" },
+      },
+    ];
+    const found = signalsOf({ ...info, robot: { ...info.robot, robots } }, null, []);
+    expect([...found.keys()]).toEqual([
+      ...["pan", "lift"].flatMap((name) =>
+        ["position", "desired", "error", "velocity", "effort"].map(
+          (quantity) => `joint/${name}/${quantity}`,
+        ),
+      ),
+      ...["fx", "fy", "fz", "tx", "ty", "tz"].map((axis) => `wrench/arm/${axis}`),
+      "simulation/real_time_factor",
+      "simulation/late_ticks",
+    ]);
+    const wrenches = [[1, 2, 3, 4, 5, 6]] as NonNullable<Frame["wrenches"]>;
+    const moment = momentAt(0, [0, 0], { wrenches });
+    const value = (id: string) => found.get(id)?.value(moment);
+    expect(value("wrench/arm/fz")).toBe(3);
+    expect(value("wrench/arm/tx")).toBe(4);
+    expect(found.get("wrench/arm/fz")?.value(momentAt(0, [0, 0]))).toBeUndefined();
+  });
+
+  test("have an error only where something is desired", () => {
+    const moments = [momentAt(0, [1, 1], { desired: [1.5, null] })];
+    const source = sourceOf(view(), moments);
+    expect(valuesOf(source, "joint/pan/error")).toEqual([0.5]);
+    expect(valuesOf(source, "joint/lift/error")).toEqual([null]);
+  });
+
+  test("have the pose of the tool from the joints, as the chain says", () => {
+    const info = view();
+    const model = parseUrdf(UR5);
+    const names = [...model.parentJoint.values()].flatMap((one) =>
+      one.type === "revolute" ? [one.name] : [],
+    );
+    const robots = [
+      {
+        ...{ name: "arm", title: null, prefix: "", base: "base_link", gripper: null },
+        ...{ joints: names, tip: "tool0" },
+      },
+    ];
+    const joints = names.map((name) => joint(name));
+    const found = signalsOf(
+      { ...info, robot: { ...info.robot, joints, robots } },
+      model,
+      [],
+    );
+    const at = (q: number[]) =>
+      ["x", "y", "z"].map((axis) =>
+        Number(found.get(`tool/arm/${axis}`)?.value(momentAt(0, q))),
+      );
+    const home = at(names.map(() => 0));
+    const turned = at(
+      names.map((name) => (name === "shoulder_pan_joint" ? Math.PI / 2 : 0)),
+    );
+    // a quarter turn of the base turns the tool about z
+    expect(turned[0]).toBeCloseTo(-(home[1] ?? NaN), 9);
+    expect(turned[1]).toBeCloseTo(home[0] ?? NaN, 9);
+    expect(turned[2]).toBeCloseTo(home[2] ?? NaN, 9);
+    expect(Math.hypot(...home)).toBeGreaterThan(0.5);
+  });
+
+  test("have opening and force of a gripper from its joint", () => {
+    const gripper: GripperInfo = {
+      ...{ name: "hand", joint: "lift", max_opening: 0.1 },
+      ...{ min_speed: 0, max_speed: 1, min_force: 10, max_force: 100 },
+      ...{ pad_offset: 0.05, pad_cos: 0, pad_sin: 0, pad_slope: -1 },
+    };
+    const info = view();
+    const robot = { ...info.robot, grippers: [gripper] };
+    const source = sourceOf({ ...info, robot }, [
+      momentAt(0, [0, 0.02], { effort: [0, 80] }),
+    ]);
+    expect(valuesOf(source, "gripper/hand/opening")[0]).toBeCloseTo(0.06, 12);
+    expect(valuesOf(source, "gripper/hand/force")[0]).toBeCloseTo(40, 12);
+  });
+
+  test("have the pose of an object in the frames of its scene only", () => {
+    const objects: Frame["objects"] = [
+      [
+        [1, 2, 3],
+        [Math.SQRT1_2, 0, 0, Math.SQRT1_2],
+      ],
+    ];
+    const shape = { kind: "sphere", radius: 0.1 } as const;
+    const cup = { name: "cup", shape, rgba: [1, 1, 1, 1], mass: 1 } as const;
+    const scene = {
+      type: "scene",
+      number: 4,
+      objects: [{ ...cup, rgba: [1, 1, 1, 1] }],
+    };
+    const moment = (number: number) => ({
+      ...momentAt(number, [0, 0], { objects, scene: number }),
+      scene: scene as Moment["scene"],
+    });
+    const source = sourceOf(view(), [moment(4), moment(5)], ["cup"]);
+    expect(valuesOf(source, "object/cup/y")).toEqual([2, null]);
+    expect(valuesOf(source, "object/cup/yaw")[0]).toBeCloseTo(Math.PI / 2, 12);
+  });
+
+  test("have the real-time factor from the status", () => {
+    const moment = {
+      ...momentAt(0, [0, 0]),
+      status: status({ real_time_factor: 0.5 }),
+    };
+    expect(valuesOf(sourceOf(view(), [moment]), "simulation/real_time_factor")).toEqual(
+      [0.5],
+    );
+  });
+
+  test("are found by any words", () => {
+    const effort = signalsOf(view(), null, []).get("joint/pan/effort");
+    if (effort === undefined) throw new Error("no effort");
+    expect(matches(effort, "eff pan")).toBe(true);
+    expect(matches(effort, "Joint EFFORT")).toBe(true);
+    expect(matches(effort, "lift")).toBe(false);
+  });
+});
+
+describe("a source", () => {
+  const moments = [0, 1, 2, 3, 4].map((time) => momentAt(time, [time, 0]));
+  const id = "joint/pan/position";
+
+  test("reads a range and one sample on either side", () => {
+    const { times, values } = sourceOf(view(), moments).read([id], 1.5, 2.5, Infinity);
+    expect(times).toEqual([1, 2, 3]);
+    expect(values).toEqual([[1, 2, 3]]);
+  });
+
+  test("has exactly the samples of a range for files", async () => {
+    const source = sourceOf(view(), moments);
+    expect((await source.exact([id, "joint/none/position"], 1, 3)).values).toEqual([
+      [1, 2, 3],
+      [null, null, null],
+    ]);
+  });
+
+  test("that is held keeps what it has", () => {
+    const source = sourceOf(view(), moments);
+    const held = source.held();
+    source.push(momentAt(5, [5, 0]));
+    source.push(momentAt(0, [9, 0])); // reset
+    expect(held.span()).toEqual([0, 4]);
+    expect(held.read([id], 0, 9, Infinity).values).toEqual([[0, 1, 2, 3, 4]]);
+    expect(source.span()).toEqual([0, 0]);
+  });
+
+  test("computes again what another robot's signal of the same name was", () => {
+    const signals = signal<ReadonlyMap<string, LiveSignal>>(
+      signalsOf(view(), null, []),
+    );
+    const source = new HistorySource(signals);
+    source.push(momentAt(0, [1, 2]));
+    expect(valuesOf(source, id)).toEqual([1]);
+    const info = view();
+    const joints = [joint("lift"), joint("pan")];
+    signals.value = signalsOf({ ...info, robot: { ...info.robot, joints } }, null, []);
+    expect(valuesOf(source, id)).toEqual([2]);
+  });
+});
+
+describe("thinned samples", () => {
+  test("keep every peak", () => {
+    const times = Array.from({ length: 1000 }, (_one, i) => i);
+    const row = times.map((i) => (i === 357 ? 9 : i === 612 ? -9 : Math.sin(i / 50)));
+    const few = thinned({ times, values: [row] }, 100);
+    expect(few.times.length).toBeLessThanOrEqual(100);
+    expect(Math.max(...few.values.flat().map(Number))).toBe(9);
+    expect(Math.min(...few.values.flat().map(Number))).toBe(-9);
+    expect([...few.times].sort((a, b) => a - b)).toEqual(few.times);
+    expect([few.times[0], few.times.at(-1)]).toEqual([0, 999]);
+  });
+
+  test("keep gaps, and what is short", () => {
+    const times = Array.from({ length: 100 }, (_one, i) => i);
+    const row = times.map((i) => (i < 50 ? null : i));
+    const few = thinned({ times, values: [row] }, 20);
+    expect(few.values[0]?.[0]).toBeNull();
+    expect(few.values[0]?.at(-1)).toBe(99);
+    const short = { times: [1, 2], values: [[1, null]] };
+    expect(thinned(short, 20)).toBe(short);
   });
 });
 
 describe("a CSV file", () => {
-  const recording = new Recording(2);
-  recording.push(frameAt(0.008, [0.1 + 0.2, 1], [0.5]));
-  recording.push(frameAt(0.016, [1e-9, 2], [0.5]));
-  recording.push(frameAt(0.024, [3, 3], [0.5]));
-
   test("names every column with its SI unit", () => {
-    const columns = [
-      { index: 0, joint: joint("elbow") },
-      { index: 1, joint: joint('slide "x", left', { type: "prismatic" }) },
-    ];
-    const [header] = csvOf(recording, columns, 0, 1).split("\n");
-    expect(header).toBe(
-      "time [s],elbow.position [rad],elbow.desired [rad],elbow.error [rad]," +
-        'elbow.velocity [rad/s],elbow.effort [N*m],"slide ""x"", left.position [m]",' +
-        '"slide ""x"", left.desired [m]","slide ""x"", left.error [m]",' +
-        '"slide ""x"", left.velocity [m/s]","slide ""x"", left.effort [N]"',
+    const info = view();
+    const joints = [joint("elbow"), joint('slide "x", left', { type: "prismatic" })];
+    const found = signalsOf({ ...info, robot: { ...info.robot, joints } }, null, []);
+    const signals = [...found.values()].filter(({ quantity }) => quantity === "effort");
+    expect(csvOf({ times: [], values: [[], []] }, signals)).toBe(
+      'time [s],elbow.effort [N*m],"slide ""x"", left.effort [N]"\n',
     );
   });
 
-  test("has every digit, nothing where nothing is known, and only the window", () => {
-    const text = csvOf(recording, [{ index: 1, joint: joint("elbow") }], 0.01, 0.02);
-    expect(text.split("\n").slice(1)).toEqual(["0.016,2,,,20,200", ""]);
-    const exact = csvOf(recording, [{ index: 0, joint: joint("elbow") }], 0, 0.01);
-    const position = 0.1 + 0.2;
-    const cells = [0.008, position, 0.5, 0.5 - position, 10 * position, 100 * position];
-    expect(exact.split("\n")[1]?.split(",").map(Number)).toEqual(cells);
+  test("has every digit, and nothing where nothing is known", () => {
+    const exact = 0.1 + 0.2;
+    const text = csvOf(
+      {
+        times: [0.008, 0.016],
+        values: [
+          [exact, null],
+          [null, -1e-9],
+        ],
+      },
+      [],
+    );
+    expect(text.split("\n").slice(1)).toEqual([
+      `0.008,${String(exact)},`,
+      "0.016,,-1e-9",
+      "",
+    ]);
   });
 });
 
@@ -136,7 +312,7 @@ describe("axes", () => {
     expect(limitsNear(150, [-10, 74, null])).toEqual([]);
     expect(limitsNear(150, [-10, 76])).toEqual([150]);
     expect(limitsNear(150, [-76, 76])).toEqual([150, -150]);
-    expect(limitsNear(null, [1e9])).toEqual([]);
+    expect(limitsNear(undefined, [1e9])).toEqual([]);
     expect(rangeOf(-10, 76, [150])[1]).toBeGreaterThan(150);
   });
 
@@ -150,19 +326,34 @@ describe("axes", () => {
     expect(high).toBeGreaterThan(low);
   });
 
-  test("units follow the quantity, the joint and the person", () => {
-    expect(scaleOf("position", "revolute", "deg").symbol).toBe("°");
-    expect(scaleOf("velocity", "continuous", "rad").symbol).toBe("rad/s");
-    expect(scaleOf("velocity", "prismatic", "deg")).toMatchObject({
-      symbol: "mm/s",
-      factor: 1000,
-    });
-    expect(scaleOf("effort", "prismatic", "rad").symbol).toBe("N");
-    expect(scaleOf("effort", "revolute", "deg").factor).toBe(1);
+  test("units follow the quantity and the user", () => {
+    expect(scaleOf("angle", "deg").symbol).toBe("°");
+    expect(scaleOf("angular-velocity", "rad").symbol).toBe("rad/s");
+    expect(scaleOf("velocity", "deg")).toMatchObject({ symbol: "mm/s", factor: 1000 });
+    expect(scaleOf("torque", "deg").factor).toBe(1);
   });
 });
 
-test("a joint that is added gets a colour that no other has, while there are any", () => {
+describe("a stored layout", () => {
+  test("is what was stored", () => {
+    const layout = [[{ id: "joint/pan/position", colour: 5 }], []];
+    expect(parseLayout(JSON.stringify(layout))).toEqual(layout);
+  });
+
+  test.each(["", "{", "[]", "3", '[{"id":"x"}]', '[[{"id":3,"colour":0}]]'])(
+    "that is damaged counts as none: %s",
+    (text) => {
+      expect(parseLayout(text)).toBeUndefined();
+    },
+  );
+
+  test("with a colour that does not exist counts as none", () => {
+    expect(parseLayout('[[{"id":"x","colour":6}]]')).toBeUndefined();
+    expect(parseLayout('[[{"id":"x","colour":0.5}]]')).toBeUndefined();
+  });
+});
+
+test("a signal that is added gets a colour that no other has, while there are any", () => {
   expect(freeColour([])).toBe(0);
   expect(freeColour([0, 1, 3])).toBe(2);
   expect(freeColour([0, 1, 2, 3, 4, 5])).toBe(0);

@@ -7,7 +7,7 @@ import { ControllersPanel } from "../src/panels/controllers";
 import { DriveBar } from "../src/panels/drive-bar";
 import { MotionPanel } from "../src/panels/motion";
 import { RobotBar } from "../src/panels/robot-bar";
-import { colours } from "../src/plots/state";
+import { layout } from "../src/plots/layout";
 import type { GripperInfo, JointInfo, RobotPartsInfo, Status } from "../src/protocol";
 import { robotOfLink } from "../src/robots";
 import { angleUnit } from "../src/units";
@@ -15,6 +15,7 @@ import { parseUrdf } from "../src/urdf";
 import { controller, FakeSocket, frame, joint, status, view } from "./fixtures";
 import { useFakeServer } from "./setup";
 
+const plotted = () => layout.value.flatMap((pane) => pane.map(({ id }) => id));
 const server = () => FakeSocket.newest;
 const find = (id: string) => screen.queryByTestId(id);
 const input = (id: string) => screen.getByTestId<HTMLInputElement>(id);
@@ -47,6 +48,7 @@ function gripper(name: string): GripperInfo {
     max_speed: 0.15,
     min_force: 60,
     max_force: 130,
+    ...{ pad_offset: 0.025, pad_cos: 0, pad_sin: 0, pad_slope: -1 },
   };
 }
 
@@ -147,7 +149,7 @@ describe("a cell of two robots", () => {
     expect(screen.getByTitle("left_pan").textContent).toBe("pan");
     expect(find("joint-slider-right_pan")).toBeNull();
     expect(screen.getByRole("region", { name: "left: Gripper" })).toBeTruthy();
-    expect([...colours.value.keys()]).toEqual(["left_pan"]);
+    expect(plotted()).toEqual(["joint/left_pan/position"]);
     press("robot-right");
     await pass(50);
     expect(find("joint-slider-left_pan")).toBeNull();
@@ -155,7 +157,7 @@ describe("a cell of two robots", () => {
     expect(screen.getByRole("region", { name: "right: Gripper" })).toBeTruthy();
     expect(find("pose-go-both")).not.toBeNull();
     expect(find("pose-go-left only")).toBeNull();
-    expect([...colours.value.keys()]).toEqual(["right_pan"]);
+    expect(plotted()).toEqual(["joint/right_pan/position"]);
   });
 
   it("is chosen from by arrow keys", async () => {

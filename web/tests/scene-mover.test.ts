@@ -1,6 +1,7 @@
 import { PerspectiveCamera, Vector3 } from "three";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { Mover } from "../src/scene/mover";
+import type { MoveKind, Target } from "../src/moving";
 import type { Vector } from "../src/urdf";
 
 const SIDE = 1000;
@@ -25,6 +26,11 @@ describe("the arrows that move an object", () => {
     );
   };
 
+  const offer = (kind: MoveKind) => {
+    const target = { position: HERE, rpy: [0, 0, 0] as const };
+    mover.offer({ name: "cube", kind, target, problem: null });
+  };
+
   beforeEach(() => {
     vi.resetAllMocks();
     canvas = document.createElement("canvas");
@@ -36,7 +42,7 @@ describe("the arrows that move an object", () => {
     camera.lookAt(...HERE);
     camera.updateMatrixWorld(true);
     mover = new Mover(camera, canvas, listener);
-    mover.offer({ position: HERE, rpy: [0, 0, 0] });
+    offer("move");
   });
 
   it("drag it along themselves alone", () => {
@@ -46,12 +52,32 @@ describe("the arrows that move an object", () => {
     point("pointerdown", tip, 1);
     expect(listener.dragged).toHaveBeenLastCalledWith(true);
     point("pointermove", [x, y, z + 0.3], 1);
-    const moved = listener.moved.mock.lastCall?.[0] as Vector;
+    const { position: moved } = listener.moved.mock.lastCall?.[0] as Target;
     expect(moved[0]).toBeCloseTo(x);
     expect(moved[1]).toBeCloseTo(y);
     expect(moved[2]).toBeCloseTo(z + 0.2, 3);
     point("pointerup", [x, y, z + 0.3], 0);
     expect(listener.dragged).toHaveBeenLastCalledWith(false);
+  });
+
+  it("rotate it as rings about the axis of the ring, in place", () => {
+    offer("rotate");
+    const [x, y, z] = HERE;
+    // the ring about y faces the camera; three.js makes it half as large as its gizmo
+    const radius = (0.5 * 0.7 * 1.9 * Math.tan(Math.PI / 12) * 2) / 4;
+    const at = (angle: number): Vector => [
+      x + radius * Math.sin(angle),
+      y,
+      z + radius * Math.cos(angle),
+    ];
+    point("pointermove", at(0.9), 0);
+    point("pointerdown", at(0.9), 1);
+    expect(listener.dragged).toHaveBeenLastCalledWith(true);
+    point("pointermove", at(1.3), 1);
+    const { position, rpy } = listener.moved.mock.lastCall?.[0] as Target;
+    expect(position).toEqual(HERE);
+    expect(Math.hypot(rpy[0], rpy[2])).toBeCloseTo(0);
+    expect(rpy[1]).toBeGreaterThan(0.1);
   });
 
   it("are not there while nothing is to be moved", () => {

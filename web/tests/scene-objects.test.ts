@@ -11,6 +11,7 @@ function box(name: string, size = 0.1): ViewObject {
     shape: { kind: "box", size: [size, size, size] },
     rgba: [1, 0, 0, 1],
     mass: 1,
+    friction: 1,
   };
 }
 

@@ -18,8 +18,8 @@ describe("the reader of URDF", () => {
   it("finds root, links, masses and limits", () => {
     expect(ur5.root).toBe("base_link");
     expect(ur5.links.size).toBe(10);
-    expect(ur5.links.get("shoulder")?.mass).toBe(3.7);
-    expect(ur5.links.get("tool0")?.mass).toBeNull();
+    expect(ur5.links.get("shoulder")?.inertial?.mass).toBe(3.7);
+    expect(ur5.links.get("tool0")?.inertial).toBeNull();
     expect(ur5.parentJoint.get("forearm")).toMatchObject({
       name: "elbow_joint",
       type: "revolute",

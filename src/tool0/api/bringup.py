@@ -41,6 +41,7 @@ def bringup(
     realtime: bool | None = None,
     speed: float | None = None,
     paused: bool | None = None,
+    record: File | None = None,
     description: DescriptionConfig = DescriptionConfig(),
     control: ControlConfig = ControlConfig(),
     simulation: SimulationConfig = SimulationConfig(),
@@ -74,6 +75,8 @@ def bringup(
             advance it, as fast as possible.
         speed: Simulated seconds per wall second in real time.
         paused: Whether to start paused.
+        record: An MCAP file to record to, from the start until the robot is closed
+            (docs/recording.md).
         description: Which robot.
         control: Its controllers and its initial pose.
         simulation: The physics, the objects around the robot, and time.
@@ -108,10 +111,22 @@ def bringup(
         realtime=realtime,
         speed=speed,
         paused=paused,
+        record=record,
     )
     robot_description = load_description(description, spawn_z=simulation.spawn_z)
-    started = start_simulation(robot_description, control, simulation)
-    return Robot(LocalChannel(started))
+    if simulation.record is None:
+        started = start_simulation(robot_description, control, simulation)
+        return Robot(LocalChannel(started))
+    held = replace(simulation, paused=True)  # the recording begins at time zero
+    recorded = Robot(LocalChannel(start_simulation(robot_description, control, held)))
+    try:
+        recorded.start_recording(simulation.record)
+    except BaseException:
+        recorded.close()
+        raise
+    loop = recorded.simulation.loop
+    loop.call(lambda: loop.set_paused(simulation.paused))
+    return recorded
 
 
 def _with_given(config: Config, **keywords: object) -> Config:

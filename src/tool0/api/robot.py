@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 from msgspec.structs import asdict
@@ -27,12 +28,18 @@ from tool0.requests.table import checked_value
 from tool0.runtime.simulation import only_part
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from tool0.api.arm import Arm
+    from tool0.api.episodes import EpisodesHandle
+    from tool0.api.programs import ProgramHandle, Programs
     from tool0.api.recording import Recording
     from tool0.control.status import ControllerStatus
     from tool0.description.robot import RobotDescription
     from tool0.description.transform import Transform
     from tool0.hardware.engine import Contact, Engine
+    from tool0.programs.model import Program
+    from tool0.recording.options import RecordingStatus
     from tool0.runtime.bus import Subscription
     from tool0.runtime.poses import NamedPose
     from tool0.runtime.simulation import Simulation
@@ -187,6 +194,70 @@ class Robot(AbstractContextManager["Robot"]):
         from tool0.api.recording import Recording
 
         return Recording(self.channel, rate, self.control_period)
+
+    def start_recording(
+        self,
+        file: Path | str | None = None,
+        *,
+        overwrite: bool = False,
+        max_size: int | None = None,
+        max_duration: float | None = None,
+        max_files: int | None = None,
+        cameras: Sequence[str] = (),
+        camera_rate: float = 5.0,
+    ) -> RecordingStatus:
+        """Record everything to an MCAP file until ``stop_recording`` or ``close``.
+
+        ``tool0.open_recording`` reads it, and so do Foxglove and ROS 2's tools.
+
+        Args:
+            file: A path that ends in .mcap on the simulation's machine, or a folder;
+                the user's folder of recordings if left out.
+            overwrite: Whether to replace a file that exists.
+            max_size: Go on in another file from this size on [bytes].
+            max_duration: Go on in another file after this simulated time [s].
+            max_files: Keep only so many files, the newest.
+            cameras: Names of cameras whose images are recorded.
+            camera_rate: Images of each per simulated second [Hz].
+
+        Returns:
+            The recording, with the path of its file.
+
+        Raises:
+            ControlError: If a recording is in progress.
+            RecordingError: If the file cannot be written.
+            RenderError: If a camera cannot take images.
+        """
+        from tool0.recording.requests import StartRecording
+
+        return self.channel.call(
+            StartRecording(
+                file=None if file is None else str(Path(file).absolute()),
+                overwrite=overwrite,
+                max_size=max_size,
+                max_duration=max_duration,
+                max_files=max_files,
+                cameras=tuple(cameras),
+                camera_rate=camera_rate,
+            )
+        )
+
+    def stop_recording(self) -> RecordingStatus:
+        """End the recording, and complete its file.
+
+        Raises:
+            ControlError: If there was none.
+        """
+        from tool0.recording.requests import StopRecording
+
+        return self.channel.call(StopRecording())
+
+    @property
+    def recording(self) -> RecordingStatus | None:
+        """The recording in progress, or the last one; None before the first."""
+        from tool0.recording.requests import ReadRecording
+
+        return self.channel.call(ReadRecording())
 
     @property
     def time(self) -> float:
@@ -439,6 +510,44 @@ class Robot(AbstractContextManager["Robot"]):
         """
         goals = self.channel.call(motion.GoToPose(name=name, robot=robot, speed=speed))
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
+
+    # ---- demonstrations -------------------------------------------------------------
+
+    @property
+    def episodes(self) -> EpisodesHandle:
+        """Records demonstrations as episodes in a folder."""
+        from tool0.api.episodes import EpisodesHandle
+
+        return EpisodesHandle(self.channel)
+
+    # ---- programs -------------------------------------------------------------------
+
+    @cached_property
+    def _programs(self) -> Programs:
+        from tool0.api.programs import Programs
+
+        return Programs(self.channel)
+
+    @property
+    def programs(self) -> Programs:
+        """The programs that were saved with this robot; check and export others."""
+        return self._programs
+
+    def run_program(
+        self, program: Program | Path | str, *, paused: bool = False
+    ) -> ProgramHandle:
+        """Check a program and start it; ``wait`` for the returned handle.
+
+        Args:
+            program: The program, its file (``.yaml``), or the name of a saved one.
+            paused: Whether it waits before its first step, for ``step`` or ``resume``.
+
+        Raises:
+            ProgramError: If a step cannot be executed, with the reason; nothing moves.
+            ConfigError: If the file cannot be read, or is no program.
+            ControlError: If the arm may not move, or none is saved under that name.
+        """
+        return self.programs.run(program, paused=paused)
 
     # ---- parts ----------------------------------------------------------------------
 

@@ -11,6 +11,10 @@ from tool0.cli.edge import flush, interruptible, report
 COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "bringup": ("bringup", "bring up a robot in simulation, with its controllers"),
     "view": ("panel", "show a robot in a web page without physics, and pose it"),
+    "record": ("recording", "record a running bringup to an MCAP file"),
+    "log": ("recording", "print what happened in a recording"),
+    "export": ("recording", "write a recording as CSV or Parquet"),
+    "replay": ("replay", "show a recording in a web page, with a time line"),
     "demo": ("demo", "run a complete task: pick a cube, or hand it over"),
     "collect": ("collect", "collect episodes of a task, with processes or Ray"),
     "describe": (
@@ -20,6 +24,8 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "controllers": ("simulation", "list, load, start, stop or switch controllers"),
     "move": ("motion", "move joints, or the tool to a pose"),
     "grip": ("motion", "open or close the gripper"),
+    "run": ("program", "run a program of steps, or check it"),
+    "program": ("program", "list, save, delete or export programs"),
     "scene": ("scene", "list, add, remove or place objects around the robot"),
     "state": ("sensors", "print simulated time, joints, grippers and the tool's pose"),
     "wrench": ("sensors", "print force and torque at the wrist, or tare the sensor"),

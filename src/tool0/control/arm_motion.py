@@ -254,6 +254,14 @@ class ArmMotionController:
         start = self.motion(now)
         self._use(SplineMotion.stopping(start, now, deceleration), now)
 
+    def stream_deceleration(self) -> float:
+        """Return how fast a stream of velocities ramps to rest by itself [rad/s²].
+
+        It is that of the leading joint; 0 without such a stream.
+        """
+        stream = self._stream
+        return stream.deceleration() if isinstance(stream, SpeedStream) else 0.0
+
     def hold(self, now: float) -> None:
         """Rest at the setpoint: it must be at rest."""
         self._use(SplineMotion.holding(self.motion(now).positions, now), now)

@@ -143,6 +143,8 @@ class SpeedStream:
         """Of the TCP at the end of the last tick, if it is known."""
         self._target: Sequence[float] = (0.0,) * len(joints)
         self._acceleration = 1.0
+        self._ramp = math.inf
+        """How long it takes to rest from the last target that is none [s]."""
         self._end = math.inf
 
     def aim(
@@ -162,7 +164,22 @@ class SpeedStream:
             lever: The point in the flange's frame [m], shape (3,).
         """
         self._target, self._acceleration = tuple(target), acceleration
+        largest = max(map(abs, target))
+        if lever is not None:
+            largest = max(math.hypot(*target[:3]), math.hypot(*target[3:]))
+        if largest > 0.0:
+            self._ramp = largest / acceleration
         self._end, self._lever, self._twist = until, lever, None
+
+    def deceleration(self) -> float:
+        """Return that of the leading joint which ends the motion as soon [rad/s²].
+
+        It is ``MAX_ACCELERATION`` at most.
+        """
+        leading = max(map(abs, self.setpoint.velocities))
+        if not leading < MAX_ACCELERATION * self._ramp:
+            return MAX_ACCELERATION
+        return leading / self._ramp
 
     def advance(self, time: float, period: float, speed_scaling: float) -> None:
         is_over = time >= self._end - _ROUNDING

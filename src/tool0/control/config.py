@@ -95,6 +95,15 @@ class ControllerConfig:
         """Return the whole content of the files, as plain values by name."""
         return {name: e.plain() for name, e in self.tree.root.children.items()}
 
+    def yaml(self) -> str:
+        """Return the whole content of the files as one text, without comments."""
+        import yaml
+
+        text: str = yaml.safe_dump(
+            dict(self.parameters()), sort_keys=False, allow_unicode=True
+        )
+        return text
+
     def type_of(self, name: str) -> str:
         """Return the type of a controller, which exists.
 

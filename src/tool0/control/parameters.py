@@ -96,6 +96,12 @@ class Pid:
         """Reset the integral of one joint, by its number."""
         self.integrals[joint] = 0.0
 
+    def carry(self, joint: int, command: float) -> None:
+        """Let the integral of one joint contribute ``command``, within its clamp."""
+        _, _, i, _, i_min, i_max, *_ = self.rows[joint]
+        term = min(max(command, i_min), i_max)
+        self.integrals[joint] = term / i if i else 0.0
+
     def set_gains(self, k: int, gains: Gains) -> None:
         """Change the gains of joint ``k``.
 

@@ -147,7 +147,7 @@ def read_files(files: list[Path]) -> Tree:
     """
     tree = Tree()
     for file in files:
-        tree.load(_text_of(file), SourceLocation(file, 1))
+        tree.load(text_of(file), SourceLocation(file, 1))
     return tree
 
 
@@ -160,12 +160,26 @@ def read_verbatim(file: Path, units: Mapping[str, Constructor] | None = None) ->
     Raises:
         ConfigError: If it cannot be read, or is not YAML.
     """
-    start, findings = SourceLocation(file, 1), list[Finding]()
-    entry = _TreeReader(start, findings, units or {}).read(_text_of(file))
+    return read_verbatim_text(text_of(file), SourceLocation(file, 1), units)
+
+
+def read_verbatim_text(
+    text: str, start: SourceLocation, units: Mapping[str, Constructor] | None = None
+) -> Tree:
+    """Return the content of a YAML text, as ``read_verbatim`` does.
+
+    ``start`` is the location of its first line.
+
+    Raises:
+        ConfigError: If it is not YAML.
+    """
+    findings = list[Finding]()
+    entry = _TreeReader(start, findings, units or {}).read(text)
     return Tree(entry or YamlEntry("", start), findings)
 
 
-def _text_of(file: Path) -> str:
+def text_of(file: Path) -> str:
+    """Return the text of a UTF-8 file; ConfigError if it cannot be read."""
     try:
         return file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:

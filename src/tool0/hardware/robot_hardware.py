@@ -300,6 +300,10 @@ class RobotHardware:
         self.command[i] = state.position[i] if holds_position else 0.0
         self._select_servo(name, state.position[i])
 
+    def compensates_gravity(self, joint: str) -> bool:
+        """Return whether a drive carries its load, besides what it is commanded."""
+        return self.index[joint] in self._compensated
+
     def release(self, joints: Sequence[str], state: JointState) -> None:
         """Take ``joints`` back: the brakes hold them."""
         indices = {self.index[name] for name in joints}

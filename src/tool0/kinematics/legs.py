@@ -11,7 +11,7 @@ import numpy as np
 from tool0.description.model import Joint
 from tool0.errors import UnreachableError
 from tool0.kinematics.line import LinePath
-from tool0.kinematics.moves import Move, Tail
+from tool0.kinematics.moves import Move, Tail, WarningKind
 from tool0.kinematics.profile import SpeedProfile, braking, trapezoid
 from tool0.kinematics.segments import (
     REMEDY,
@@ -66,6 +66,13 @@ class JointLimits:
         return float(ratios.max()), strongest, int(ratios.argmax())
 
 
+class LegWarning(NamedTuple):
+    """What is other than asked."""
+
+    kind: WarningKind
+    text: str
+
+
 class _Speeds(NamedTuple):
     speed: float
     acceleration: float
@@ -88,7 +95,7 @@ class Leg:
     """Between the two."""
     radius: float
     """The blend radius at its end, which may have been reduced [m]."""
-    warnings: tuple[str, ...]
+    warnings: tuple[LegWarning, ...]
 
     @property
     def speed_in(self) -> float:
@@ -121,10 +128,11 @@ def timed_leg(
     Raises:
         UnreachableError: If it would have to be extremely slow.
     """
-    warnings = []
+    warnings: list[LegWarning] = []
     zone_in, zone_out, scale = _zones(segment, move, tail)
     if scale < 1.0:
-        warnings.append(f"overlapping blends: the radius is reduced to {scale:.0%}")
+        text = f"overlapping blends: the radius is reduced to {scale:.0%}"
+        warnings.append(LegWarning("blend", text))
     if tail is not None and is_symmetric:
         zone_in = min(zone_in, tail.remaining)
     n_rests = (tail is None) + (move.r == 0.0)
@@ -165,10 +173,11 @@ def timed_leg(
     else:
         raise UnreachableError(f"the path passes too close to a singularity; {REMEDY}")
     if speed < wanted.speed * (1.0 - _ROUNDING) and k > 0:
-        warnings.append(
+        text = (
             f"at most {speed:.4g} instead of {wanted.speed:.4g} per second: joint "
             f"'{limits.names[joint]}' would be too fast"
         )
+        warnings.append(LegWarning("speed", text))
     return Leg(
         segment=segment,
         zone_in=zone_in,

@@ -14,7 +14,7 @@ from tool0.kinematics.circle import CirclePath
 from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.legs import JointLimits, Leg, is_straight, timed_leg
 from tool0.kinematics.line import LinePath
-from tool0.kinematics.moves import Move, MovePlan, Tail
+from tool0.kinematics.moves import Move, MoveError, MovePlan, MoveWarning, Tail
 from tool0.kinematics.pose import matrix_of
 from tool0.kinematics.profile import SpeedProfile, ramp
 from tool0.kinematics.segments import (
@@ -101,7 +101,7 @@ class MovePlanner:
         record = _Record(at_rest if tail is None else _entry(tail))
         begins: list[float] = []
         zones: list[float] = []
-        warnings: list[str] = []
+        warnings: list[MoveWarning] = []
         for number, move in enumerate(moves, 1):
             try:
                 segment = self._segment(q, move)
@@ -113,7 +113,8 @@ class MovePlanner:
                 if tail is not None:
                     blended = self._blended(segment, move, tail)
                     if blended is None:
-                        warnings.append(f"move {number} ({move}): cannot be blended")
+                        text = "cannot be blended"
+                        warnings.append(MoveWarning(number, move, "stop", text))
                         record.add(_braking(tail))
                         begins[-1] = record.time
                     else:
@@ -123,8 +124,10 @@ class MovePlanner:
                 if leg is None:
                     leg = timed_leg(segment, move, None, self._limits)
             except UnreachableError as error:
-                raise UnreachableError(f"move {number} ({move}): {error}") from None
-            warnings += [f"move {number} ({move}): {text}" for text in leg.warnings]
+                raise MoveError(number, move, error) from None
+            warnings += [
+                MoveWarning(number, move, *warning) for warning in leg.warnings
+            ]
             record.add(leg.motion)
             zones.append(record.time)
             tail, q = self._tail(move, leg, record.time), leg.segment.end

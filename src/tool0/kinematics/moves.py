@@ -28,7 +28,7 @@ from typing import Literal, NamedTuple, final
 
 import numpy as np
 
-from tool0.errors import ControlError
+from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import Array
 from tool0.kinematics.profile import SpeedProfile, braking
 from tool0.kinematics.segments import Knots, Segment
@@ -42,6 +42,8 @@ FUNCTIONS: dict[MoveKind, str] = {
     "servo_circular": "servoc",
 }
 """The functions of URScript."""
+WarningKind = Literal["blend", "stop", "speed"]
+"""A blend is smaller, or a stop instead; a speed is lower."""
 
 
 @final
@@ -93,6 +95,31 @@ class Move:
         return FUNCTIONS[self.kind]
 
 
+@final
+class MoveError(UnreachableError):
+    """A move of a sequence that cannot be done."""
+
+    def __init__(self, number: int, move: Move, reason: object) -> None:
+        super().__init__(f"move {number} ({move}): {reason}")
+        self.number = number
+        """In the sequence, from 1 on."""
+        self.reason = str(reason)
+
+
+class MoveWarning(NamedTuple):
+    """What is other than asked in a move of a sequence."""
+
+    number: int
+    """In the sequence, from 1 on."""
+    move: Move
+    kind: WarningKind
+    text: str
+
+    def __str__(self) -> str:
+        """Return it with the number and the function of URScript."""
+        return f"move {self.number} ({self.move}): {self.text}"
+
+
 class Tail(NamedTuple):
     """The end of a plan: within the radius of its last target."""
 
@@ -127,7 +154,7 @@ class MovePlan:
     """Path time at which each move begins, with the blend into it [s]."""
     zones: tuple[float, ...]
     """Path time at which each move comes within its blend radius, or ends [s]."""
-    warnings: tuple[str, ...]
+    warnings: tuple[MoveWarning, ...]
     tail: Tail | None
     """If the last move has a radius: how it goes on into another one."""
 

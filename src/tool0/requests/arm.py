@@ -10,13 +10,20 @@ from msgspec import Meta, Struct, field
 
 from tool0.control.controller import Role
 from tool0.control.status import why_not_driven
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError
 from tool0.kinematics.inverse import Branch, Solution
-from tool0.requests.motion import GoalStarted, follow, started
-from tool0.requests.table import JointPositions, Request, Response, SpeedScale, handles
+from tool0.requests.motion import FollowTrajectory, GoalStarted, MoveJoints
+from tool0.requests.table import (
+    JointPositions,
+    Request,
+    Response,
+    SpeedScale,
+    answer,
+    handles,
+)
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -164,17 +171,11 @@ def _solve(
 
 @handles(MoveTo)
 def _move_to(simulation: Simulation, request: MoveTo) -> GoalStarted:
-    from tool0.runtime.joint_motion import import_planner
-
-    chain = simulation.arm(request.arm)
-    controller = _controller(simulation, chain)
-    positions = _solve(simulation, request)[0].positions
-    import_planner()
-    core = simulation.core
-    (goal,) = simulation.loop.call(
-        lambda: core.move_joints(positions, request.speed, controller)
-    )
-    return started(simulation, goal)
+    controller = _controller(simulation, simulation.arm(request.arm))
+    positions = dict(_solve(simulation, request)[0].positions)
+    motion = MoveJoints(positions=positions, speed=request.speed, controller=controller)
+    (started,) = answer(simulation, motion)
+    return started
 
 
 @handles(MoveLinear)
@@ -209,11 +210,12 @@ def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
     points = motion.points()
     if _at_rest(simulation, controller) != standing:
         raise ControlError("the arm was moved while its line was planned")
-    goal = TrajectoryGoal(
-        points=[_with_other_joints(point, chain, standing) for point in points],
-        joint_names=list(standing),
+    trajectory = FollowTrajectory(
+        controller=controller,
+        points=tuple(_with_other_joints(point, chain, standing) for point in points),
+        joint_names=tuple(standing),
     )
-    return follow(simulation, controller, goal)
+    return answer(simulation, trajectory)
 
 
 def _kinematics(chain: ArmChain) -> InverseKinematics:

@@ -201,23 +201,26 @@ def _return(simulation: Simulation, request: ReturnArm) -> None:
     core.arm_motions.give_back(request.arm, core.state)
 
 
-@handles(ExecutePath)
-def _execute(simulation: Simulation, request: ExecutePath) -> int:
+def _path(simulation: Simulation, request: ExecutePath) -> ArmPath:
     if (request.after is None) != (request.at is None):
         raise RequestError("execute_path", "'after' and 'at' need each other")
-    core, loop = simulation.core, simulation.loop
+    core = simulation.core
     arm = core.control_boxes.find(request.arm).arm
-    path = ArmPath.of(
+    return ArmPath.of(
         core.arm_motions.specs[arm].joint_models,
         request.times,
         request.positions,
         request.velocities,
         request.accelerations,
     )
-    return loop.call(
-        lambda: core.arm_motions.execute(
-            arm, path, core.time, after=request.after, at=request.at
-        )
+
+
+@handles(ExecutePath, in_tick=True, prepare=_path)
+def _execute(simulation: Simulation, request: ExecutePath, path: ArmPath) -> int:
+    core = simulation.core
+    arm = core.control_boxes.find(request.arm).arm
+    return core.arm_motions.execute(
+        arm, path, core.time, after=request.after, at=request.at
     )
 
 

@@ -216,7 +216,7 @@ def snapshot_of(message: SnapshotMessage, before: Snapshot | None = None) -> Sna
 
 # ---- messages besides replies and snapshots --------------------------------------
 
-Mode = Literal["simulation", "view"]
+Mode = Literal["simulation", "view", "replay"]
 
 
 class Hello(Struct, frozen=True, kw_only=True, tag="hello"):
@@ -229,7 +229,7 @@ class Hello(Struct, frozen=True, kw_only=True, tag="hello"):
     """Of the bring-up."""
     pid: int
     mode: Mode
-    """``view`` is a robot without physics and controllers."""
+    """``view`` is a robot without physics and controllers, ``replay`` a recording."""
 
 
 class GoalEnded(Struct, frozen=True, kw_only=True, tag="goal_finished"):
@@ -301,6 +301,12 @@ _WIRE_FORMS: Final[Mapping[Any, _WireForm]] = {
     CameraImage: _WireForm(Picture, picture_of, image_of),
     Snapshot: _WireForm(SnapshotMessage, snapshot_message, snapshot_of),
 }
+
+
+def wire_type(response: Any) -> Any:
+    """Return the type that a response of this type is sent as."""
+    form = _WIRE_FORMS.get(response)
+    return response if form is None else form.kind
 
 
 def _encodable(value: Any) -> Any:

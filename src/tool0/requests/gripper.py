@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import Annotated
 
 from msgspec import Meta
 
 from tool0.control.controller import Role
 from tool0.control.status import start_command, why_not_driven
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import ParallelGripper
 from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, ModelError, did_you_mean
-from tool0.hardware.limits import DriveLimits
-from tool0.requests.motion import GoalStarted, follow, started
+from tool0.requests.motion import (
+    CommandGripper,
+    FollowTrajectory,
+    GoalStarted,
+    GripLimits,
+    drive_limits,
+)
 from tool0.requests.table import Name, Request, answer, handles
 from tool0.runtime.gripper_motion import opening_motion
 from tool0.runtime.simulation import Simulation
@@ -69,10 +73,10 @@ def _grip(simulation: Simulation, request: Grip) -> GoalStarted:
     force = request.force
     if force is None and request.effort is None:
         force = gripper.force[1]
-    bounds = DriveLimits(
-        gripper=gripper, speed=speed, force=force, effort=request.effort
+    limits = GripLimits(
+        gripper=request.gripper, speed=speed, force=force, effort=request.effort
     )
-    core, loop = simulation.core, simulation.loop
+    drive_limits(simulation, limits)  # raises if one is out of range
     for status in simulation.snapshot.controllers:
         if not status.is_running or joint not in status.joints:
             continue
@@ -80,13 +84,18 @@ def _grip(simulation: Simulation, request: Grip) -> GoalStarted:
             effort = request.effort
             if request.force is not None:
                 effort = simulation.joint_limits[joint].effort
-            command = partial(core.command_gripper, status.name, target, effort, bounds)
-            return started(simulation, loop.call(command))
-        if status.role is Role.TRAJECTORY:
-            trajectory = TrajectoryGoal(
-                points=_plan(simulation, gripper, opening, speed), joint_names=[joint]
+            command = CommandGripper(
+                controller=status.name, position=target, max_effort=effort, grip=limits
             )
-            return follow(simulation, status.name, trajectory, {joint: bounds})
+            return answer(simulation, command)
+        if status.role is Role.TRAJECTORY:
+            trajectory = FollowTrajectory(
+                controller=status.name,
+                points=tuple(_plan(simulation, gripper, opening, speed)),
+                joint_names=(joint,),
+                grip=limits,
+            )
+            return answer(simulation, trajectory)
     roles = (Role.TRAJECTORY, Role.GRIPPER)
     raise ControlError(why_not_driven(simulation.snapshot.controllers, [joint], roles))
 

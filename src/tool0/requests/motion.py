@@ -62,6 +62,19 @@ class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
     """Simulated time at which the trajectory starts [s]; now, if left out."""
 
 
+class GripLimits(Struct, frozen=True, kw_only=True):
+    """Limits of a gripper's drive, until its next goal."""
+
+    gripper: Name | None = None
+    """The robot's only one, if left out."""
+    speed: float | None = None
+    """Of the pads relative to each other [m/s]."""
+    force: float | None = None
+    """At each pad [N]."""
+    effort: float | None = None
+    """Instead of a force: of the driven joint [N·m | N]."""
+
+
 class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):
     """Send a trajectory as a goal, as ROS's action does; no points stop the motion."""
 
@@ -71,6 +84,8 @@ class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):
     """Joint → largest error at the end [rad | m]; below 0 disables the check."""
     goal_time_tolerance: float | None = None
     """Grace after the last point [s]; below 0 disables the check."""
+    grip: GripLimits | None = None
+    """Limits of a gripper whose joint moves; the joint's own, if left out."""
 
 
 class CommandTrajectory(_OfTrajectory[None], frozen=True):
@@ -128,6 +143,8 @@ class CommandGripper(Request[GoalStarted], frozen=True):
     max_velocity: float | None = None
     """Of ROS 2's parallel gripper, for its ``max_velocity_interface`` [rad/s | m/s], or
     between the pads [m/s]; the controller's own, if left out."""
+    grip: GripLimits | None = None
+    """Limits between the pads, instead of the two above."""
 
 
 class CommandJoints(Request[None], frozen=True):
@@ -155,21 +172,18 @@ def started(simulation: Simulation, goal: Goal) -> GoalStarted:
     return GoalStarted(goal=simulation.goals.add(goal), controller=goal.controller)
 
 
-def follow(
-    simulation: Simulation,
-    controller: str,
-    goal: TrajectoryGoal,
-    bounds: dict[str, DriveLimits] | None = None,
-) -> GoalStarted:
-    """Start a trajectory goal between two ticks; in the caller's thread."""
-    core = simulation.core
-    accepted = simulation.loop.call(lambda: core.follow(controller, goal, bounds))
-    return started(simulation, accepted)
+def drive_limits(simulation: Simulation, limits: GripLimits) -> DriveLimits:
+    """Return the limits of a gripper's drive, or raise ControlError."""
+    return DriveLimits(
+        gripper=simulation.gripper(limits.gripper),
+        speed=limits.speed,
+        force=limits.force,
+        effort=limits.effort,
+    )
 
 
-@handles(FollowTrajectory)
-def _follow(simulation: Simulation, request: FollowTrajectory) -> GoalStarted:
-    goal = TrajectoryGoal(
+def _trajectory(simulation: Simulation, request: FollowTrajectory) -> TrajectoryGoal:
+    return TrajectoryGoal(
         points=request.points,
         joint_names=request.joint_names,
         stamp=request.stamp,
@@ -177,16 +191,30 @@ def _follow(simulation: Simulation, request: FollowTrajectory) -> GoalStarted:
         goal_tolerance=request.goal_tolerance,
         goal_time_tolerance=request.goal_time_tolerance,
     )
-    return follow(simulation, request.controller, goal)
 
 
-@handles(CommandTrajectory)
-def _command(simulation: Simulation, request: CommandTrajectory) -> None:
-    goal = TrajectoryGoal(
+@handles(FollowTrajectory, in_tick=True, prepare=_trajectory)
+def _follow(
+    simulation: Simulation, request: FollowTrajectory, goal: TrajectoryGoal
+) -> GoalStarted:
+    bounds = None
+    if request.grip is not None:
+        limits = drive_limits(simulation, request.grip)
+        bounds = {limits.gripper.joint: limits}
+    return started(simulation, simulation.core.follow(request.controller, goal, bounds))
+
+
+def _command_goal(simulation: Simulation, request: CommandTrajectory) -> TrajectoryGoal:
+    return TrajectoryGoal(
         points=request.points, joint_names=request.joint_names, stamp=request.stamp
     )
-    core = simulation.core
-    simulation.loop.call(lambda: core.command_trajectory(request.controller, goal))
+
+
+@handles(CommandTrajectory, in_tick=True, prepare=_command_goal)
+def _command(
+    simulation: Simulation, request: CommandTrajectory, goal: TrajectoryGoal
+) -> None:
+    simulation.core.command_trajectory(request.controller, goal)
 
 
 @handles(ScaleTrajectory, in_tick=True)
@@ -194,30 +222,27 @@ def _scale(simulation: Simulation, request: ScaleTrajectory) -> None:
     simulation.core.scale_trajectory(request.controller, request.factor)
 
 
-@handles(MoveJoints)
-def _move(simulation: Simulation, request: MoveJoints) -> tuple[GoalStarted, ...]:
-    import_planner()  # slow the first time: not in the thread of the tick
-    core, duration = simulation.core, request.duration
-    if duration is not None:
-        goal = simulation.loop.call(
-            lambda: core.move_joints_within(
-                request.positions, duration, request.controller
-            )
-        )
-        return (started(simulation, goal),)
-    goals = simulation.loop.call(
-        lambda: core.move_joints(request.positions, request.speed, request.controller)
-    )
+def _import_planner(simulation: Simulation, request: Request[Any]) -> None:
+    """Import the planner: slow the first time, so not in the thread of the tick."""
+    import_planner()
+
+
+@handles(MoveJoints, in_tick=True, prepare=_import_planner)
+def _move(
+    simulation: Simulation, request: MoveJoints, prepared: None
+) -> tuple[GoalStarted, ...]:
+    core, positions, controller = simulation.core, request.positions, request.controller
+    goals: tuple[Goal, ...]
+    if request.duration is None:
+        goals = core.move_joints(positions, request.speed, controller)
+    else:
+        goals = (core.move_joints_within(positions, request.duration, controller),)
     return tuple(started(simulation, goal) for goal in goals)
 
 
-@handles(SteerJoints)
-def _steer(simulation: Simulation, request: SteerJoints) -> None:
-    import_planner()
-    core = simulation.core
-    simulation.loop.call(
-        lambda: core.steer(request.controller, request.positions, request.speed)
-    )
+@handles(SteerJoints, in_tick=True, prepare=_import_planner)
+def _steer(simulation: Simulation, request: SteerJoints, prepared: None) -> None:
+    simulation.core.steer(request.controller, request.positions, request.speed)
 
 
 @handles(PoseJoints)
@@ -230,10 +255,12 @@ def _pose(simulation: Simulation, request: PoseJoints) -> None:
 
 @handles(CommandGripper, in_tick=True)
 def _command_gripper(simulation: Simulation, request: CommandGripper) -> GoalStarted:
+    grip = request.grip
     goal = simulation.core.command_gripper(
         request.controller,
         request.position,
         request.max_effort,
+        None if grip is None else drive_limits(simulation, grip),
         max_velocity=request.max_velocity,
     )
     return started(simulation, goal)
@@ -244,9 +271,13 @@ handles(CommandJoints, in_tick=True)(
 )
 
 
-handles(CancelGoal, in_tick=True)(
-    lambda sim, request: sim.core.cancel(sim.goals.find(request.goal))
-)
+@handles(CancelGoal, in_tick=True)
+def _cancel(simulation: Simulation, request: CancelGoal) -> None:
+    goal = simulation.goals.find(request.goal)
+    if not simulation.program_runs.cancel(goal):
+        simulation.core.cancel(goal)
+
+
 handles(ReadGoal)(lambda sim, request: sim.goals.find(request.goal).status)
 
 
@@ -362,7 +393,9 @@ class LoadControllerWith(Request[None], frozen=True):
     unchecked = ("config",)
 
     name: Name
-    config: ControllerConfig
+    config: ControllerConfig | None = None
+    """The bring-up's configuration, if left out."""
+    configure: bool = True
 
 
 class UnloadController(Request[None], frozen=True):
@@ -454,7 +487,9 @@ handles(CleanupController, in_tick=True)(
     lambda sim, request: sim.core.manager.cleanup(request.name)
 )
 handles(LoadControllerWith, in_tick=True, local=True)(
-    lambda sim, request: sim.core.manager.load(request.name, request.config)
+    lambda sim, request: sim.core.manager.load(
+        request.name, request.config, configure=request.configure
+    )
 )
 handles(UnloadController, in_tick=True)(
     lambda sim, request: sim.core.manager.unload(request.name)
@@ -464,13 +499,14 @@ handles(UnloadController, in_tick=True)(
 @handles(LoadController)
 def _load(simulation: Simulation, request: LoadController) -> None:
     name, manager = request.name, simulation.core.manager
-    config = manager.config
+    config = None
     if request.files:
         config = ControllerConfig.from_files(map(Path, request.files))
     if request.type is not None:
-        config = config.with_type(name, request.type)
+        config = (config or manager.config).with_type(name, request.type)
     configure = request.configure or manager.dialect.is_configured_when_loaded
-    simulation.loop.call(lambda: manager.load(name, config, configure=configure))
+    loaded = LoadControllerWith(name=name, config=config, configure=configure)
+    answer(simulation, loaded)
 
 
 @handles(ListControllerTypes)
@@ -511,7 +547,7 @@ def _gains(simulation: Simulation, request: ReadGains) -> dict[str, Gains]:
     return dict(zip(spec.joints, spec.gains, strict=False))
 
 
-@handles(SetGains, in_tick=True, publishes=False)
+@handles(SetGains, in_tick=True, changes=True, publishes=False)
 def _set_gains(simulation: Simulation, request: SetGains) -> Gains:
     given = {name: getattr(request, name) for name in ("p", "i", "d", "antiwindup")}
     if (clamp := request.i_clamp) is not None:

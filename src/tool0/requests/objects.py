@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
-from msgspec import Meta, Struct
+from msgspec import Meta, Struct, structs
 
 from tool0.description.rigid_model import MAX_LENGTH, read_rigid_model
 from tool0.description.scene import DEFAULT_FRICTION, PALETTE, STILL_RGBA, SceneObject
@@ -35,6 +37,7 @@ from tool0.requests.table import (
     handles,
 )
 from tool0.runtime.applied_wrenches import AppliedWrench
+from tool0.runtime.pull_springs import PullSpring
 from tool0.runtime.simulation import Simulation
 
 MOST_SHAPES = 500
@@ -196,8 +199,31 @@ class ApplyWrench(Request[None], frozen=True):
     """[s]; until it is cleared or the robot is reset, if left out."""
 
 
+class PullLink(Request[None], frozen=True):
+    """Pull a point of a link towards a place with a damped spring: one of a stream.
+
+    It replaces another spring on the link.  Without an id, every one is executed at the
+    next tick.
+    """
+
+    name: Name
+    """A link that can move."""
+    point: Place
+    """What the spring pulls, in the link's frame [m]."""
+    target: Place
+    """Where to, in the robot's root [m]."""
+    stiffness: Annotated[float, Meta(gt=0.0, le=2000.0)] = 250.0
+    """[N/m]"""
+    damping: Annotated[float, Meta(ge=0.0, le=100.0)] = 15.0
+    """[N·s/m]"""
+    max_force: Annotated[float, Meta(gt=0.0, le=500.0)] = 80.0
+    """[N]"""
+    duration: Annotated[float, Meta(gt=0.0, le=10.0)] = 0.25
+    """Simulated time after which it ends if no other follows [s]."""
+
+
 class ClearWrenches(Request[None], frozen=True):
-    """End the wrenches that were applied to a link or an object, or to all of them."""
+    """End the wrenches and springs on a link or an object, or all of them."""
 
     name: Name | None = None
 
@@ -269,6 +295,20 @@ def solid_of(shape: Shape) -> Solid:
     )
 
 
+def with_meshes(shape: Shape, files: Mapping[str, Path]) -> Shape:
+    """Return a shape whose meshes are read from elsewhere, by their former names."""
+    match shape:
+        case MeshShape(file=file) if file in files:
+            return structs.replace(shape, file=str(files[file]))
+        case CompoundShape(parts=parts):
+            moved = (
+                structs.replace(part, shape=with_meshes(part.shape, files))
+                for part in parts
+            )
+            return CompoundShape(parts=tuple(moved))
+    return shape
+
+
 def _geometry_of(shape: SingleShape) -> Geometry:
     match shape:
         case BoxShape(size=size):
@@ -281,14 +321,10 @@ def _geometry_of(shape: SingleShape) -> Geometry:
             return mesh(Path(file), scale)
 
 
-@handles(AddObject)
-def _add(simulation: Simulation, request: AddObject) -> None:
-    scene = simulation.snapshot.scene
-    rgba = request.rgba
-    if rgba is None:
-        movable = sum(item.mass is not None for item in scene)
-        rgba = STILL_RGBA if request.mass is None else PALETTE[movable % len(PALETTE)]
-    item = SceneObject(
+def _object_to_add(simulation: Simulation, request: AddObject) -> SceneObject:
+    """Return the object, of which only the colour may still change."""
+    rgba = STILL_RGBA if request.rgba is None else request.rgba
+    return SceneObject(
         name=request.name,
         geometry=solid_of(request.shape),
         pose=Pose(xyz=request.xyz, rpy=request.rpy),
@@ -296,31 +332,51 @@ def _add(simulation: Simulation, request: AddObject) -> None:
         friction=request.friction,
         rgba=rgba,
     )
+
+
+@handles(AddObject, in_tick=True, prepare=_object_to_add)
+def _add(simulation: Simulation, request: AddObject, item: SceneObject) -> None:
+    if request.rgba is None and request.mass is not None:
+        objects = simulation.core.scene.objects
+        movable = sum(known.mass is not None for known in objects)
+        item = replace(item, rgba=PALETTE[movable % len(PALETTE)])
     _spawn(simulation, item)
 
 
-@handles(AddModel)
-def _add_model(simulation: Simulation, request: AddModel) -> SpawnedModel:
+def _model_to_add(
+    simulation: Simulation, request: AddModel
+) -> tuple[SceneObject, SpawnedModel]:
     if not math.hypot(*request.quat_wxyz) > 0.0:
         raise ConfigError("'quat_wxyz' must not be zero")
     model = read_rigid_model(request.model)
     T_root_frame = from_quaternion(request.xyz, request.quat_wxyz)
     item = model.scene_object(request.name, T_root_frame @ model.placement)
-    _spawn(simulation, item)
     T_frame_shape = model.placement @ model.T_model_shape
-    return SpawnedModel(xyz=T_frame_shape.position, quat_wxyz=T_frame_shape.quat_wxyz)
+    return item, SpawnedModel(
+        xyz=T_frame_shape.position, quat_wxyz=T_frame_shape.quat_wxyz
+    )
+
+
+@handles(AddModel, in_tick=True, prepare=_model_to_add)
+def _add_model(
+    simulation: Simulation, request: AddModel, model: tuple[SceneObject, SpawnedModel]
+) -> SpawnedModel:
+    item, spawned = model
+    _spawn(simulation, item)
+    return spawned
 
 
 def _spawn(simulation: Simulation, item: SceneObject) -> None:
     """Add an object, unless there would be too many shapes."""
-    solids = [*(known.geometry for known in simulation.snapshot.scene), item.geometry]
+    scene = simulation.core.scene
+    solids = [*(known.geometry for known in scene.objects), item.geometry]
     count = sum(len(parts_of(solid)) for solid in solids)
     if count > MOST_SHAPES:
         raise ConfigError(
             f"the objects would have {count} shapes; {MOST_SHAPES} is the most; "
             "remove some"
         )
-    simulation.loop.call(lambda: simulation.core.scene.spawn(item))
+    scene.spawn(item)
 
 
 handles(RemoveObject, in_tick=True)(
@@ -351,9 +407,27 @@ def _apply_wrench(simulation: Simulation, request: ApplyWrench) -> None:
     simulation.core.scene.wrenches.add(wrench)
 
 
-handles(ClearWrenches, in_tick=True)(
-    lambda sim, request: sim.core.scene.wrenches.clear(request.name)
-)
+@handles(PullLink, in_tick=True, publishes=False, streamed=True)
+def _pull_link(simulation: Simulation, request: PullLink) -> None:
+    spring = PullSpring(
+        link=request.name,
+        point=request.point,
+        target=request.target,
+        stiffness=request.stiffness,
+        damping=request.damping,
+        max_force=request.max_force,
+        duration=request.duration,
+    )
+    core = simulation.core
+    core.pulls.pull(spring, core.state)
+
+
+@handles(ClearWrenches, in_tick=True)
+def _clear_wrenches(simulation: Simulation, request: ClearWrenches) -> None:
+    simulation.core.pulls.release(request.name)
+    simulation.core.scene.wrenches.clear(request.name)
+
+
 handles(ReadContacts, in_tick=True, publishes=False)(
     lambda sim, _: sim.core.engine.world.contacts()
 )

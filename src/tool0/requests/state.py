@@ -208,8 +208,14 @@ class Unsubscribe(Request[None], frozen=True):
 class SubscribeView(Request[None], frozen=True):
     """Receive ``view``, ``scene``, ``status``, ``frame`` and ``notice``: the panel.
 
-    Frames come at most 60 times a second of wall time, the newest only.
+    Frames come at most 60 times a second of wall time, the newest only.  A second
+    request changes what they have.
     """
+
+    contacts: bool = False
+    """Whether frames have the contacts and their forces."""
+    wrenches: bool = False
+    """Whether frames have the wrench on each tool."""
 
 
 class ViewShown(Request[None], frozen=True):

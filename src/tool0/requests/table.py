@@ -42,7 +42,9 @@ class Request(
 
 
 RequestType = TypeVar("RequestType", bound=Request[Any])
-Handler = Callable[["Simulation", Any], Any]
+Handler = Callable[..., Any]
+"""Called with the simulation and the request, and with what was prepared, if it was."""
+Prepare = Callable[["Simulation", Any], Any]
 
 
 @final
@@ -58,6 +60,13 @@ class Entry:
     """Whether the handler runs in the thread of the tick, between two ticks: quick, and
     with the engine and the controllers at hand.  Otherwise it runs in the
     caller's thread, and may take longer."""
+    changes: bool
+    """Whether it changes the simulation.  Only handlers ``in_tick`` may: each one is
+    noted in the journal, from which a session can be repeated.  Others plan, and then
+    answer such a request."""
+    prepare: Prepare | None
+    """Called before an ``in_tick`` handler, in the caller's thread: what takes long and
+    depends on nothing that moves.  The handler gets its result."""
     publishes: bool
     """Whether a snapshot follows, so that the next reader sees the effect."""
     is_urgent: bool
@@ -82,18 +91,25 @@ def handles(
     request: type[RequestType],
     *,
     in_tick: bool = False,
+    changes: bool | None = None,
+    prepare: Prepare | None = None,
     publishes: bool | None = None,
     urgent: bool = False,
     streamed: bool = False,
     local: bool = False,
-) -> Callable[[Callable[[Simulation, RequestType], Any]], Handler]:
+) -> Callable[[Handler], Handler]:
     """Register the decorated function as the handler of ``request``, with a new name.
 
-    The options are those of ``Entry``; ``publishes`` is as ``in_tick`` if left out.
+    The options are those of ``Entry``.  Left out, ``publishes`` is as ``in_tick``, and
+    ``changes`` as that, or as ``streamed``.
     """
     name = method_name(request)
+    publishes = in_tick if publishes is None else publishes
+    changes = in_tick and (publishes or streamed) if changes is None else changes
     if name in _BY_NAME:
         raise TypeError(f"request '{name}' has a handler already")
+    if not in_tick and (changes or prepare is not None):
+        raise TypeError(f"request '{name}': only a handler in the tick changes things")
 
     def register(handler: Handler) -> Handler:
         _BY_TYPE[request] = _BY_NAME[name] = Entry(
@@ -101,7 +117,9 @@ def handles(
             request=request,
             handler=handler,
             in_tick=in_tick,
-            publishes=in_tick if publishes is None else publishes,
+            changes=changes,
+            prepare=prepare,
+            publishes=publishes,
             is_urgent=urgent,
             is_streamed=streamed,
             is_local=local,
@@ -137,6 +155,8 @@ _MODULES = (
         "hardware",
         "motion",
         "objects",
+        "program",
+        "replay",
         "sensors",
         "state",
     ),
@@ -144,13 +164,17 @@ _MODULES = (
 )
 
 
+_MODULES_ABOVE = ("recording.requests", "recording.episodes")
+"""Of packages that use the requests of this one."""
+
+
 @cache
 def load_all() -> None:
     """Import every module that declares requests of our own."""
     from importlib import import_module
 
-    for module in _MODULES:
-        import_module(f"tool0.requests.{module}")
+    for module in (*(f"requests.{name}" for name in _MODULES), *_MODULES_ABOVE):
+        import_module(f"tool0.{module}")
 
 
 # ---- types of fields -------------------------------------------------------------
@@ -259,8 +283,10 @@ def answer(simulation: Simulation, request: Request[Response]) -> Response:
     """
     entry = entry_of(type(request))
     if entry.in_tick:
+        prepared = _prepared(simulation, entry, request)
         response: Response = simulation.loop.call(
-            lambda: entry.handler(simulation, request), publishes=entry.publishes
+            lambda: _execute(simulation, entry, request, prepared),
+            publishes=entry.publishes,
         )
         return response
     response = entry.handler(simulation, request)
@@ -277,5 +303,35 @@ def post(
     ``when_failed`` is called with an exception of its handler, in the thread of the
     tick.
     """
-    handler = entry_of(type(request)).handler
-    simulation.loop.post(lambda: handler(simulation, request), when_failed)
+    entry = entry_of(type(request))
+    prepared = _prepared(simulation, entry, request)
+    simulation.loop.post(
+        lambda: _execute(simulation, entry, request, prepared), when_failed
+    )
+
+
+def _prepared(
+    simulation: Simulation, entry: Entry, request: Request[Any]
+) -> tuple[Any, ...]:
+    """Return the further arguments of a handler."""
+    prepare = entry.prepare
+    return () if prepare is None else (prepare(simulation, request),)
+
+
+def _execute(
+    simulation: Simulation,
+    entry: Entry,
+    request: Request[Any],
+    prepared: tuple[Any, ...],
+) -> Any:
+    """Call a handler between two ticks, and note in the journal what it changes."""
+    if not entry.changes:
+        return entry.handler(simulation, request, *prepared)
+    note = simulation.journal.begin(request)
+    try:
+        response = entry.handler(simulation, request, *prepared)
+    except Exception as error:
+        note(error)
+        raise
+    note(None)
+    return response

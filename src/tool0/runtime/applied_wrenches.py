@@ -55,8 +55,12 @@ class AppliedWrenches:
         Raises:
             EngineError: If there is no such link or object, or it cannot move.
         """
-        self._world.center_of_mass(wrench.name)
+        self.check(wrench.name)
         self._waiting = (*self._waiting, wrench)
+
+    def check(self, name: str) -> None:
+        """Raise EngineError if there is no such link or object, or it cannot move."""
+        self._world.center_of_mass(name)
 
     def clear(self, name: str | None = None) -> None:
         """End the wrenches on a link or object, or all of them."""

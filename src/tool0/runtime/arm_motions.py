@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial
 from typing import Final, final
@@ -11,7 +12,7 @@ from tool0.control.arm_motion import ArmMotionController, ArmMotionSpec
 from tool0.control.arm_path import ArmPath
 from tool0.control.controller import TrajectoryFollower
 from tool0.control.manager import ControllerManager
-from tool0.description.model import FLANGE, RobotModel
+from tool0.description.model import FLANGE, Interface, RobotModel
 from tool0.description.parts import find_arms
 from tool0.errors import ControlError
 from tool0.hardware.engine import JointState
@@ -26,7 +27,11 @@ RETURN_BRAKE: Final = 4.0
 """Change of a path's speed when its arm is given back while it moves [1/s²]: a path at
 full speed ends within 0.25 s."""
 RETURN_DECELERATION: Final = 4.0
-"""Of any other motion then [rad/s²]."""
+"""Of any other motion then, at least [rad/s²]: a stream of velocities ends as soon as
+with its own acceleration."""
+SETTLING: Final = 0.1
+"""From when the setpoint of an arm rests until the arm does [s]: its servos lag by some
+20 ms."""
 STIFFENING: Final = 10.0
 """Deceleration when force mode or freedrive ends while the arm moves [rad/s²]."""
 
@@ -48,7 +53,8 @@ class ArmMotions:
         modes: ArmModes,
     ) -> None:
         self._manager, self._boxes, self._modes = manager, boxes, modes
-        limits = hardware.limits
+        self._hardware = hardware
+        limits, self._index = hardware.limits, hardware.index
         self.specs = {
             name: ArmMotionSpec(
                 name=f"{prefix}arm_motion",
@@ -64,8 +70,8 @@ class ArmMotions:
         }
         """What moves each arm while it is taken, by the arm's name."""
         self._taken: set[str] = set()
-        self._returning: frozenset[str] = frozenset()
-        """The arms that are given back once they rest."""
+        self._returning: dict[str, float] = {}
+        """The arms that are given back once they rest, and from when they do [s]."""
         self._paths = dict.fromkeys(self.specs, 0)
         """How many paths each arm was given."""
         modes.when_stopped = self.abort
@@ -77,9 +83,14 @@ class ArmMotions:
 
     def tick(self, state: JointState) -> None:
         """Give back the arms that have come to rest."""
-        for arm in self._returning:
-            if self._controller(arm).is_done(state.time):
+        now = state.time
+        for arm, rests_at in list(self._returning.items()):
+            if not self._controller(arm).is_done(now):
+                continue
+            if now >= rests_at:
                 self._release(arm, state)
+            else:
+                self._returning[arm] = min(rests_at, now + SETTLING)
 
     # ---- requests, between ticks ----------------------------------------------------
 
@@ -94,7 +105,10 @@ class ArmMotions:
         """
         held = self._desired(self._boxes.find(arm).arm, now)
         name = self._modes.take(arm, by, now).arm
-        self._returning -= {name}
+        if self._returning.pop(name, None) is not None:
+            controller = self._controller(name)
+            if controller.motion(now.time).is_at_rest:
+                controller.hold(now.time)
         if name not in self._taken:
             self._manager.start_own(self.specs[name], now)
             self._taken.add(name)
@@ -113,13 +127,18 @@ class ArmMotions:
             self._release(name, now)
             return
         on_path = controller.mode == "path"
-        rate = RETURN_BRAKE if on_path else RETURN_DECELERATION
+        rate = max(RETURN_DECELERATION, controller.stream_deceleration())
+        rate = RETURN_BRAKE if on_path else rate
         controller.stop_motion(rate, now.time, along_path=on_path)
-        self._returning |= {name}
+        self._returning[name] = math.inf
+
+    def is_returning(self, arm: str) -> bool:
+        """Return whether an arm stops in order to be given back."""
+        return arm in self._returning
 
     def abort(self, arm: str, now: JointState) -> None:
         """Take an arm from its program at once: the brakes stop it."""
-        self._returning -= {arm}
+        self._returning.pop(arm, None)
         if arm in self._taken:
             self._taken.remove(arm)
             self._manager.stop_own(self.specs[arm].name, now)
@@ -167,6 +186,14 @@ class ArmMotions:
             controller.replace(path, number, after=after, at=at, now=now)
         self._paths[name] = number
         return number
+
+    def rest(self, arm: str, now: JointState) -> tuple[float, ...]:
+        """Return where an arm that rests is commanded to be, or is [rad]."""
+        if arm in self._taken:
+            return tuple(self._controller(arm).motion(now.time).positions)
+        spec = self.specs[arm]
+        measured = tuple(now.position[self._index[name]] for name in spec.joints)
+        return self._desired(arm, now) or measured
 
     def sample(self, arm: str, now: float, wrench: Wrench) -> ArmSample:
         """Return what moves an arm ``now`` [s]; ``wrench`` is that on its tool."""
@@ -218,6 +245,7 @@ class ArmMotions:
 
     def note_restart(self, now: JointState) -> None:
         """Note that controllers were restarted: freedrive and force mode have ended."""
+        self._returning = dict.fromkeys(self._returning, now.time)
         for arm in self._taken:
             self._modes.set_freedrive(arm, False, now)
 
@@ -258,3 +286,23 @@ class ArmMotions:
         wanted = self._controller(arm).at_rest(now)
         self.abort(arm, now)
         self._modes.give_back(arm, wanted)
+        self._carry(arm, now)
+
+    def _carry(self, arm: str, now: JointState) -> None:
+        """Let controllers of efforts start with those that hold the arm now.
+
+        With an integral of 0 the arm would sag until it has built up.
+        """
+        joints, claimed = set(self.specs[arm].joints), self._hardware.claimed
+        for status in self._manager.list():
+            if not (status.is_running and status.joints & joints):
+                continue
+            controller = self._manager.running(status.name)
+            if not isinstance(controller, TrajectoryFollower) or not controller.pid:
+                continue
+            for k, name in enumerate(controller.spec.joints):
+                if name not in joints or claimed.get(name) is not Interface.EFFORT:
+                    continue
+                if not self._hardware.compensates_gravity(name):
+                    effort = now.effort[self._index[name]]
+                    controller.pid.carry(k, effort)

@@ -18,7 +18,7 @@ from tool0.description.scene_file import load_scene
 from tool0.errors import ConfigError, ControlError
 from tool0.hardware.engine import Engine
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.runtime.config import ControlConfig
+from tool0.runtime.config import ControlConfig, SimulationConfig
 from tool0.runtime.controllers import ControllerChoice, choose_controllers
 from tool0.runtime.core import Core
 from tool0.runtime.poses import PoseBook
@@ -94,6 +94,17 @@ class Assembly:
                 "choose another rate, dt or control_period"
             )
         return steps * dt
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Setup:
+    """What a simulation was started with."""
+
+    assembly: Assembly
+    options: SimulationConfig
+    scene: Scene
+    """The objects at the start."""
 
 
 def chosen_scene(description: RobotDescription, scene: Scene | File | None) -> Scene:

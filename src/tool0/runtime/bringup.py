@@ -5,7 +5,7 @@ from __future__ import annotations
 from tool0.description.camera import default_cameras, merged
 from tool0.description.robot import RobotDescription
 from tool0.engines.registry import make_engine
-from tool0.runtime.assembly import Assembly, chosen_scene
+from tool0.runtime.assembly import Assembly, Setup, chosen_scene
 from tool0.runtime.bus import Bus
 from tool0.runtime.config import ControlConfig, SimulationConfig
 from tool0.runtime.loop import Loop
@@ -48,14 +48,10 @@ def start_simulation(
         raise
     config = assembly.choice.config
     return Simulation(
-        description=description,
+        setup=Setup(assembly=assembly, options=simulation, scene=scene),
         core=core,
         loop=loop,
         bus=bus,
-        poses=assembly.poses,
-        defined_controllers=config.types,
-        parameters=config.parameters(),
-        spawn_z=simulation.spawn_z,
         cameras=cameras,
         ground=engine.world.ground,
         warnings=(

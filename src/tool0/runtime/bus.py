@@ -35,6 +35,8 @@ class GoalFinished:
 
     goal: Goal
     """With ``controller``, ``status`` and ``result``."""
+    time: float | None = None
+    """Simulated time [s]; None over a connection."""
 
 
 @final
@@ -66,9 +68,22 @@ class WasReset:
 
     time: float = 0.0
     """Simulated time, which may have continued [s]."""
+    step: int = 0
+    """Ticks since the bring-up; 0 over a connection."""
 
 
-Event = GoalFinished | Overran | Faulted | WasReset
+@final
+@dataclass(frozen=True, slots=True)
+class Reported:
+    """Something beside the simulation failed, which goes on: a recording."""
+
+    message: str
+    """What failed, and why."""
+    time: float
+    """Simulated time [s]."""
+
+
+Event = GoalFinished | Overran | Faulted | WasReset | Reported
 
 
 @final
@@ -86,8 +101,11 @@ class Subscription:
         when_closed: Callable[[], None] = lambda: None,
         *,
         keep_all: bool = False,
+        most_kept: int | None = None,
         with_commands: bool = False,
         with_arms: bool = False,
+        with_contacts: bool = False,
+        forces_period: float = 0.0,
         latest_only: bool = False,
         when_published: Callable[[], None] | None = None,
     ) -> None:
@@ -96,6 +114,10 @@ class Subscription:
         """Whether the snapshots need the commands of the joints."""
         self._with_arms = with_arms
         """Whether they need what moves each arm, and the wrench on its tool."""
+        self._with_contacts = with_contacts
+        """Whether they need the contacts."""
+        self._forces_period = forces_period if with_arms or with_contacts else math.inf
+        """Simulated time between two snapshots with these [s]."""
         self._latest_only = latest_only
         """Whether it takes events and the newest snapshot only: the bus need not keep
         older ones."""
@@ -105,7 +127,9 @@ class Subscription:
         self._when_closed = when_closed
         self._seen: Snapshot | None = None
         self._events: deque[Event] = deque(maxlen=EVENTS_KEPT)
-        self._backlog: deque[Snapshot] | None = deque() if keep_all else None
+        self._backlog: deque[Snapshot] | None = (
+            deque(maxlen=most_kept) if keep_all else None
+        )
 
     @property
     def period(self) -> float:
@@ -185,6 +209,11 @@ class Bus:
         """Whether a subscriber needs the commands of the joints."""
         self.wants_arms = False
         """Whether a subscriber needs what moves each arm."""
+        self.wants_contacts = False
+        """Whether a subscriber needs the contacts."""
+        self._forces_period = math.inf
+        self._forces_time = -math.inf
+        """Of the newest snapshot with arms or contacts [s]."""
 
     def history(self) -> tuple[Snapshot, ...]:
         """Return the last half second of simulated time, the newest at the end."""
@@ -198,12 +227,17 @@ class Bus:
         when_closed: Callable[[], None] = lambda: None,
         *,
         keep_all: bool = False,
+        most_kept: int | None = None,
         with_commands: bool = False,
         with_arms: bool = False,
+        with_contacts: bool = False,
+        forces_period: float = 0.0,
         latest_only: bool = False,
         when_published: Callable[[], None] | None = None,
     ) -> Subscription:
         """Return a new reader; with ``keep_all``, its ``pending`` misses nothing.
+
+        Of more than ``most_kept`` that wait, it misses the oldest.
 
         The other arguments are explained in ``Subscription``.
         """
@@ -212,8 +246,11 @@ class Bus:
             period,
             when_closed,
             keep_all=keep_all,
+            most_kept=most_kept,
             with_commands=with_commands,
             with_arms=with_arms,
+            with_contacts=with_contacts,
+            forces_period=forces_period,
             latest_only=latest_only,
             when_published=when_published,
         )
@@ -243,9 +280,21 @@ class Bus:
         self._wakers = tuple(waker for waker in wakers if waker is not None)
         self.wants_commands = any(s._with_commands for s in self._subscriptions)
         self.wants_arms = any(s._with_arms for s in self._subscriptions)
+        self.wants_contacts = any(s._with_contacts for s in self._subscriptions)
+        self._forces_period = min(
+            (s._forces_period for s in self._subscriptions), default=math.inf
+        )
         self._keeps_recent = not all(s._latest_only for s in self._subscriptions)
         if not self._keeps_recent:
             self._recent.clear()
+
+    def are_forces_due(self, time: float) -> bool:
+        """Return whether a snapshot at ``time`` [s] needs arms or contacts."""
+        passed = time - self._forces_time
+        if 0.0 < passed < self._forces_period - _ROUNDING:
+            return False
+        self._forces_time = time
+        return True
 
     def publish(self, snapshot: Snapshot) -> None:
         time = snapshot.time

@@ -69,3 +69,6 @@ class SimulationConfig:
     """Simulated seconds per wall second in real time."""
     paused: bool = False
     """Start paused; `tool0 resume` continues."""
+    record: File | None = None
+    """MCAP file to record to, from the start until the robot is closed
+    (docs/recording.md)."""

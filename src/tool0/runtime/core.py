@@ -40,6 +40,7 @@ from tool0.runtime.joint_motion import (
     require_velocities,
 )
 from tool0.runtime.protective_stops import ProtectiveStops
+from tool0.runtime.pull_springs import PullSprings
 from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp import GraspAssist
@@ -75,6 +76,7 @@ class Core:
         self.hardware = hardware
         self.manager = manager
         self.scene = SceneObjects(model, engine, scene or Scene())
+        self.pulls = PullSprings(model, engine.joint_names, self.scene.wrenches)
         self.control_boxes = ControlBoxes(model, hardware)
         self.arm_modes = ArmModes(model, self.control_boxes, hardware, manager)
         self.arm_motions = ArmMotions(
@@ -120,6 +122,8 @@ class Core:
         """Update the controllers once and advance by one control period."""
         self.settle()
         state = self.state
+        if not self.pulls.is_idle:
+            self.pulls.tick(state)
         self.scene.wrenches.tick(self.time)
         if not self.control_boxes.is_steady:
             self.control_boxes.tick(self.control_period)
@@ -160,6 +164,7 @@ class Core:
         if (
             self._program is None
             and self.scene.wrenches.is_idle
+            and self.pulls.is_idle
             and self.control_boxes.is_steady
             and self.arm_motions.is_idle
         ):
@@ -416,6 +421,7 @@ class Core:
         self.ticks = self.ticks if keep_time else 0
         self.engine.reset(start, self.time)
         self.scene.wrenches.forget()
+        self.pulls.release()
         self.state = self._before = self.engine.read()
         self._commanded.clear()
         self._watch_drift()

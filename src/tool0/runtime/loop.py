@@ -74,8 +74,10 @@ class Loop:
         """Ticks since the start; unlike time, a reset does not set it back."""
         self.max_drift = 0.0
         """Largest departure of an uncommanded joint from its initial pose so far."""
+        self.when_observed: Callable[[Snapshot], None] = lambda snapshot: None
+        """Called after snapshots at the default period, between two ticks."""
         core.when_goal_starts = lambda goal: goal.when_finished(
-            lambda done: bus.announce(GoalFinished(done))
+            lambda done: bus.announce(GoalFinished(done, core.time))
         )
         self._publish()
         self._thread: threading.Thread | None = None
@@ -110,7 +112,8 @@ class Loop:
     def call(self, operation: Callable[[], R], *, publishes: bool = True) -> R:
         """Carry out ``operation`` between two ticks, and return what it returns.
 
-        It runs in the thread of the tick; a snapshot follows if it ``publishes``.
+        It runs in the thread of the tick; a snapshot follows if it ``publishes``.  That
+        thread itself may call this between two ticks, too.
 
         Raises:
             ControlError: If the simulation is closed.
@@ -120,7 +123,8 @@ class Loop:
         future: Future[R] = Future()
         self._mailbox.put(_Operation(operation, future, publishes))
         while True:
-            if self._thread is None and self._owner.acquire(blocking=False):
+            is_own = self._thread in {None, threading.current_thread()}
+            if is_own and self._owner.acquire(blocking=False):
                 try:
                     self._drain()
                 finally:
@@ -236,7 +240,7 @@ class Loop:
         self._fault = None
         self._update_running()
         self._restart_clock()
-        self._bus.announce(WasReset(self._core.time))
+        self._bus.announce(WasReset(self._core.time, self.steps))
 
     def publish_every(self, period: float) -> float:
         """Publish snapshots at least every ``period`` [s] from now on.
@@ -308,18 +312,23 @@ class Loop:
             self._observe()
 
     def _observe(self) -> None:
-        """Publish a snapshot; at the default period, look at the contacts, too."""
+        """Publish a snapshot; at the default period, look at limits and contacts, too.
+
+        So nothing that happens depends on the rates of subscribers.
+        """
         core = self._core
-        if core.control_boxes.has_limits:
-            self._attempt(core.look_at_limits)
         if core.ticks % self._default_snapshot_ticks:
             self._publish()
             return
+        if core.control_boxes.has_limits:
+            self._attempt(core.look_at_limits)
         self._attempt(core.look_at_contacts)
         self._publish()
         snapshot, grasp_assist = self._bus.latest, core.grasp_assist
         if grasp_assist is not None and snapshot is not None:
             self._attempt(lambda: grasp_assist.look(snapshot))
+        if snapshot is not None and self._fault is None:
+            self.when_observed(snapshot)
 
     def _attempt(self, action: Callable[[], None]) -> None:
         """Call something outside the tick that uses the engine; it may fail."""
@@ -383,6 +392,14 @@ class Loop:
 
         return self.call(publish, publishes=False)
 
+    def refresh(self) -> None:
+        """Publish a snapshot soon, without waiting for it; also while time is held.
+
+        It has what was asked for since the last one.
+        """
+        if not self._closing:
+            self._mailbox.put(_Operation(self._publish, Future(), publishes=False))
+
     def _publish(self, *, with_arms: bool = False) -> None:
         core, meter, overruns = self._core, self._meter, self._pacer.overruns
         self.max_drift = core.drift(self.max_drift)
@@ -391,6 +408,8 @@ class Loop:
             self._announce_lag()
         hardware, manager, fault = core.hardware, core.manager, self._fault
         _, position, velocity, effort = core.state
+        bus = self._bus
+        has_forces = bus.are_forces_due(time)
         self._bus.publish(
             Snapshot(  # by position: keywords take ten times as long
                 time,
@@ -415,7 +434,13 @@ class Loop:
                 core.grip_contacts.gripping,
                 core.control_boxes.states,
                 core.command if self._bus.wants_commands else (),
-                core.arm_samples() if self._bus.wants_arms or with_arms else {},
+                core.arm_samples()
+                if with_arms or (bus.wants_arms and has_forces)
+                else {},
+                core.engine.world.contacts()
+                if bus.wants_contacts and has_forces
+                else (),
+                self.steps,
             )
         )
 

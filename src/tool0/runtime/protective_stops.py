@@ -1,8 +1,8 @@
 """What stops an arm by itself: a path error, a contact's force, a joint's limit.
 
 A UR derives the force from the currents of its joints; here the engine's contacts have
-it.  They are read when a snapshot is published, and only for arms whose safety limits
-are enabled, so that the tick pays nothing.
+it.  They are read every 8 ms, only for arms whose safety limits are enabled: the tick
+pays nothing.
 """
 
 from __future__ import annotations

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeVar, final
+from typing import TYPE_CHECKING, Protocol, TypeVar, cast, final
 
 from tool0.control.goal import Goal
 from tool0.description.camera import Camera
 from tool0.description.finding import Finding
 from tool0.description.model import JointLimits, ParallelGripper, RobotModel
 from tool0.description.parts import find_grippers
-from tool0.description.robot import RobotDescription
 from tool0.errors import ControlError, did_you_mean
+from tool0.programs.book import ProgramBook
+from tool0.runtime.assembly import Setup
 from tool0.runtime.bus import Bus, Subscription
 from tool0.runtime.core import Core
+from tool0.runtime.journal import Journal
 from tool0.runtime.loop import Loop
-from tool0.runtime.poses import PoseBook
+from tool0.runtime.program_runs import ProgramRuns
 from tool0.sensing.cameras import Cameras
 from tool0.sensing.force_torque import ForceTorqueSensors
 from tool0.sensing.snapshot import Snapshot
@@ -27,6 +30,15 @@ if TYPE_CHECKING:
     from tool0.kinematics.chain import ArmChain
 
 Part = TypeVar("Part")
+
+
+class Service(Protocol):
+    """Something that belongs to a simulation, and ends with it."""
+
+    def close(self) -> None: ...
+
+
+ServiceType = TypeVar("ServiceType", bound=Service)
 
 MIN_SNAPSHOT_RATE, MAX_SNAPSHOT_RATE = 0.001, 500.0
 """Range of snapshot rates for subscribers, per simulated second [Hz]."""
@@ -39,32 +51,31 @@ class Simulation:
     def __init__(
         self,
         *,
-        description: RobotDescription,
+        setup: Setup,
         core: Core,
         loop: Loop,
         bus: Bus,
-        poses: PoseBook,
-        defined_controllers: Mapping[str, str],
-        parameters: Mapping[str, object],
-        spawn_z: float = 0.0,
         ground: float | None = None,
         cameras: Mapping[str, Camera],
         warnings: Sequence[Finding] = (),
     ) -> None:
+        description, config = setup.assembly.description, setup.assembly.choice.config
+        self.setup = setup
+        """Its start, from which the journal leads to its present state."""
         self.description = description
         self.core = core
         """Only for the thread of the tick."""
         self.engine = core.engine
         self.loop = loop
         self.bus = bus
-        self.poses = poses
-        self.defined_controllers = defined_controllers
+        self.poses = setup.assembly.poses
+        self.defined_controllers = config.types
         """The type of each controller of the YAML, loaded or not, in its order."""
-        self.parameters = parameters
+        self.parameters = config.parameters()
         """The whole YAML, as plain values."""
         self.joint_limits: Mapping[str, JointLimits] = core.hardware.limits
         """Limits of each driven joint: the URDF's, or those of the YAML."""
-        self.spawn_z = spawn_z
+        self.spawn_z = setup.options.spawn_z
         """Height of the robot's root above the world's origin [m]."""
         self.ground = ground
         """Height of the ground [m], in the robot's root; None if there is none."""
@@ -85,6 +96,14 @@ class Simulation:
             ),
         )
         self.goals = GoalRegistry()
+        self.programs = ProgramBook(description.model.name)
+        self.program_runs = ProgramRuns()
+        """Only for the thread of the tick."""
+        loop.when_observed = self.program_runs.look
+        self.journal = Journal(core, lambda: loop.steps)
+        """The requests that changed the simulation, since its start."""
+        self._services: dict[object, Service] = {}
+        self._lock = threading.Lock()
         self._wall_start = time.perf_counter()
 
     @property
@@ -100,8 +119,11 @@ class Simulation:
         rate: float | None = None,
         *,
         keep_all: bool = False,
+        most_kept: int | None = None,
         with_commands: bool = False,
         with_arms: bool = False,
+        with_contacts: bool = False,
+        forces_period: float = 0.0,
         latest_only: bool = False,
         when_published: Callable[[], None] | None = None,
     ) -> Subscription:
@@ -110,8 +132,12 @@ class Simulation:
         Args:
             rate: Snapshots per simulated second [Hz]; the default rate if left out.
             keep_all: Miss no snapshot, however late they are taken.
+            most_kept: With ``keep_all``: miss the oldest if more are waiting.
             with_commands: Let the snapshots have the commands of the joints.
             with_arms: Let them have what moves each arm, and the wrench on its tool.
+            with_contacts: Let them have the contacts and their forces.
+            forces_period: Simulated time between two snapshots that have these [s];
+                they take the tick 0.2 ms.
             latest_only: Deliver events, and the newest snapshot only.
             when_published: Called for every snapshot, in the thread of the tick.
         """
@@ -126,8 +152,11 @@ class Simulation:
             1.0 / rate,
             self._update_snapshot_period,
             keep_all=keep_all,
+            most_kept=most_kept,
             with_commands=with_commands,
             with_arms=with_arms,
+            with_contacts=with_contacts,
+            forces_period=forces_period,
             latest_only=latest_only,
             when_published=when_published,
         )
@@ -215,12 +244,24 @@ class Simulation:
             ],
         }
 
+    def service(self, kind: Callable[[Simulation], ServiceType]) -> ServiceType:
+        """Return this simulation's one service of a class, created at its first use.
+
+        Packages above this one keep their state here; the simulation closes it.
+        """
+        with self._lock:
+            found = self._services.get(kind)
+            if found is None:
+                found = self._services[kind] = kind(self)
+        return cast(ServiceType, found)
+
     def close(self) -> None:
         """End the simulation; closing twice is allowed."""
-        try:
-            self.cameras.close()
-        finally:
-            self.loop.close()
+        with contextlib.ExitStack() as exits:
+            exits.callback(self.loop.close)
+            exits.callback(self.cameras.close)
+            for service in self._services.values():
+                exits.callback(service.close)
 
 
 def only_part(parts: Mapping[str, Part], kind: str, model: RobotModel) -> Part:
@@ -249,17 +290,18 @@ class GoalRegistry:
         self._goals: dict[int, Goal] = {}
         self._last = 0
 
-    def add(self, goal: Goal) -> int:
-        """Remember ``goal`` and return its number."""
+    def add(self, goal: Goal, number: int | None = None) -> int:
+        """Remember ``goal`` and return its number; the next one, if left out."""
         with self._lock:
-            self._last += 1
-            self._goals[self._last] = goal
+            if number is None:
+                self._last = number = self._last + 1
+            self._goals[number] = goal
             if len(self._goals) > GOALS_KEPT:
                 ended = (n for n, g in self._goals.items() if g.status.is_terminal)
                 oldest = next(ended, None)
                 if oldest is not None:
                     del self._goals[oldest]
-            return self._last
+            return number
 
     def number(self, goal: Goal) -> int | None:
         """Return a goal's number; None if no request started it, or it is old."""

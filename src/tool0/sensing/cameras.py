@@ -63,7 +63,8 @@ class Cameras(Mapping[str, Camera]):
         """
         self._model = model
         self._ground = ground
-        self._newest = newest
+        self.newest = newest
+        """Returns what is to be seen now."""
         self._cameras = dict(cameras)
         self._lock = Lock()
         self._thread: ThreadPoolExecutor | None = None
@@ -92,7 +93,7 @@ class Cameras(Mapping[str, Camera]):
         """
         from concurrent.futures import ThreadPoolExecutor
 
-        state = snapshot or self._newest()
+        state = snapshot or self.newest()
         with self._lock:
             if self._is_closed:
                 raise RenderError("the robot is closed; its cameras take no images")
@@ -152,10 +153,10 @@ if TYPE_CHECKING:
 _GREY, _COLORS = 0, 2
 
 
-def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
+def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16], level: int = 6) -> bytes:
     """Return a PNG of colours (height, width, 3) uint8 or grey (height, width) uint16.
 
-    The format is https://www.w3.org/TR/png-3/.
+    The format is https://www.w3.org/TR/png-3/; ``level`` is that of zlib.
 
     Raises:
         ValueError: If the image is neither.
@@ -171,7 +172,7 @@ def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
     header = struct.pack(">IIBBBBB", width, height, depth, color, 0, 0, 0)
     chunks = [
         _chunk(b"IHDR", header),
-        _chunk(b"IDAT", zlib.compress(_filtered(image), 6)),
+        _chunk(b"IDAT", zlib.compress(_filtered(image), level)),
         _chunk(b"IEND", b""),
     ]
     return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
@@ -179,10 +180,15 @@ def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
 
 def encode_depth(depth: NDArray[np.float32]) -> bytes:
     """Return a PNG of depth [m] in mm (REP-118); 0 where unknown or over 65.535 m."""
+    return encode_png(depth_in_mm(depth))
+
+
+def depth_in_mm(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
+    """Return depth [m] in mm; 0 where unknown or over 65.535 m."""
     import numpy as np
 
     known = np.isfinite(depth) & (depth < 65.535)
-    return encode_png(np.where(known, np.rint(1000.0 * depth), 0).astype(np.uint16))
+    return np.where(known, np.rint(1000.0 * depth), 0).astype(np.uint16)
 
 
 def _filtered(image: NDArray[Any]) -> bytes:

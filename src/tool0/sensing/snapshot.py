@@ -13,7 +13,7 @@ from tool0.control.status import ControllerStatus
 from tool0.control.trajectory import Setpoint
 from tool0.description.scene import SceneObject
 from tool0.hardware.control_box import ControlBoxState
-from tool0.hardware.engine import ObjectState
+from tool0.hardware.engine import Contact, ObjectState
 from tool0.hardware.tool_dynamics import Wrench
 from tool0.sensing.stalls import Stall
 
@@ -122,6 +122,11 @@ class Snapshot(Struct, frozen=True):
     subscriber needs it."""
     arms: Mapping[str, ArmSample] = field(default_factory=dict)
     """Arm → what moves it; empty unless a subscriber needs it."""
+    contacts: tuple[Contact, ...] = ()
+    """What touches what, with forces; empty unless a subscriber needs it."""
+    step: int = 0
+    """Control periods since the bring-up; no reset sets it back.  Only in the process
+    of the simulation."""
 
     @property
     def positions(self) -> dict[str, float]:

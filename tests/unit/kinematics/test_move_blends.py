@@ -119,8 +119,8 @@ def test_overlapping_blends_become_smaller_with_a_warning() -> None:
     plan = RIG.plan(*moves)
     RIG.check(plan)
     (warning,) = plan.warnings
-    assert "move 2" in warning
-    assert "overlap" in warning
+    assert "move 2" in str(warning)
+    assert "overlap" in str(warning)
 
 
 def test_turning_back_is_a_blend_too() -> None:

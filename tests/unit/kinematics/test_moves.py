@@ -111,8 +111,8 @@ def test_too_fast_a_move_becomes_slower_and_says_so(rig: MovesRig) -> None:
     plan = rig.plan(rig.tool_move((0.1, 0.3, 0.0), a=10.0, v=3.0))
     rig.check(plan)
     (warning,) = plan.warnings
-    assert "move 1 (movel)" in warning
-    assert "instead of 3" in warning
+    assert "move 1 (movel)" in str(warning)
+    assert "instead of 3" in str(warning)
 
 
 def test_nothing_to_do_takes_no_time(rig: MovesRig) -> None:

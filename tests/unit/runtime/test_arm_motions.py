@@ -473,8 +473,28 @@ def test_freedrive_keeps_locked_axes(robot: tool0.Robot) -> None:
     assert moved[1] > 0.03
     assert np.abs(moved[[0, 2]]).max() < 0.002
     motion.give_back()
-    robot.run(0.1)
+    robot.run(0.3)
     assert states(robot)["eff_joint_traj_controller"] == "running"
+
+
+def test_a_jogged_arm_given_back_rests_within_a_tenth_of_a_second(
+    robot: tool0.Robot,
+) -> None:
+    motion = robot.arm.motion
+    robot.run(1.0)
+    motion.take()
+    for speed in (0.01, 0.1, 0.25):
+        motion.take()
+        motion.speed_tool((0.0, 0.0, -speed, 0.0, 0.0, 0.0), speed / 0.025)
+        robot.run(0.3)
+        motion.give_back()
+        robot.run(0.1)
+        there = np.array(robot.arm.pose().position)
+        for _ in range(20):  # its controllers take over, without a jump
+            robot.run(0.025)
+            moved = robot.arm.pose().position - there
+            assert np.abs(moved).max() < 5e-4
+        assert states(robot)["eff_joint_traj_controller"] == "running"
 
 
 def test_the_wrench_is_external_filtered_and_tared(robot: tool0.Robot) -> None:

@@ -112,7 +112,7 @@ def test_a_goal_that_ends_is_an_event(start: Starter) -> None:
     goal = loop.call(lambda: follow(core, [0.4, -0.2], 0.1))
     assert not reader.events
     loop.run(1.0)
-    assert list(reader.events) == [GoalFinished(goal)]
+    assert list(reader.events) == [GoalFinished(goal, pytest.approx(0.1))]
 
 
 @pytest.mark.parametrize("speed", [None, 50.0])
@@ -145,7 +145,7 @@ def test_a_reset_is_an_event_and_steps_count_on(start: Starter) -> None:
     reader = bus.subscribe()
     loop.run(0.2)
     loop.call(lambda: loop.reset({}, keep_time=False))
-    assert list(reader.events) == [WasReset()]
+    assert list(reader.events) == [WasReset(0.0, step=200)]
     assert (loop.time, loop.steps) == (0.0, 200)
     loop.run(0.1)
     assert loop.time == pytest.approx(0.1)

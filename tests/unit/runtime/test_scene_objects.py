@@ -73,7 +73,10 @@ def test_the_event_of_a_reset_says_what_time_it_is() -> None:
     assert core.time == core.state.time == pytest.approx(0.24)
     loop.run(0.1)
     loop.call(lambda: loop.reset({}, keep_time=False))
-    assert list(reader.events) == [WasReset(pytest.approx(0.24)), WasReset(0.0)]
+    assert list(reader.events) == [
+        WasReset(pytest.approx(0.24), step=60),
+        WasReset(0.0, step=85),
+    ]
 
 
 def test_what_comes_in_real_time_makes_no_goal_fail() -> None:

@@ -1,9 +1,9 @@
 /** A new object: its shape, mass and pose. */
 import { useState } from "preact/hooks";
-import { connection } from "../connection";
 import { t } from "../i18n";
-import type { AddObject as AddObjectParams, ErrorInfo } from "../protocol";
-import { scene } from "../store";
+import { type NewObject, placing, type SimpleShape, togglePlacing } from "../placing";
+import type { ErrorInfo } from "../protocol";
+import { addObject, freeName } from "../scene-edits";
 import { Button } from "../ui/button";
 import { Segmented } from "../ui/choice";
 import { NumberField } from "../ui/number-field";
@@ -13,19 +13,10 @@ import { MILLIMETRES } from "../units";
 import type { Vector } from "../urdf";
 import { PoseFields } from "./pose-fields";
 
-type AddedShape = Exclude<AddObjectParams["shape"], { kind: "mesh" | "compound" }>;
-type Kind = AddedShape["kind"];
+type Kind = SimpleShape["kind"];
 const KINDS: readonly Kind[] = ["box", "cylinder", "sphere"];
 /** The range that the server accepts [m]. */
 const LENGTH = { min: 0.001, max: 100 } as const;
-
-/** Return a name that no object has: `box`, `box 2`, …. */
-function freeName(kind: Kind, taken: ReadonlySet<string>): string {
-  if (!taken.has(kind)) return kind;
-  let number = 2;
-  while (taken.has(`${kind} ${String(number)}`)) number += 1;
-  return `${kind} ${String(number)}`;
-}
 
 export function AddObject() {
   const [kind, setKind] = useState<Kind>("box");
@@ -41,23 +32,23 @@ export function AddObject() {
   const [mass, setMass] = useState(0.1);
   const [friction, setFriction] = useState(1);
   const [problem, setProblem] = useState<ErrorInfo | null>(null);
-  const suggested = freeName(
-    kind,
-    new Set(scene.value?.objects.map((object) => object.name)),
-  );
+  const suggested = freeName(kind);
 
-  const shape = (): AddedShape => {
+  const shape = (): SimpleShape => {
     if (kind === "box") return { kind, size: [...size] };
     return kind === "sphere" ? { kind, radius } : { kind, radius, length };
   };
+  const described = (): NewObject => ({
+    name: name.trim() || suggested,
+    shape: shape(),
+    mass: isMovable ? mass : null,
+    friction,
+  });
   const add = async () => {
-    const refusal = await connection.request("add_object", {
-      name: name.trim() || suggested,
-      shape: shape(),
+    const refusal = await addObject({
+      ...described(),
       xyz: [...target.position],
       rpy: [...target.rpy],
-      mass: isMovable ? mass : null,
-      friction,
     });
     setProblem(refusal);
     if (refusal === null) setName("");
@@ -162,9 +153,20 @@ export function AddObject() {
           onCommit={setMass}
         />
       </div>
-      <Button kind="primary" data-testid="object-add" onClick={() => void add()}>
-        {t("objects.addIt")}
-      </Button>
+      <div class="row wrap">
+        <Button kind="primary" data-testid="object-add" onClick={() => void add()}>
+          {t("objects.addIt")}
+        </Button>
+        <Button
+          aria-pressed={placing.value !== null}
+          data-testid="object-place"
+          onClick={() => {
+            togglePlacing(described());
+          }}
+        >
+          {t("edit.place")}
+        </Button>
+      </div>
       {problem && (
         <p class="refusal" role="alert" data-testid="object-add-refusal">
           {problem.message}

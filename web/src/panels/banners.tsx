@@ -6,7 +6,7 @@ import type { ControlBox } from "../control-box";
 import { t } from "../i18n";
 import type { StallInfo } from "../protocol";
 import { ownerOf, robots, withoutPrefix } from "../robots";
-import { connectionState, joints, status } from "../store";
+import { connectionState, joints, status, view } from "../store";
 import { Button } from "../ui/button";
 import { HoldButton } from "../ui/hold-button";
 import { EmergencyIcon, ErrorIcon, WarningIcon } from "../ui/icons";
@@ -71,18 +71,25 @@ function ConnectionBanner() {
   }
 }
 
+/** Whether there is a robot that a button can act on: a recording has none. */
+function isRunning(): boolean {
+  return view.value?.mode === "simulation";
+}
+
 function EmergencyBanner() {
   if (status.value?.stopped === true) {
     return (
       <Banner tone="danger" testId="estop-banner">
         <EmergencyIcon />
         <span>{t("estop.banner")}</span>
-        <HoldButton
-          data-testid="estop-release"
-          onHeld={() => void sendRequest("emergency_stop", { engaged: false })}
-        >
-          {t("estop.release")}
-        </HoldButton>
+        {isRunning() && (
+          <HoldButton
+            data-testid="estop-release"
+            onHeld={() => void sendRequest("emergency_stop", { engaged: false })}
+          >
+            {t("estop.release")}
+          </HoldButton>
+        )}
       </Banner>
     );
   }
@@ -103,12 +110,14 @@ function ProtectiveStopBanner({ box }: { box: ControlBox }) {
     <Banner tone="danger" testId="protective-stop-banner">
       <WarningIcon />
       <span>{t(key, { arm, reason })}</span>
-      <Button
-        data-testid={`unlock-${arm}`}
-        onClick={() => void sendRequest("unlock_protective_stop", { arm })}
-      >
-        {t("box.unlock")}
-      </Button>
+      {isRunning() && (
+        <Button
+          data-testid={`unlock-${arm}`}
+          onClick={() => void sendRequest("unlock_protective_stop", { arm })}
+        >
+          {t("box.unlock")}
+        </Button>
+      )}
     </Banner>
   );
 }

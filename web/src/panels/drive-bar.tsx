@@ -1,5 +1,6 @@
 /** The switch that lets this page move the robot, above every panel. */
 import { disable, enable, endReason, isDriving } from "../driving";
+import { shown } from "../frames";
 import { t } from "../i18n";
 import { robots } from "../robots";
 import { connectionState, status, view } from "../store";
@@ -21,7 +22,11 @@ export function DriveBar() {
       <Toggle
         label={t("drive.switch")}
         checked={isDriving.value}
-        disabled={connectionState.value !== "open" || status.value?.stopped !== false}
+        disabled={
+          connectionState.value !== "open" ||
+          status.value?.stopped !== false ||
+          shown.isPast.value
+        }
         data-testid="enable-toggle"
         onChange={(checked) => {
           if (checked) enable();

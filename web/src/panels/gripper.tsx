@@ -83,6 +83,26 @@ export function GripperPanel({ gripper, isNamed }: GripperPanelProps) {
             </Badge>
           </span>
         )}
+        <span class="header-buttons">
+          <Button
+            disabled={disabled}
+            data-testid="gripper-open"
+            onClick={() => {
+              grip(largest);
+            }}
+          >
+            {t("gripper.open")}
+          </Button>
+          <Button
+            disabled={disabled}
+            data-testid="gripper-close"
+            onClick={() => {
+              grip(0);
+            }}
+          >
+            {t("gripper.close")}
+          </Button>
+        </span>
       </header>
       <div class="row labelled">
         <span class="caption">{t("gripper.opening")}</span>
@@ -138,28 +158,6 @@ export function GripperPanel({ gripper, isNamed }: GripperPanelProps) {
           />
         </>
       )}
-      <div class="row">
-        <Button
-          class="grow"
-          disabled={disabled}
-          data-testid="gripper-open"
-          onClick={() => {
-            grip(largest);
-          }}
-        >
-          {t("gripper.open")}
-        </Button>
-        <Button
-          class="grow"
-          disabled={disabled}
-          data-testid="gripper-close"
-          onClick={() => {
-            grip(0);
-          }}
-        >
-          {t("gripper.close")}
-        </Button>
-      </div>
       {problem && (
         <p class="refusal" role="alert" data-testid="gripper-refusal">
           {problem.message}

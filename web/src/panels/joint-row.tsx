@@ -58,6 +58,7 @@ export function JointRow({ joint, goal, editable = false, onChange }: JointRowPr
     const [low, high] = limitsOf(joint);
     onChange(Math.min(high, Math.max(low, value / unit.factor)));
   };
+  const limits = t("motion.limits", { from: say(min), to: say(max) });
   const disabled = goal === null && !editable;
   const label = t("motion.commanded", { joint: joint.name });
   return (
@@ -71,7 +72,10 @@ export function JointRow({ joint, goal, editable = false, onChange }: JointRowPr
           <span ref={actual} data-testid={`joint-actual-${joint.name}`} />
         </span>
       </div>
-      <div class="joint-controls" title={disabled ? "" : t("motion.reset")}>
+      <div
+        class="joint-controls"
+        title={disabled ? limits : `${limits}. ${t("motion.reset")}`}
+      >
         <Slider
           label={label}
           valueText={say(shown)}
@@ -101,10 +105,6 @@ export function JointRow({ joint, goal, editable = false, onChange }: JointRowPr
           onCommit={change}
           data-testid={`joint-field-${joint.name}`}
         />
-      </div>
-      <div class="joint-limits muted" aria-hidden="true">
-        <span>{fixed(min, unit.symbol === "rad" ? 2 : 0)}</span>
-        <span>{fixed(max, unit.symbol === "rad" ? 2 : 0)}</span>
       </div>
     </li>
   );

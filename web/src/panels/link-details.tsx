@@ -33,7 +33,9 @@ export function LinkDetails({ tree, link }: { tree: UrdfModel; link: string | nu
       </h3>
       <dl>
         <Fact name={t("tree.mass")}>
-          {known.mass === null ? t("tree.massless") : `${known.mass.toPrecision(4)} kg`}
+          {known.inertial === null
+            ? t("tree.massless")
+            : `${known.inertial.mass.toPrecision(4)} kg`}
         </Fact>
         {joint && <JointFacts joint={joint} />}
         <LivePose key={known.name} tree={tree} link={known.name} />

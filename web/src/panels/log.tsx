@@ -2,7 +2,7 @@ import { signal } from "@preact/signals";
 import { t } from "../i18n";
 import { report } from "../notices";
 import type { Notice } from "../protocol";
-import { notices } from "../store";
+import { passedNotices } from "../replayed";
 import { IconButton } from "../ui/button";
 import { Segmented } from "../ui/choice";
 import { CopyIcon } from "../ui/icons";
@@ -28,7 +28,7 @@ function asLine(notice: Notice): string {
 }
 
 export function LogPanel() {
-  const shown = notices.value.filter((notice) =>
+  const shown = passedNotices.value.filter((notice) =>
     SHOWN[filter.value].includes(notice.severity),
   );
   const copy = async () => {

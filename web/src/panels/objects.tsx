@@ -1,20 +1,18 @@
 /** The objects around the robot: their poses, and how to move or remove them. */
 import { useEffect, useRef } from "preact/hooks";
-import { sendRequest } from "../connection";
-import { frames } from "../frames";
 import { t } from "../i18n";
-import { fromQuaternion, toRpy } from "../kinematics";
 import { useLive } from "../live";
-import { aimAt, begin, moving, putThere } from "../moving";
-import type { Target } from "../moving";
-import type { Frame, ViewObject } from "../protocol";
+import { aimAt, begin, moving, putThere, setKind } from "../moving";
+import type { ViewObject } from "../protocol";
+import { canRedo, canUndo, redo, removeObjects, targetOf, undo } from "../scene-edits";
+import { select, selection } from "../selection";
 import { scene } from "../store";
 import { Button, IconButton } from "../ui/button";
-import { TrashIcon } from "../ui/icons";
+import { Segmented } from "../ui/choice";
+import { RedoIcon, TrashIcon, UndoIcon } from "../ui/icons";
 import { fixed } from "../ui/number-field";
 import { angleUnit, unitOf } from "../units";
 import { AddObject } from "./add-object";
-import { confirm } from "./confirmation";
 import { PoseFields } from "./pose-fields";
 import { UnitSwitch } from "./unit-switch";
 
@@ -25,6 +23,24 @@ export function ObjectsPanel() {
       <section class="group" aria-labelledby="objects-title">
         <header>
           <h2 id="objects-title">{t("objects.title")}</h2>
+          <span class="row grow">
+            <IconButton
+              label={t("edit.undo")}
+              disabled={!canUndo.value}
+              data-testid="objects-undo"
+              onClick={() => void undo()}
+            >
+              <UndoIcon />
+            </IconButton>
+            <IconButton
+              label={t("edit.redo")}
+              disabled={!canRedo.value}
+              data-testid="objects-redo"
+              onClick={() => void redo()}
+            >
+              <RedoIcon />
+            </IconButton>
+          </span>
           <UnitSwitch />
         </header>
         {objects.length === 0 && <p class="muted">{t("objects.none")}</p>}
@@ -63,12 +79,6 @@ export function grouped(
   ]);
 }
 
-function remove(whole: string, parts: readonly ViewObject[]): void {
-  confirm(t("confirm.removeObject", { name: whole }), t("confirm.remove"), () => {
-    for (const { name } of parts) void sendRequest("remove_object", { name });
-  });
-}
-
 function Parts({ whole, parts }: { whole: string; parts: readonly ViewObject[] }) {
   return (
     <li>
@@ -79,9 +89,7 @@ function Parts({ whole, parts }: { whole: string; parts: readonly ViewObject[] }
         </summary>
         <Button
           data-testid={`object-remove-${whole}`}
-          onClick={() => {
-            remove(whole, parts);
-          }}
+          onClick={() => void removeObjects(parts)}
         >
           <TrashIcon />
           {t("objects.remove", { name: whole })}
@@ -113,17 +121,11 @@ export function describeObject({ shape, mass }: ViewObject): string {
   return `${t(`objects.${shape.kind}`)}${measures}, ${weight}`;
 }
 
-/** Return the pose of an object in a frame of the current scene. */
-function targetIn(frame: Frame | undefined, name: string): Target | undefined {
-  const now = scene.peek();
-  if (frame === undefined || frame.scene !== now?.number) return undefined;
-  const pose = frame.objects[now.objects.findIndex((object) => object.name === name)];
-  return pose && { position: pose[0], rpy: toRpy(fromQuaternion(pose[1])) };
-}
-
 function ObjectRow({ object }: { object: ViewObject }) {
   const { name, rgba } = object;
   const move = moving.value?.name === name ? moving.value : null;
+  const isSelected =
+    selection.value?.kind === "object" && selection.value.name === name;
   const [red, green, blue] = rgba.map((part) => String(Math.round(255 * part)));
   useEffect(
     () => () => {
@@ -138,13 +140,23 @@ function ObjectRow({ object }: { object: ViewObject }) {
           class="swatch"
           style={{ background: `rgb(${String(red)} ${String(green)} ${String(blue)})` }}
         />
-        <code class="grow ellipsis">{name}</code>
+        <button
+          type="button"
+          class="object-name grow ellipsis"
+          aria-pressed={isSelected}
+          data-testid={`object-select-${name}`}
+          onClick={() => {
+            select(isSelected ? null : { kind: "object", name });
+          }}
+        >
+          <code>{name}</code>
+        </button>
         <Button
           aria-label={t("objects.moveLong", { name })}
           aria-expanded={move !== null}
           data-testid={`object-move-${name}`}
           onClick={() => {
-            begin(name, (move === null && targetIn(frames.latest, name)) || null);
+            begin(name, (move === null && targetOf(name)) || null);
           }}
         >
           {t("objects.move")}
@@ -152,18 +164,26 @@ function ObjectRow({ object }: { object: ViewObject }) {
         <IconButton
           label={t("objects.remove", { name })}
           data-testid={`object-remove-${name}`}
-          onClick={() => {
-            remove(name, [object]);
-          }}
+          onClick={() => void removeObjects([object])}
         >
           <TrashIcon />
         </IconButton>
       </div>
       <p class="muted">{describeObject(object)}</p>
-      <LivePose name={name} />
+      <LivePose name={name} testId={`object-pose-${name}`} />
       {move && (
         <div class="object-target">
           <p class="hint">{t("objects.moveHint")}</p>
+          <Segmented
+            label={t("edit.handles")}
+            value={move.kind}
+            choices={(["move", "rotate"] as const).map((kind) => ({
+              value: kind,
+              label: t(`edit.${kind}`),
+              testId: `object-handles-${kind}`,
+            }))}
+            onChange={setKind}
+          />
           <PoseFields value={move.target} testId="object-target" onChange={aimAt} />
           <Button
             kind="primary"
@@ -183,11 +203,12 @@ function ObjectRow({ object }: { object: ViewObject }) {
   );
 }
 
-function LivePose({ name }: { name: string }) {
+/** The pose of an object in the robot's root, as it changes. */
+export function LivePose({ name, testId }: { name: string; testId: string }) {
   const shown = useRef<HTMLParagraphElement | null>(null);
   const unit = unitOf("revolute", angleUnit.value);
   useLive((frame) => {
-    const target = targetIn(frame, name);
+    const target = targetOf(name, frame);
     if (!shown.current || target === undefined) return;
     const position = target.position.map((part) => fixed(part * 1000, 1)).join("  ");
     const angles = target.rpy
@@ -195,5 +216,5 @@ function LivePose({ name }: { name: string }) {
       .join("  ");
     shown.current.textContent = `${position} mm    ${angles} ${unit.symbol}`;
   });
-  return <p class="object-pose" ref={shown} data-testid={`object-pose-${name}`} />;
+  return <p class="object-pose" ref={shown} data-testid={testId} />;
 }

@@ -2,6 +2,7 @@ import { useState } from "preact/hooks";
 import { sendRequest } from "../connection";
 import { adopt, mayMove, speedScale } from "../driving";
 import { t } from "../i18n";
+import { hasArm, letGo } from "../jog";
 import { report } from "../notices";
 import type { PoseInfo } from "../protocol";
 import { isOurs, selected } from "../robots";
@@ -29,6 +30,7 @@ function deletion(pose: PoseInfo): string {
 
 async function go(pose: PoseInfo): Promise<void> {
   const speed = speedScale.value;
+  if (hasArm.peek()) await letGo();
   const problem = await sendRequest("go_to_pose", {
     name: pose.name,
     speed,
@@ -45,12 +47,20 @@ export function PosesPanel() {
     <section class="group" aria-labelledby="poses-title">
       <header>
         <h2 id="poses-title">{t("poses.title")}</h2>
+        <SavePose />
       </header>
       {poses.length === 0 && <p class="muted">{t("poses.none")}</p>}
       <ul class="poses">
         {poses.map((pose) => (
           <li key={pose.name}>
-            <span class="grow ellipsis">{pose.name}</span>
+            <Button
+              aria-label={t("poses.goLong", { name: pose.name })}
+              disabled={!mayMove.value}
+              data-testid={`pose-go-${pose.name}`}
+              onClick={() => void go(pose)}
+            >
+              <span class="ellipsis">{pose.name}</span>
+            </Button>
             {pose.saved && (
               <IconButton
                 label={t("poses.delete", { name: pose.name })}
@@ -65,18 +75,9 @@ export function PosesPanel() {
                 <TrashIcon />
               </IconButton>
             )}
-            <Button
-              aria-label={t("poses.goLong", { name: pose.name })}
-              disabled={!mayMove.value}
-              data-testid={`pose-go-${pose.name}`}
-              onClick={() => void go(pose)}
-            >
-              {t("poses.go")}
-            </Button>
           </li>
         ))}
       </ul>
-      <SavePose />
     </section>
   );
 }
@@ -94,7 +95,7 @@ function SavePose() {
   };
   return (
     <form
-      class="row"
+      class="pose-form"
       onSubmit={(event) => {
         event.preventDefault();
         const chosen = name.trim();
@@ -115,7 +116,7 @@ function SavePose() {
         );
       }}
     >
-      <span class="field grow">
+      <span class="field">
         <input
           type="text"
           maxLength={200}

@@ -18,68 +18,75 @@ const STEPS = [1, 10, 100, 1000];
 
 const ticks = signal(10);
 
-export function Simulation() {
+export function RunButton() {
+  return status.value?.paused === true ? (
+    <IconButton
+      label={t("simulation.resume")}
+      data-testid="sim-resume"
+      onClick={() => void sendRequest("resume")}
+    >
+      <PlayIcon />
+    </IconButton>
+  ) : (
+    <IconButton
+      label={t("simulation.pause")}
+      data-testid="sim-pause"
+      onClick={() => void sendRequest("pause")}
+    >
+      <PauseIcon />
+    </IconButton>
+  );
+}
+
+export function TimeControls() {
   const now = status.value;
   const paused = now?.paused ?? false;
   return (
-    <div class="simulation" role="group" aria-label={t("simulation.group")}>
-      <div class="buttons">
-        {paused ? (
-          <IconButton
-            label={t("simulation.resume")}
-            data-testid="sim-resume"
-            onClick={() => void sendRequest("resume")}
-          >
-            <PlayIcon />
-          </IconButton>
-        ) : (
-          <IconButton
-            label={t("simulation.pause")}
-            data-testid="sim-pause"
-            onClick={() => void sendRequest("pause")}
-          >
-            <PauseIcon />
-          </IconButton>
-        )}
-        <IconButton
-          label={t("simulation.step")}
-          data-testid="sim-step"
-          disabled={!paused}
-          onClick={() => void sendRequest("step", { ticks: ticks.value })}
-        >
-          <StepIcon />
-        </IconButton>
-        {paused && <StepLength />}
-        <IconButton
-          label={t("simulation.reset")}
-          data-testid="sim-reset"
-          onClick={() => {
-            confirm(t("confirm.resetAll"), t("confirm.reset"), () => {
-              void sendRequest("reset");
-            });
-          }}
-        >
-          <ResetIcon />
-        </IconButton>
-        <Speed factor={now?.speed ?? null} />
-      </div>
-      <dl class="readings">
-        <SimulatedTime />
-        <Reading
-          label={t("simulation.factorShort")}
-          title={t("simulation.factor")}
-          testId="sim-rtf"
-          value={`${(now?.real_time_factor ?? 0).toFixed(2)}×`}
-          isWarning={isBehind(now)}
-        />
-        <Reading
-          label={t("simulation.lateShort")}
-          title={t("simulation.late")}
-          testId="sim-late"
-          value={t("simulation.perSecond", { count: now?.late_ticks ?? 0 })}
-        />
-      </dl>
+    <div class="buttons">
+      <IconButton
+        label={t("simulation.step")}
+        data-testid="sim-step"
+        disabled={!paused}
+        onClick={() => void sendRequest("step", { ticks: ticks.value })}
+      >
+        <StepIcon />
+      </IconButton>
+      {paused && <StepLength />}
+      <IconButton
+        label={t("simulation.reset")}
+        data-testid="sim-reset"
+        onClick={() => {
+          confirm(t("confirm.resetAll"), t("confirm.reset"), () => {
+            void sendRequest("reset");
+          });
+        }}
+      >
+        <ResetIcon />
+      </IconButton>
+      <Speed factor={now?.speed ?? null} />
     </div>
+  );
+}
+
+export function Readings() {
+  const now = status.value;
+  return (
+    <dl class="readings">
+      <SimulatedTime />
+      <Reading
+        label={t("simulation.factorShort")}
+        title={t("simulation.factor")}
+        testId="sim-rtf"
+        value={`${(now?.real_time_factor ?? 0).toFixed(2)}×`}
+        isWarning={isBehind(now)}
+      />
+      <Reading
+        label={t("simulation.lateShort")}
+        title={t("simulation.late")}
+        testId="sim-late"
+        value={t("simulation.perSecond", { count: now?.late_ticks ?? 0 })}
+      />
+    </dl>
   );
 }
 
@@ -131,7 +138,7 @@ function Speed({ factor }: { factor: number | null }) {
   );
 }
 
-function SimulatedTime() {
+export function SimulatedTime() {
   const text = useRef<HTMLElement | null>(null);
   useLive((frame) => {
     if (text.current) text.current.textContent = `${frame.time.toFixed(2)} s`;

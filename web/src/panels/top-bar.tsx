@@ -4,10 +4,13 @@ import { connectionState, view, status } from "../store";
 import { Badge } from "../ui/badge";
 import type { Tone } from "../ui/badge";
 import { Segmented } from "../ui/choice";
-import { MoonIcon, SunIcon, SystemIcon } from "../ui/icons";
+import { MenuIcon, MoonIcon, SunIcon, SystemIcon } from "../ui/icons";
+import { useMedia } from "../ui/media";
+import { Menu } from "../ui/menu";
 import { theme } from "../ui/theme";
 import { EmergencyStop } from "./estop";
-import { Simulation } from "./simulation";
+import { RecordButton } from "./recording";
+import { Readings, RunButton, SimulatedTime, TimeControls } from "./simulation";
 
 const TONES: Record<typeof connectionState.value, Tone> = {
   connecting: "neutral",
@@ -17,8 +20,13 @@ const TONES: Record<typeof connectionState.value, Tone> = {
   outdated: "danger",
 };
 
+/** One row does not hold everything on a phone. */
+const NARROW = "(max-width: 699px)";
+
 export function TopBar() {
   const robot = view.value?.robot;
+  const isNarrow = useMedia(NARROW);
+  const hasTime = view.value?.mode === "simulation";
   return (
     <header class="bar">
       <div class="brand">
@@ -28,7 +36,20 @@ export function TopBar() {
           {robot && <span class="muted">{robot.title}</span>}
         </h1>
       </div>
-      {view.value?.mode === "simulation" && <Simulation />}
+      {hasTime && (
+        <div class="simulation" role="group" aria-label={t("simulation.group")}>
+          <RunButton />
+          <RecordButton />
+          {!isNarrow && <TimeControls />}
+          {isNarrow ? (
+            <dl class="readings">
+              <SimulatedTime />
+            </dl>
+          ) : (
+            <Readings />
+          )}
+        </div>
+      )}
       <div class="settings">
         {view.value?.grasp_assist === true && (
           <span title={t("assist.explain")}>
@@ -38,47 +59,67 @@ export function TopBar() {
           </span>
         )}
         <Connection />
-        <Segmented
-          label={t("app.language")}
-          value={language.value}
-          data-testid="language"
-          choices={[
-            { value: "en", label: "EN", name: "English", testId: "language-en" },
-            { value: "zh", label: "中", name: "中文", testId: "language-zh" },
-          ]}
-          onChange={speak}
-        />
-        <Segmented
-          label={t("app.theme")}
-          value={theme.value}
-          data-testid="theme"
-          choices={[
-            {
-              value: "system",
-              label: <SystemIcon />,
-              name: t("theme.system"),
-              testId: "theme-system",
-            },
-            {
-              value: "light",
-              label: <SunIcon />,
-              name: t("theme.light"),
-              testId: "theme-light",
-            },
-            {
-              value: "dark",
-              label: <MoonIcon />,
-              name: t("theme.dark"),
-              testId: "theme-dark",
-            },
-          ]}
-          onChange={(chosen) => {
-            theme.value = chosen;
-          }}
-        />
+        {isNarrow ? (
+          <Menu label={t("layout.menu")} icon={<MenuIcon />} data-testid="menu">
+            {hasTime && (
+              <div class="simulation">
+                <TimeControls />
+                <Readings />
+              </div>
+            )}
+            <Preferences />
+          </Menu>
+        ) : (
+          <Preferences />
+        )}
       </div>
       <EmergencyStop />
     </header>
+  );
+}
+
+function Preferences() {
+  return (
+    <>
+      <Segmented
+        label={t("app.language")}
+        value={language.value}
+        data-testid="language"
+        choices={[
+          { value: "en", label: "EN", name: "English", testId: "language-en" },
+          { value: "zh", label: "中", name: "中文", testId: "language-zh" },
+        ]}
+        onChange={speak}
+      />
+      <Segmented
+        label={t("app.theme")}
+        value={theme.value}
+        data-testid="theme"
+        choices={[
+          {
+            value: "system",
+            label: <SystemIcon />,
+            name: t("theme.system"),
+            testId: "theme-system",
+          },
+          {
+            value: "light",
+            label: <SunIcon />,
+            name: t("theme.light"),
+            testId: "theme-light",
+          },
+          {
+            value: "dark",
+            label: <MoonIcon />,
+            name: t("theme.dark"),
+            testId: "theme-dark",
+          },
+        ]}
+        onChange={(chosen) => {
+          theme.value = chosen;
+        }}
+      />
+    </>
   );
 }
 
@@ -95,10 +136,15 @@ function Connection() {
     >
       <Badge tone={silent === null ? TONES[state] : "danger"}>
         <span class="dot" />
-        {silent === null
-          ? t(`connection.${state}`)
-          : t("connection.silent", { seconds: silent.toFixed(1) })}
-        {state === "open" && silent === null && clients > 1 && ` · ${String(clients)}`}
+        <span class="connection-text">
+          {silent === null
+            ? t(`connection.${state}`)
+            : t("connection.silent", { seconds: silent.toFixed(1) })}
+          {state === "open" &&
+            silent === null &&
+            clients > 1 &&
+            ` · ${String(clients)}`}
+        </span>
       </Badge>
     </span>
   );

@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { choose, controllerOf, drive, goals, holdStill, speedScale } from "../driving";
 import { t } from "../i18n";
+import { hasArm } from "../jog";
 import { report } from "../notices";
 import type { ControllerInfo } from "../protocol";
 import { isOurController } from "../robots";
@@ -22,6 +23,7 @@ export function TrajectoryPanel() {
     <section class="group" aria-labelledby="trajectory-title">
       <header>
         <h2 id="trajectory-title">{t("motion.joints")}</h2>
+        {controller && <ControllerSelect controller={controller} />}
         <UnitSwitch />
       </header>
       {controller ? (
@@ -37,10 +39,10 @@ export function TrajectoryPanel() {
 function Drive({ controller }: { controller: ControllerInfo }) {
   const driven = goals.value;
   const moved = joints.value.filter((joint) => controller.joints.includes(joint.name));
-  const why = advice(controller);
+  // what appeared here would move a held jog button from under the pointer
+  const why = hasArm.value ? null : advice(controller);
   return (
     <>
-      <ControllerSelect controller={controller} />
       {why !== null && <p class="hint">{why}</p>}
       <ul class={`joints ${driven === null ? "monitor" : ""}`}>
         {moved.map((joint) => (

@@ -1,113 +1,107 @@
-/** The drawing of the plots with uPlot: data and style. */
+/** The drawing of one pane with uPlot: data and style. */
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { token } from "../ui/theme";
-import { COLOURS, limitsNear, type Plotted, rangeOf } from "./quantities";
-import type { Recording } from "./recording";
-import { type Line, strokesOf, type Table, tableOf } from "./series";
+import { handleGestures } from "./gestures";
+import { COLOURS, limitsNear, rangeOf, type Scale } from "./quantities";
+import { cursors, visible } from "./range";
+import type { SignalInfo, SignalSource } from "./signals";
 
-export interface ChartSetup {
-  readonly plotted: Plotted;
-  readonly lines: readonly Line[];
-  /** Visible seconds while nothing is frozen. */
-  readonly seconds: number;
-  readonly frozen: boolean;
+/** A signal that is drawn. */
+export interface Line {
+  readonly signal: SignalInfo;
+  /** Number of its colour. */
+  readonly colour: number;
+  readonly scale: Scale;
 }
 
 export function colourOf(number: number): string {
-  return token(`--plot-${(number % COLOURS) + 1}`);
+  return token(`--plot-${String((number % COLOURS) + 1)}`);
 }
 
-/** Draw the limits of effort as dotted lines. */
-function drawLimits(plot: uPlot, lines: readonly Line[]): void {
-  const { ctx, bbox } = plot;
-  ctx.save();
-  ctx.beginPath();
-  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
-  ctx.clip();
-  ctx.lineWidth = devicePixelRatio;
-  ctx.setLineDash([2 * devicePixelRatio, 4 * devicePixelRatio]);
-  for (const { joint, colour } of lines) {
-    if (joint.effort === null) continue;
-    ctx.strokeStyle = colourOf(colour);
-    for (const limit of [joint.effort, -joint.effort]) {
-      const y = Math.round(plot.valToPos(limit, "y", true)) + 0.5;
-      ctx.beginPath();
-      ctx.moveTo(bbox.left, y);
-      ctx.lineTo(bbox.left + bbox.width, y);
-      ctx.stroke();
-    }
-  }
-  ctx.restore();
+/** A row of the table: a line, or what it should follow. */
+interface Stroke {
+  readonly id: string;
+  readonly line: Line;
+  readonly isDesired: boolean;
 }
+
+function strokesOf(lines: readonly Line[]): Stroke[] {
+  return lines.flatMap((line) => {
+    const { id, desired } = line.signal;
+    const own: Stroke = { id, line, isDesired: false };
+    return desired === undefined
+      ? [own]
+      : [{ id: desired, line, isDesired: true }, own];
+  });
+}
+
+/** Return the units of lines, each of which has an axis. */
+export function unitsOf(lines: readonly Line[]): string[] {
+  return [...new Set(lines.map(({ scale }) => scale.symbol))];
+}
+
+/** Sides of a plot, as uPlot numbers them. */
+const [RIGHT, LEFT] = [1, 3] as const;
+/** Width of an axis with its label, and of a margin without an axis [px]. */
+const AXIS = { values: 48, label: 16, none: 20 };
+
+type Table = [number[], ...(number | null)[][]];
 
 export class Chart {
   private readonly plot: uPlot;
+  private readonly strokes: readonly Stroke[];
   /** What is drawn. */
   private table: Table = [[]];
-  /** Visible limits of effort. */
-  private limits: number[] = [];
+  /** Unit → its visible limits [shown]. */
+  private readonly limits = new Map<string, number[]>();
+  private now = 0;
+  private readonly endGestures: () => void;
 
-  /** @param onCursor called with the index in the table under the cursor, or null */
+  /**
+   * @param axes the number of axes to leave room for
+   * @param onCursor called with the time under the pointer [s], or null
+   */
   constructor(
     host: HTMLElement,
-    private readonly setup: ChartSetup,
-    onCursor: (index: number | null) => void,
+    lines: readonly Line[],
+    axes: number,
+    onCursor: (time: number | null) => void,
   ) {
-    const { plotted, lines, frozen } = setup;
-    const axis = (label?: string): uPlot.Axis => ({
-      stroke: token("--text-3"),
-      font: `11px ${token("--font")}`,
-      grid: { stroke: token("--plot-grid"), width: 1 },
-      ticks: { show: false },
-      gap: 6,
-      ...(label !== undefined && { label, labelFont: `11px ${token("--font")}` }),
-    });
-    const units = [...new Set(lines.map(({ scale }) => scale.symbol))].join(", ");
+    this.strokes = strokesOf(lines);
+    const units = unitsOf(lines);
     this.plot = new uPlot(
       {
         width: Math.max(120, host.clientWidth),
-        height: Math.max(80, host.clientHeight),
-        padding: [10, 24, 0, 0],
+        height: Math.max(60, host.clientHeight),
+        padding: paddingOf(units.length, axes),
         legend: { show: false },
         cursor: {
           y: false,
-          drag: { x: frozen, y: false, setScale: frozen },
+          drag: { x: false, y: false },
           points: { size: 7 },
+          sync: { key: "plots" },
         },
         scales: {
-          x: frozen ? { time: false } : { time: false, range: () => this.window() },
-          y: { range: (_plot, least, most) => rangeOf(least, most, this.limits) },
+          x: { time: false, range: () => visible() },
+          ...Object.fromEntries(units.map((unit) => [unit, this.scaleOf(unit)])),
         },
         axes: [
-          {
-            ...axis(),
-            values: (_plot, ticks) => ticks.map((tick) => `${tick} s`),
-            size: 30,
-          },
-          { ...axis(units), size: 52, labelSize: 18 },
+          { ...axis(), values: (_plot, ticks) => ticks.map(timeText), size: 26 },
+          ...units.map((unit, i) => this.axisOf(unit, i)),
         ],
-        series: [
-          {},
-          ...lines.flatMap(({ joint, colour }) =>
-            strokesOf(plotted).map((quantity): uPlot.Series => ({
-              label: `${joint.name} ${quantity}`,
-              stroke: colourOf(colour),
-              width: quantity === "desired" ? 1.25 : 1.75,
-              ...(quantity === "desired" && { dash: [5, 4] }),
-              points: { show: false },
-            })),
-          ),
-        ],
+        series: [{}, ...this.strokes.map(seriesOf)],
         hooks: {
           setCursor: [
             (plot) => {
-              onCursor(plot.cursor.idx ?? null);
+              const left = plot.cursor.left ?? -1;
+              onCursor(left < 0 ? null : plot.posToVal(left, "x"));
             },
           ],
           draw: [
-            (plot) => {
-              if (plotted === "effort") drawLimits(plot, lines);
+            () => {
+              this.drawLimits();
+              this.drawTimes();
             },
           ],
         },
@@ -115,52 +109,46 @@ export class Chart {
       this.table,
       host,
     );
+    this.endGestures = handleGestures(this.plot.over);
   }
 
-  /** Draw the present content of `recording`. */
-  update(recording: Recording): void {
-    const { lines, plotted, seconds, frozen } = this.setup;
-    const newest = recording.time(recording.length - 1);
-    const from = frozen || Number.isNaN(newest) ? -Infinity : newest - seconds;
-    this.table = tableOf(recording, lines, plotted, from);
-    if (plotted === "effort") {
-      this.limits = lines.flatMap(({ joint }, i) =>
-        limitsNear(joint.effort, this.table[1 + i] ?? []),
-      );
-    }
+  /** Draw what `source` has now. */
+  update(source: SignalSource): void {
+    const [from, to] = visible();
+    const ids = this.strokes.map(({ id }) => id);
+    const points = 2 * this.plot.bbox.width;
+    const { times, values } = source.read(ids, from, to, points);
+    this.now = source.now();
+    this.table = [[...times], ...values.map((row, i) => this.shown(row, i))];
+    this.limits.clear();
+    this.strokes.forEach(({ line }, i) => {
+      const { symbol } = line.scale;
+      const near = limitsNear(line.signal.limit, this.table[1 + i] ?? []);
+      this.limits.set(symbol, [...(this.limits.get(symbol) ?? []), ...near]);
+    });
     this.plot.setData(this.table);
-    if (frozen && recording.length > 0) {
-      this.plot.setScale("x", { min: newest - seconds, max: newest });
-    }
   }
 
   resize(width: number, height: number): void {
-    this.plot.setSize({ width: Math.max(120, width), height: Math.max(80, height) });
+    this.plot.setSize({ width: Math.max(120, width), height: Math.max(60, height) });
   }
 
-  /** Shown values at an index of the table: of each line, by stroke; null: not known. */
-  valuesAt(index: number): (number | null)[][] {
-    const strokes = strokesOf(this.setup.plotted).length;
-    return this.setup.lines.map((_line, i) =>
-      this.table
-        .slice(1 + i * strokes, 1 + (i + 1) * strokes)
-        .map((row) => row[index] ?? null),
-    );
+  /** Return the shown value of each line at the sample nearest to a time [s]. */
+  valuesAt(time: number): (number | null)[] {
+    const [times, ...rows] = this.table;
+    const after = times.findIndex((one) => one >= time);
+    let index = after < 0 ? times.length - 1 : after;
+    const [before, at] = [times[index - 1], times[index]];
+    if (before !== undefined && at !== undefined && time - before < at - time)
+      index -= 1;
+    return rows
+      .filter((_row, i) => this.strokes[i]?.isDesired === false)
+      .map((row) => row[index] ?? null);
   }
 
-  /** Number of samples in the table. */
-  get length(): number {
-    return this.table[0].length;
-  }
-
-  timeAt(index: number): number | undefined {
-    return this.table[0][index];
-  }
-
-  /** The visible range of time, from and to [s]. */
-  get visible(): [number, number] {
-    const { min, max } = this.plot.scales.x ?? {};
-    return [min ?? -Infinity, max ?? Infinity];
+  /** The time of the newest sample that is drawn, up to that of the playhead [s]. */
+  get newest(): number {
+    return Math.min(this.table[0].at(-1) ?? 0, Math.max(this.now, visible()[0]));
   }
 
   get canvas(): HTMLCanvasElement {
@@ -168,12 +156,126 @@ export class Chart {
   }
 
   dispose(): void {
+    this.endGestures();
     this.plot.destroy();
   }
 
-  private window(): [number, number] {
-    // there is no time before zero
-    const end = Math.max(this.table[0].at(-1) ?? 0, this.setup.seconds);
-    return [end - this.setup.seconds, end];
+  private shown(row: readonly (number | null)[], stroke: number): (number | null)[] {
+    const factor = this.strokes[stroke]?.line.scale.factor ?? 1;
+    return row.map((value) => (value === null ? null : factor * value));
   }
+
+  private scaleOf(unit: string): uPlot.Scale {
+    return {
+      range: (_plot, least, most) => rangeOf(least, most, this.limits.get(unit)),
+    };
+  }
+
+  private axisOf(unit: string, index: number): uPlot.Axis {
+    return {
+      ...axis(),
+      scale: unit,
+      // eslint-disable-next-line @typescript-eslint/no-unsafe-enum-assignment -- a const enum
+      side: index % 2 === 0 ? LEFT : RIGHT,
+      label: unit,
+      labelFont: `11px ${token("--font")}`,
+      labelSize: AXIS.label,
+      size: AXIS.values,
+      grid: { show: index === 0, stroke: token("--plot-grid"), width: 1 },
+    };
+  }
+
+  /** Draw the limits that values come near to, dotted. */
+  private drawLimits(): void {
+    this.drawClipped((context, { left, width }) => {
+      context.setLineDash([2 * devicePixelRatio, 4 * devicePixelRatio]);
+      context.strokeStyle = token("--text-3");
+      for (const [unit, limits] of this.limits) {
+        for (const limit of new Set(limits)) {
+          const y = Math.round(this.plot.valToPos(limit, unit, true)) + 0.5;
+          stroke(context, [left, y], [left + width, y]);
+        }
+      }
+    });
+  }
+
+  /** Draw the placed cursors, and the present time where it is not the right edge. */
+  private drawTimes(): void {
+    const [, to] = visible();
+    this.drawClipped((context, { top, height }) => {
+      const line = (time: number) => {
+        const x = Math.round(this.plot.valToPos(time, "x", true)) + 0.5;
+        stroke(context, [x, top], [x, top + height]);
+        return x;
+      };
+      context.strokeStyle = token("--text-3");
+      context.setLineDash([3 * devicePixelRatio, 3 * devicePixelRatio]);
+      if (this.now < to) line(this.now);
+      context.setLineDash([]);
+      context.strokeStyle = context.fillStyle = token("--accent");
+      context.font = `${String(11 * devicePixelRatio)}px ${token("--font")}`;
+      context.textBaseline = "top";
+      cursors.peek().forEach((time, i) => {
+        const x = line(time);
+        context.fillText("AB"[i] ?? "", x + 3 * devicePixelRatio, top);
+      });
+    });
+  }
+
+  private drawClipped(
+    draw: (context: CanvasRenderingContext2D, box: uPlot.BBox) => void,
+  ): void {
+    const { ctx, bbox } = this.plot;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    ctx.lineWidth = devicePixelRatio;
+    draw(ctx, bbox);
+    ctx.restore();
+  }
+}
+
+/** Return the padding of a chart with as much room at its sides as one with `wanted` axes. */
+function paddingOf(axes: number, wanted: number): [number, number, number, number] {
+  const width = AXIS.values + AXIS.label;
+  const missing = (side: (count: number) => number) => side(wanted) - side(axes);
+  const right = missing((count) => Math.floor(count / 2)) * width;
+  const left = missing((count) => Math.ceil(count / 2)) * width;
+  return [8, wanted > 1 ? right + 4 : AXIS.none, 0, left];
+}
+
+type Point = readonly [number, number];
+
+function stroke(context: CanvasRenderingContext2D, from: Point, to: Point): void {
+  context.beginPath();
+  context.moveTo(...from);
+  context.lineTo(...to);
+  context.stroke();
+}
+
+function axis(): uPlot.Axis {
+  return {
+    stroke: token("--text-3"),
+    font: `11px ${token("--font")}`,
+    grid: { stroke: token("--plot-grid"), width: 1 },
+    ticks: { show: false },
+    gap: 6,
+  };
+}
+
+function timeText(tick: number): string {
+  return `${String(Number(tick.toFixed(3)))} s`;
+}
+
+function seriesOf({ id, line, isDesired }: Stroke): uPlot.Series {
+  return {
+    label: id,
+    scale: line.scale.symbol,
+    stroke: colourOf(line.colour),
+    width: isDesired ? 1.25 : 1.75,
+    ...(isDesired && { dash: [5, 4] }),
+    points: { show: false },
+    spanGaps: false,
+  };
 }

@@ -1,14 +1,20 @@
-/** The plot as a picture, with its title and legend. */
+/** The plots as a picture, with title and legends. */
 
 export interface Legend {
   readonly colour: string;
   readonly text: string;
 }
 
-export interface Picture {
+/** A chart, with the names of its lines. */
+export interface ChartPicture {
   readonly plot: HTMLCanvasElement;
-  readonly title: string;
   readonly legend: readonly Legend[];
+}
+
+export interface Picture {
+  readonly title: string;
+  /** From top to bottom; at least one. */
+  readonly charts: readonly ChartPicture[];
   readonly colours: { background: string; text: string; font: string };
 }
 
@@ -17,19 +23,24 @@ const LINE = 20;
 
 /** Return a PNG of `picture`. */
 export function pngOf(picture: Picture): Promise<Blob> {
-  const { plot, title, legend, colours } = picture;
+  const { title, charts, colours } = picture;
   const ratio = window.devicePixelRatio;
-  const width = plot.width / ratio;
+  const width = Math.max(...charts.map(({ plot }) => plot.width)) / ratio;
   const canvas = document.createElement("canvas");
   const context = canvas.getContext("2d");
   if (!context) throw new Error("this browser draws no canvas");
 
   context.font = `12px ${colours.font}`;
-  const places = placesOf(legend, width, (text) => context.measureText(text).width);
-  const rows = (places.at(-1)?.row ?? 0) + 1;
-  const top = PADDING + LINE + rows * LINE + 4;
+  const measure = (text: string) => context.measureText(text).width;
+  const placed = charts.map(({ plot, legend }) => {
+    const places = placesOf(legend, width, measure);
+    const rows = (places.at(-1)?.row ?? -1) + 1;
+    return { plot, places, top: rows * LINE + 4, height: plot.height / ratio };
+  });
+  const heights = placed.map(({ top, height }) => top + height);
+  const total = heights.reduce((sum, one) => sum + one, 2 * PADDING + LINE);
   canvas.width = Math.round((width + 2 * PADDING) * ratio);
-  canvas.height = Math.round((top + PADDING) * ratio) + plot.height;
+  canvas.height = Math.round(total * ratio);
   context.scale(ratio, ratio);
   context.fillStyle = colours.background;
   context.fillRect(0, 0, canvas.width, canvas.height);
@@ -38,14 +49,18 @@ export function pngOf(picture: Picture): Promise<Blob> {
   context.font = `600 14px ${colours.font}`;
   context.fillText(title, PADDING, PADDING + LINE / 2 - 2);
   context.font = `12px ${colours.font}`;
-  for (const { entry, x, row } of places) {
-    const y = PADDING + LINE + row * LINE + LINE / 2;
-    context.fillStyle = entry.colour;
-    context.fillRect(PADDING + x, y - 1.5, 14, 3);
-    context.fillStyle = colours.text;
-    context.fillText(entry.text, PADDING + x + 20, y);
+  let y = PADDING + LINE;
+  for (const { plot, places, top, height } of placed) {
+    for (const { entry, x, row } of places) {
+      const middle = y + row * LINE + LINE / 2;
+      context.fillStyle = entry.colour;
+      context.fillRect(PADDING + x, middle - 1.5, 14, 3);
+      context.fillStyle = colours.text;
+      context.fillText(entry.text, PADDING + x + 20, middle);
+    }
+    context.drawImage(plot, PADDING, y + top, plot.width / ratio, height);
+    y += top + height;
   }
-  context.drawImage(plot, PADDING, top, width, plot.height / ratio);
   return new Promise((resolve, reject) => {
     canvas.toBlob((blob) => {
       if (blob) resolve(blob);
@@ -72,15 +87,4 @@ export function placesOf(
     x += wide + 20;
     return place;
   });
-}
-
-/** Download a file. */
-export function save(blob: Blob, name: string): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = name;
-  link.click();
-  setTimeout(() => {
-    URL.revokeObjectURL(link.href);
-  }, 10_000);
 }

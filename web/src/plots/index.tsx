@@ -1,128 +1,120 @@
-/** The plots: measured and desired joint values over the last seconds. */
-import { useSignalEffect } from "@preact/signals";
+/** The plots: any signal of the robot, in panes with a common time axis. */
 import { useRef } from "preact/hooks";
-import { type Key, t } from "../i18n";
+import { t } from "../i18n";
 import { selected, titleOf } from "../robots";
 import { view } from "../store";
 import { Button, IconButton } from "../ui/button";
 import { Segmented } from "../ui/choice";
-import { DownloadIcon } from "../ui/icons";
+import { save } from "../ui/download";
+import { DownloadIcon, PauseIcon, PlayIcon, PlusIcon, ResetIcon } from "../ui/icons";
 import { token } from "../ui/theme";
 import { colourOf } from "./chart";
 import { csvOf } from "./csv";
-import { FreezeIcon, PictureIcon } from "./icons";
-import { pngOf, save } from "./image";
-import { JointList } from "./joint-list";
+import { PictureIcon } from "./icons";
+import { pngOf } from "./image";
+import {
+  addPane,
+  canAddPane,
+  layout,
+  resetLayout,
+  seconds,
+  show,
+  WINDOWS,
+} from "./layout";
+import "./live";
+import { signalName } from "./names";
+import { PlotPane, type Shown } from "./pane";
 import "./plots.css";
-import { type Plotted, PLOTTED } from "./quantities";
-import { freeze, frozen, lines, plotted, recording, seconds, WINDOWS } from "./state";
-import { View } from "./view";
-
-const NAMES: Record<Plotted, Key> = {
-  position: "plots.position",
-  error: "plots.error",
-  velocity: "plots.velocity",
-  effort: "plots.effort",
-};
+import { follow, held, hold, shownSource, visible } from "./range";
+import type { SignalInfo } from "./signals";
 
 function title(): string {
   const whole = view.value?.robot.title ?? "tool0";
-  const robot = selected.value === null ? whole : titleOf(selected.value);
-  return `${robot} – ${t(NAMES[plotted.value])}`;
+  return selected.value === null ? whole : titleOf(selected.value);
 }
 
-function saveCsv(view: View): void {
-  const [from, to] = view.visible;
-  const text = csvOf(frozen.value ?? recording.value, lines.value, from, to);
-  save(new Blob([text], { type: "text/csv" }), `tool0-${plotted.value}.csv`);
+/** Save the visible samples of all panes. */
+async function saveCsv(): Promise<void> {
+  const source = shownSource.value;
+  const ids = [...new Set(layout.value.flatMap((pane) => pane.map(({ id }) => id)))];
+  const signals = ids
+    .map((id) => source.signals.value.get(id))
+    .filter((info): info is SignalInfo => info !== undefined);
+  const known = signals.map(({ id }) => id);
+  const samples = await source.exact(known, ...visible());
+  save(new Blob([csvOf(samples, signals)], { type: "text/csv" }), "tool0-plots.csv");
 }
 
-async function savePng(view: View): Promise<void> {
-  const legend = lines.value.map(({ joint, colour, scale }) => ({
-    colour: colourOf(colour),
-    text: `${joint.name} [${scale.symbol}]`,
-  }));
+async function savePng(panes: readonly Shown[]): Promise<void> {
   const blob = await pngOf({
-    plot: view.canvas,
-    title: plotted.value === "position" ? `${title()} (${t("plots.dashed")})` : title(),
-    legend,
+    title: title(),
+    charts: panes.map(({ canvas, lines }) => ({
+      plot: canvas(),
+      legend: lines.map(({ signal, colour, scale }) => ({
+        colour: colourOf(colour),
+        text: `${signalName(signal)} [${scale.symbol}]`,
+      })),
+    })),
     colours: {
       background: token("--surface"),
       text: token("--text"),
       font: token("--font"),
     },
   });
-  save(blob, `tool0-${plotted.value}.png`);
+  save(blob, "tool0-plots.png");
 }
 
 export default function PlotsPanel() {
-  const host = useRef<HTMLDivElement>(null);
-  const list = useRef<HTMLDivElement>(null);
-  const view = useRef<View | null>(null);
-  const isFrozen = frozen.value !== null;
-
-  useSignalEffect(() => {
-    if (!host.current || !list.current) return undefined;
-    const made = new View(host.current, list.current, {
-      plotted: plotted.value,
-      lines: lines.value,
-      seconds: seconds.value,
-      frozen: frozen.value,
-      recording: recording.value,
-      title: title(),
-    });
-    view.current = made;
-    return () => {
-      view.current = null;
-      made.dispose();
-    };
-  });
-
+  const shown = useRef(new Map<number, Shown>());
+  const isHeld = held.value !== null;
   return (
     <div class="plots" data-testid="plots">
       <div class="plots-bar">
         <Segmented
-          label={t("plots.quantity")}
-          value={plotted.value}
-          choices={PLOTTED.map((value) => ({
-            value,
-            label: t(NAMES[value]),
-            testId: `plots-${value}`,
-          }))}
-          onChange={(value) => {
-            plotted.value = value;
-          }}
-        />
-        <Segmented
           label={t("plots.window")}
-          value={String(seconds.value)}
+          value={isHeld ? "" : String(seconds.value)}
           choices={WINDOWS.map((value) => ({
             value: String(value),
-            label: `${value} s`,
-            testId: `plots-window-${value}`,
+            label: value < 60 ? `${String(value)} s` : `${String(value / 60)} min`,
+            testId: `plots-window-${String(value)}`,
           }))}
           onChange={(value) => {
-            seconds.value = Number(value);
+            show(Number(value));
+            follow();
           }}
         />
-        <span class="plots-space" />
-        {isFrozen && <span class="plots-hint">{t("plots.zoomHint")}</span>}
         <Button
-          aria-pressed={isFrozen}
-          data-testid="plots-freeze"
+          aria-pressed={isHeld}
+          data-testid="plots-pause"
           onClick={() => {
-            freeze(!isFrozen);
+            if (isHeld) follow();
+            else hold(visible());
           }}
         >
-          <FreezeIcon />
-          {t("plots.freeze")}
+          {isHeld ? <PlayIcon /> : <PauseIcon />}
+          {t(isHeld ? "plots.follow" : "plots.pause")}
         </Button>
+        <span class="plots-space" />
+        <span class="plots-hint plots-help">{t("plots.help")}</span>
+        <Button
+          disabled={!canAddPane.value}
+          data-testid="plots-add-pane"
+          onClick={addPane}
+        >
+          <PlusIcon />
+          {t("plots.addPane")}
+        </Button>
+        <IconButton
+          label={t("plots.reset")}
+          data-testid="plots-reset"
+          onClick={resetLayout}
+        >
+          <ResetIcon />
+        </IconButton>
         <IconButton
           label={t("plots.csv")}
           data-testid="plots-csv"
-          onClick={() => {
-            if (view.current) saveCsv(view.current);
-          }}
+          onClick={() => void saveCsv()}
         >
           <DownloadIcon />
         </IconButton>
@@ -130,15 +122,25 @@ export default function PlotsPanel() {
           label={t("plots.png")}
           data-testid="plots-png"
           onClick={() => {
-            if (view.current) void savePng(view.current);
+            const panes = [...shown.current.entries()].sort(([a], [b]) => a - b);
+            void savePng(panes.map(([, one]) => one));
           }}
         >
           <PictureIcon />
         </IconButton>
       </div>
-      <div class="plots-body">
-        <JointList root={list} />
-        <div class="plots-chart" ref={host} role="img" data-testid="plots-chart" />
+      <div class="plots-panes">
+        {layout.value.map((pane, index) => (
+          <PlotPane
+            key={index}
+            index={index}
+            pane={pane}
+            onShown={(at, one) => {
+              if (one === null) shown.current.delete(at);
+              else shown.current.set(at, one);
+            }}
+          />
+        ))}
       </div>
     </div>
   );

@@ -1,38 +1,50 @@
-/** The quantities that can be plotted, and their units. */
-import type { JointInfo } from "../protocol";
-import { type AngleUnit, unitOf } from "../units";
-import type { Quantity } from "./recording";
+/** Units, ranges and colours of the plots. */
+import { type AngleUnit, DEGREES, MILLIMETRES, RADIANS, type Unit } from "../units";
+import type { Kind } from "./signals";
 
-/** One choice of the panel; `position` shows desired and actual. */
-export type Plotted = "position" | "error" | "velocity" | "effort";
-export const PLOTTED: readonly Plotted[] = ["position", "error", "velocity", "effort"];
+/** `shown = factor * value`. */
+export type Scale = Pick<Unit, "symbol" | "factor" | "digits">;
 
-export interface Scale {
-  readonly symbol: string;
-  /** Shown value by SI value. */
-  readonly factor: number;
-  readonly digits: number;
+/** Return how values of a kind are shown. */
+export function scaleOf(kind: Kind, angle: AngleUnit): Scale {
+  const turning = angle === "deg" ? DEGREES : RADIANS;
+  const per = ({ symbol, factor, digits }: Unit) => ({
+    ...{ symbol: `${symbol}/s`, factor, digits },
+  });
+  switch (kind) {
+    case "angle":
+      return turning;
+    case "length":
+      return MILLIMETRES;
+    case "angular-velocity":
+      return per(turning);
+    case "velocity":
+      return per(MILLIMETRES);
+    case "torque":
+      return { symbol: "N·m", factor: 1, digits: 2 };
+    case "force":
+      return { symbol: "N", factor: 1, digits: 2 };
+    case "ratio":
+      return { symbol: "×", factor: 1, digits: 2 };
+    case "count":
+      return { symbol: "", factor: 1, digits: 0 };
+  }
 }
 
-export function scaleOf(
-  plotted: Plotted,
-  type: JointInfo["type"],
-  angle: AngleUnit,
-): Scale {
-  const slides = type === "prismatic";
-  if (plotted === "effort")
-    return { symbol: slides ? "N" : "N·m", factor: 1, digits: 2 };
-  const { symbol, factor, digits } = unitOf(type, angle);
-  if (plotted === "velocity") return { symbol: `${symbol}/s`, factor, digits };
-  return { symbol, factor, digits: plotted === "error" ? digits + 2 : digits };
-}
+const SI: Record<Kind, string> = {
+  angle: "rad",
+  length: "m",
+  "angular-velocity": "rad/s",
+  velocity: "m/s",
+  torque: "N*m",
+  force: "N",
+  ratio: "1",
+  count: "1",
+};
 
-/** Return the unit of a quantity in SI, as files have it. */
-export function siUnit(quantity: Quantity, type: JointInfo["type"]): string {
-  const slides = type === "prismatic";
-  if (quantity === "effort") return slides ? "N" : "N*m";
-  const unit = slides ? "m" : "rad";
-  return quantity === "velocity" ? `${unit}/s` : unit;
+/** Return the unit of a kind in SI, as files have it. */
+export function siUnit(kind: Kind): string {
+  return SI[kind];
 }
 
 /** Return the range of an axis: the values and `also`, with a margin. */
@@ -50,14 +62,14 @@ export function rangeOf(
 }
 
 /**
- * Return the limits, of `limit` and its negative, of which a joint uses more than half:
+ * Return the limits, of `limit` and its negative, of which the values use more than half:
  * below that the distance to the limit does not matter.
  */
 export function limitsNear(
-  limit: number | null,
+  limit: number | undefined,
   values: readonly (number | null)[],
 ): number[] {
-  if (limit === null) return [];
+  if (limit === undefined) return [];
   const isNear = (bound: number) =>
     values.some((value) => value !== null && value / bound > 0.5);
   return [limit, -limit].filter(isNear);
@@ -65,7 +77,7 @@ export function limitsNear(
 
 export const COLOURS = 6;
 
-/** Return the colour that the fewest of the chosen joints have. */
+/** Return the colour that the fewest of the chosen signals have. */
 export function freeColour(used: Iterable<number>): number {
   const counts = new Array<number>(COLOURS).fill(0);
   for (const colour of used) counts[colour] = (counts[colour] ?? 0) + 1;

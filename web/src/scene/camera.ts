@@ -7,6 +7,8 @@ const FOV = 32;
 const FLIGHT_MS = 320;
 /** Margin around the framed box. */
 const MARGIN = 1.06;
+/** Least height of the camera above the floor [m]. */
+const CLEARANCE = 0.03;
 /** What an arrow key turns the view by [rad]. */
 const TURN = Math.PI / 36;
 
@@ -21,15 +23,25 @@ export class CameraRig {
   private flight: { from: Place; to: Place; start: number } | undefined;
   private dragging = false;
 
-  /** @param changed called whenever the view changes */
-  constructor(canvas: HTMLElement, changed: () => void) {
+  /**
+   * @param floor height of the ground [m], which hides what is seen from below; or null
+   * @param changed called whenever the view changes
+   */
+  constructor(
+    canvas: HTMLElement,
+    private readonly floor: number | null,
+    changed: () => void,
+  ) {
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.minDistance = 0.08;
     this.controls.maxDistance = 25;
     this.controls.zoomToCursor = true;
     this.controls.zoomSpeed = 1.4;
-    this.controls.addEventListener("change", changed);
+    this.controls.addEventListener("change", () => {
+      this.stayAboveFloor();
+      changed();
+    });
     this.controls.addEventListener("start", () => {
       this.flight = undefined;
       this.dragging = true;
@@ -101,6 +113,16 @@ export class CameraRig {
     this.place(ray.setLength(reach).add(target), target);
     if (share === 1) this.flight = undefined;
     return this.flight !== undefined;
+  }
+
+  private stayAboveFloor(): void {
+    const { camera, controls, floor } = this;
+    if (floor === null) return;
+    controls.target.z = Math.max(controls.target.z, floor);
+    const lowest = floor + CLEARANCE;
+    if (camera.position.z >= lowest) return;
+    camera.position.z = lowest;
+    camera.lookAt(controls.target);
   }
 
   private place(eye: Vector3, target: Vector3): void {

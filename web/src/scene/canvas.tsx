@@ -1,20 +1,32 @@
 /** The canvas of one viewer, and its connection to the page. */
 import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { frames } from "../frames";
+import { need } from "../forces";
+import { frames, shown } from "../frames";
+import { guided } from "../guiding";
 import { t } from "../i18n";
 import { moving } from "../moving";
 import type { ViewInfo } from "../protocol";
+import { model } from "../model";
+import { overlays } from "../overlays";
+import { placing } from "../placing";
 import { selected } from "../robots";
+import { selection } from "../selection";
+import { keyName } from "../shortcuts";
 import {
   hoveredLink,
-  scene,
   showCollision,
   showGhost,
   shownFrames,
+  shownScene,
   status,
 } from "../store";
 import { shownTheme, token } from "../ui/theme";
+import { plannedPath } from "./path";
+import { editByKey } from "./edit-keys";
+import { plannedPose } from "./planned-pose";
+import { showGizmo, target, watchTarget } from "../tool-target";
+import { arm, framePose, toolFrame, toolPose } from "../tool";
 import { watchPointer } from "./pointer";
 import type { Quality } from "./quality";
 import type { Colours } from "./stage";
@@ -46,6 +58,8 @@ function coloursOf(theme: "light" | "dark"): Colours {
     ghost: token("--scene-ghost"),
     highlight: token("--scene-highlight"),
     collision: token("--actual"),
+    force: token("--scene-force"),
+    contact: token("--scene-contact"),
     x: token("--axis-x"),
     y: token("--axis-y"),
     z: token("--axis-z"),
@@ -54,12 +68,31 @@ function coloursOf(theme: "light" | "dark"): Colours {
 }
 
 function onKey(viewer: Viewer, event: KeyboardEvent): void {
-  if (event.ctrlKey || event.altKey || event.metaKey) return;
+  if (event.altKey) return;
+  if (editByKey(keyName(event))) {
+    event.preventDefault();
+    return;
+  }
+  if (event.ctrlKey || event.metaKey) return;
   const view = VIEW_KEYS[event.key];
   if (view) viewer.look(view);
   else if (event.key === "f") viewer.fit();
   else if (!viewer.key(event.key)) return;
   event.preventDefault();
+}
+
+/** Keep the gizmo at the target, or at the tool without one; the result ends that. */
+function followTool(viewer: Viewer): () => void {
+  const place = () => {
+    const isShown = showGizmo.value && arm.value !== null && !shown.isPast.value;
+    const pose = target.value ?? toolPose();
+    const axes = toolFrame.value === "tool" ? pose : framePose(toolFrame.value);
+    viewer.gizmo.show(isShown ? pose : null, axes.R);
+  };
+  const ends = [effect(place), frames.listen(place)];
+  return () => {
+    for (const end of ends) end();
+  };
 }
 
 /** Update the viewer when the store changes; the result ends that. */
@@ -69,19 +102,43 @@ function follow(
 ): () => void {
   const ends = [
     effect(() => {
-      if (scene.value) void viewer.surround(scene.value).then(report);
+      if (shownScene.value) void viewer.surround(shownScene.value).then(report);
     }),
     effect(() => {
       viewer.paint(coloursOf(shownTheme.value));
     }),
     effect(() => {
-      viewer.aim(showGhost.value ? (status.value?.targets ?? {}) : undefined);
+      // who guides the arm sends it nowhere
+      const isShown = showGhost.value && !shown.isPast.value && guided.value === null;
+      const commanded = isShown ? (status.value?.targets ?? {}) : undefined;
+      viewer.aim(plannedPose.value ?? commanded);
     }),
     effect(() => {
-      viewer.offerMove(moving.value?.target ?? null);
+      viewer.offerMove(moving.value);
     }),
     effect(() => {
       viewer.select(selected.value);
+    }),
+    watchTarget(),
+    followTool(viewer),
+    effect(() => {
+      viewer.choose(selection.value);
+    }),
+    effect(() => {
+      viewer.showOverlays({
+        contacts: overlays.contacts.value,
+        wrench: overlays.wrench.value,
+        inertia: overlays.inertia.value,
+        trace: overlays.trace.value,
+      });
+    }),
+    effect(() => need({ contacts: overlays.contacts.value })),
+    effect(() => need({ wrenches: overlays.wrench.value })),
+    effect(() => {
+      viewer.showPath(plannedPath.value);
+    }),
+    effect(() => {
+      viewer.offerPlace(placing.value);
     }),
     effect(() => {
       viewer.showCollision(showCollision.value);
@@ -105,7 +162,13 @@ function start(host: HTMLDivElement, props: CanvasProps): () => void {
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "application");
   canvas.setAttribute("aria-label", t("scene.canvas"));
-  const viewer = new Viewer(canvas, props.view, props.urdf, props.quality);
+  const viewer = new Viewer(
+    canvas,
+    props.view,
+    props.urdf,
+    model.peek(),
+    props.quality,
+  );
   host.append(canvas, viewer.labels);
   const ends: (() => void)[] = [];
 
@@ -118,15 +181,17 @@ function start(host: HTMLDivElement, props: CanvasProps): () => void {
   canvas.addEventListener("keydown", (event) => {
     onKey(viewer, event);
   });
-  for (const { frame, arrival } of frames.last) viewer.push(frame, arrival);
+  for (const { frame, arrival } of shown.last) viewer.push(frame, arrival);
   ends.push(
-    frames.listen((frame) => {
+    shown.listen((frame) => {
       viewer.push(frame, performance.now());
     }),
     watchPointer(host, canvas, viewer),
   );
   const counter = setInterval(() => {
     host.dataset.frames = String(viewer.drawn);
+    if (showGizmo.peek()) host.dataset.gizmo = viewer.arrowAt.join(" ");
+    host.dataset.eye = viewer.eyeHeight.toFixed(3);
   }, 500);
 
   let over = false;
@@ -135,7 +200,7 @@ function start(host: HTMLDivElement, props: CanvasProps): () => void {
     const reason = failures.join("; ");
     props.onProblem(reason ? t("scene.meshesFailed", { reason }) : null);
   };
-  viewer.load(scene.peek()).then(
+  viewer.load(shownScene.peek()).then(
     (failures) => {
       if (over) return;
       ends.push(follow(viewer, report));
@@ -180,6 +245,7 @@ export function Canvas(props: CanvasProps) {
       ref={host}
       data-testid="scene"
       data-quality={props.quality}
+      data-placing={placing.value !== null}
     />
   );
 }

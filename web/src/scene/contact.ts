@@ -17,14 +17,18 @@ import {
 import { HorizontalBlurShader } from "three/examples/jsm/shaders/HorizontalBlurShader.js";
 import { VerticalBlurShader } from "three/examples/jsm/shaders/VerticalBlurShader.js";
 import { MODEL_LAYER } from "./layers";
+import type { Quality } from "./quality";
 
 /** Edge of the ground that is darkened [m]. */
 const SIZE = 2.4;
 /** Up to here things darken the ground [m]. */
 const HEIGHT = 0.35;
-const PIXELS = 512;
-/** How soft the shadow is; two passes make it rounder than one [pixels]. */
-const BLURS = [3.5, 1.4];
+/** Pixels along an edge; without a GPU every pixel costs time. */
+const PIXELS = { high: 512, low: 160 };
+/** How soft the shadow is; two passes make it rounder than one [parts of the edge]. */
+const BLURS = [3.5 / 512, 1.4 / 512];
+/** Without a GPU the shadow of what moves is drawn no more often than this [ms]. */
+const PERIOD_MS = { high: 0, low: 200 };
 
 function shader(source: typeof HorizontalBlurShader | typeof VerticalBlurShader) {
   const material = new ShaderMaterial(source);
@@ -35,8 +39,8 @@ function shader(source: typeof HorizontalBlurShader | typeof VerticalBlurShader)
 export class ContactShadow {
   readonly root = new Group();
   needsUpdate = true;
-  private readonly target = new WebGLRenderTarget(PIXELS, PIXELS);
-  private readonly spare = new WebGLRenderTarget(PIXELS, PIXELS);
+  private readonly target: WebGLRenderTarget;
+  private readonly spare: WebGLRenderTarget;
   private readonly camera = new OrthographicCamera(
     -SIZE / 2,
     SIZE / 2,
@@ -47,18 +51,26 @@ export class ContactShadow {
   );
   private readonly depth = new MeshDepthMaterial();
   private readonly plane = new PlaneGeometry(SIZE, SIZE);
-  private readonly shade = new MeshBasicMaterial({
-    map: this.target.texture,
-    transparent: true,
-    depthWrite: false,
-    toneMapped: false,
-  });
+  private readonly shade: MeshBasicMaterial;
   private readonly across = shader(HorizontalBlurShader);
   private readonly along = shader(VerticalBlurShader);
   private readonly screen = new Mesh(this.plane, this.across);
 
+  private readonly period: number;
+  private drawnAt = -Infinity;
+
   /** @param height of the ground [m] */
-  constructor(height: number) {
+  constructor(height: number, quality: Quality) {
+    const pixels = PIXELS[quality];
+    this.period = PERIOD_MS[quality];
+    this.target = new WebGLRenderTarget(pixels, pixels);
+    this.spare = new WebGLRenderTarget(pixels, pixels);
+    this.shade = new MeshBasicMaterial({
+      map: this.target.texture,
+      transparent: true,
+      depthWrite: false,
+      toneMapped: false,
+    });
     // looking up, with the picture's x along x
     this.camera.position.z = height;
     this.camera.up.set(0, 1, 0);
@@ -85,9 +97,12 @@ export class ContactShadow {
     this.shade.opacity = dark ? 0.85 : 0.5;
   }
 
-  update(renderer: WebGLRenderer, scene: Scene): void {
-    if (!this.needsUpdate) return;
+  /** Draw the shadow anew if something moved; `isLast`: in any case, as nothing will. */
+  update(renderer: WebGLRenderer, scene: Scene, isLast: boolean): void {
+    const now = performance.now();
+    if (!this.needsUpdate || (!isLast && now - this.drawnAt < this.period)) return;
     this.needsUpdate = false;
+    this.drawnAt = now;
     const { autoUpdate, needsUpdate } = renderer.shadowMap;
     renderer.shadowMap.needsUpdate = false;
     scene.overrideMaterial = this.depth;
@@ -96,7 +111,7 @@ export class ContactShadow {
     renderer.clear();
     renderer.render(scene, this.camera);
     scene.overrideMaterial = null;
-    for (const blur of BLURS) this.blur(renderer, blur / PIXELS);
+    for (const blur of BLURS) this.blur(renderer, blur);
     renderer.setRenderTarget(null);
     renderer.shadowMap.autoUpdate = autoUpdate;
     renderer.shadowMap.needsUpdate = needsUpdate;

@@ -39,6 +39,10 @@ export const VIEW_ICONS: Record<View, ReturnType<typeof icon>> = {
   ),
 };
 
+export const HandIcon = icon(
+  <path d="M5 8.2V4a1.1 1.1 0 0 1 2.2 0v3.2-4.6a1.1 1.1 0 0 1 2.2 0v4.6-3.4a1.1 1.1 0 0 1 2.2 0v6.4a4 4 0 0 1-4 4c-2 0-2.9-.8-3.8-2.4L2.2 9.2a1.1 1.1 0 0 1 1.9-1.1z" />,
+);
+
 export const FitIcon = icon(
   <path d="M2.5 5.5v-3h3M10.5 2.5h3v3M13.5 10.5v3h-3M5.5 13.5h-3v-3M6 8h4M8 6v4" />,
 );

@@ -5,7 +5,11 @@ import { connection } from "../connection";
 import { t } from "../i18n";
 import { model, modelFailure, urdfText } from "../model";
 import { connectionState, view, status } from "../store";
+import { Actions } from "./actions";
 import { Canvas } from "./canvas";
+import { PlacingHint, SelectionCard } from "./card";
+import { GuideBar } from "./guide-bar";
+import { GizmoHint } from "./gizmo-hint";
 import { quality } from "./quality";
 import "./scene.css";
 import { Toolbar } from "./toolbar";
@@ -72,6 +76,11 @@ export default function SceneView() {
         />
       )}
       {viewer.value && <Toolbar viewer={viewer.value} />}
+      {viewer.value && <GuideBar />}
+      {viewer.value && <Actions viewer={viewer.value} />}
+      {viewer.value && <SelectionCard />}
+      {viewer.value && <PlacingHint />}
+      {viewer.value && <GizmoHint />}
       {message !== null && (
         <p class="scene-message" role="status">
           {message}

@@ -1,6 +1,12 @@
 /** Words over the scene, as crisp as the rest of the page. */
 import { type PerspectiveCamera, Vector3 } from "three";
 
+/** A text, and the point of the world that it is written beside. */
+export interface Label {
+  readonly text: string;
+  readonly at: Vector3;
+}
+
 /** Of a label [px]. */
 const HEIGHT = 22;
 
@@ -15,10 +21,7 @@ export class Labels {
   }
 
   /** Write each text beside its point of the world, below those that it would cover. */
-  update(
-    labels: readonly { text: string; at: Vector3 }[],
-    camera: PerspectiveCamera,
-  ): void {
+  update(labels: readonly Label[], camera: PerspectiveCamera): void {
     while (this.shown.length > labels.length) this.shown.pop()?.remove();
     const { clientWidth, clientHeight } = this.element;
     const taken: { x: number; y: number }[] = [];

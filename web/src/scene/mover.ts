@@ -1,8 +1,8 @@
-/** Arrows that drag an object to another place. */
+/** Arrows that drag an object to another place, or rings that rotate it. */
 import { type Camera, Object3D } from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
-import type { Target } from "../moving";
-import type { Vector } from "../urdf";
+import type { Move, Target } from "../moving";
+import type { Colours } from "./stage";
 
 const SIZE = 0.7;
 
@@ -11,8 +11,8 @@ interface Listener {
   changed: () => void;
   /** The user grabbed or released it. */
   dragged: (is: boolean) => void;
-  /** It was dragged to [m]. */
-  moved: (position: Vector) => void;
+  /** It was dragged there. */
+  moved: (target: Target) => void;
 }
 
 export class Mover {
@@ -23,6 +23,8 @@ export class Mover {
   constructor(camera: Camera, canvas: HTMLElement, listener: Listener) {
     this.controls = new TransformControls(camera, canvas);
     this.controls.setSize(SIZE);
+    // rpy turns about fixed axes: about x first, which three calls ZYX
+    this.handle.rotation.order = "ZYX";
     this.root = new Object3D();
     this.root.add(this.handle, this.controls.getHelper());
     this.controls.addEventListener("change", listener.changed);
@@ -30,19 +32,34 @@ export class Mover {
       listener.dragged(value === true);
     });
     this.controls.addEventListener("objectChange", () => {
-      const { x, y, z } = this.handle.position;
-      listener.moved([x, y, z]);
+      const { position, rotation } = this.handle;
+      listener.moved({
+        position: [position.x, position.y, position.z],
+        rpy: [rotation.x, rotation.y, rotation.z],
+      });
     });
   }
 
-  /** Show the arrows for this object, or hide them. */
-  offer(target: Target | null): void {
-    if (target === null) {
+  /** Show the handles for this object, or hide them. */
+  offer(move: Move | null): void {
+    if (move === null) {
       this.controls.detach();
-    } else {
-      this.handle.position.set(...target.position);
-      this.controls.attach(this.handle);
+      return;
     }
+    const { kind, target } = move;
+    this.handle.position.set(...target.position);
+    // while it is dragged the handle is ahead
+    if (!this.controls.dragging) this.handle.rotation.set(...target.rpy, "ZYX");
+    this.controls.setMode(kind === "rotate" ? "rotate" : "translate");
+    this.controls.attach(this.handle);
+  }
+
+  get isHovered(): boolean {
+    return this.controls.axis !== null;
+  }
+
+  paint({ x, y, z, highlight }: Colours): void {
+    this.controls.setColors(x, y, z, highlight);
   }
 
   dispose(): void {

@@ -13,8 +13,10 @@ import type { Pose } from "./interpolation";
 import { MODEL_LAYER } from "./layers";
 import type { Materials } from "./materials";
 import type { Meshes } from "./meshes";
+import { meshesOf, type SolidMesh } from "./robot";
 
-function primitive(shape: ShapeInfo): BufferGeometry {
+/** Return the geometry of a shape without parts. */
+export function primitive(shape: ShapeInfo): BufferGeometry {
   const radius = shape.radius ?? 0;
   if (shape.kind === "sphere") return new SphereGeometry(radius, 48, 24);
   if (shape.kind === "cylinder") {
@@ -68,6 +70,17 @@ export class Objects {
       });
     }
     await Promise.all(this.shown.map((one) => one.made));
+  }
+
+  /** Return the meshes of an object. */
+  meshesOf(name: string): SolidMesh[] {
+    const holder = this.holder(name);
+    return holder ? meshesOf(holder) : [];
+  }
+
+  /** Return what an object is drawn in. */
+  holder(name: string): Group | undefined {
+    return this.shown.find(({ holder }) => holder.name === name)?.holder;
   }
 
   /** Set their poses from `start` on: x y z w x y z of each. */

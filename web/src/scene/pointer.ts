@@ -2,7 +2,9 @@
 import { selectRobot } from "../driving";
 import { language } from "../i18n";
 import { model } from "../model";
+import { place, placing } from "../placing";
 import { robotOfLink } from "../robots";
+import { select, type Selection } from "../selection";
 import { view, hoveredLink } from "../store";
 import type { Hit } from "./picker";
 import type { Viewer } from "./viewer";
@@ -15,6 +17,11 @@ function nameOf(hit: Hit): string {
   const link = hit.link ?? "";
   const part = view.value?.robot.part_names[link]?.[language.value];
   return hit.object ?? (part === undefined ? link : `${part} · ${link}`);
+}
+
+function selectionOf(hit: Hit | undefined): Selection | null {
+  if (hit?.object !== undefined) return { kind: "object", name: hit.object };
+  return hit?.link === undefined ? null : { kind: "link", name: hit.link };
 }
 
 /** Watch the pointer; the answer ends it. */
@@ -43,6 +50,7 @@ export function watchPointer(
   };
   const look = (x: number, y: number) => {
     due = 0;
+    if (placing.peek() && !viewer.isDragging) viewer.aimPlace(x, y);
     const hit = viewer.isDragging ? undefined : viewer.at(x, y);
     tip.hidden = hit === undefined;
     hover(hit?.link ?? null);
@@ -66,9 +74,17 @@ export function watchPointer(
     pressed = { x: event.clientX, y: event.clientY };
     leave();
   };
-  const click = ({ clientX, clientY }: MouseEvent) => {
-    const distance = Math.hypot(clientX - pressed.x, clientY - pressed.y);
-    const hit = distance <= CLICK ? viewer.at(clientX, clientY) : undefined;
+  const click = ({ clientX, clientY, shiftKey }: MouseEvent) => {
+    if (Math.hypot(clientX - pressed.x, clientY - pressed.y) > CLICK) return;
+    if (placing.peek()) {
+      const to = viewer.aimPlace(clientX, clientY);
+      if (to) void place([to.x, to.y, to.z], shiftKey);
+      return;
+    }
+    // a click on its handles selects nothing else
+    if (viewer.isOnHandles) return;
+    const hit = viewer.at(clientX, clientY);
+    select(selectionOf(hit));
     const robot = hit?.link && robotOfLink(model.peek(), hit.link);
     if (robot) selectRobot(robot.name);
   };

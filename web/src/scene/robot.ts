@@ -102,14 +102,6 @@ export class Robot {
     });
   }
 
-  /** Change the materials of a link's meshes. */
-  dress(link: string | null, change: (material: Solid) => Solid): void {
-    for (const mesh of this.visuals.get(link ?? "") ?? []) {
-      const { material } = mesh;
-      mesh.material = Array.isArray(material) ? material.map(change) : change(material);
-    }
-  }
-
   link(name: string): URDFLink | undefined {
     return this.root.links[name];
   }

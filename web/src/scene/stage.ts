@@ -10,8 +10,9 @@ import { Axes } from "./axes";
 import { CameraRig } from "./camera";
 import { ContactShadow } from "./contact";
 import { Ground } from "./ground";
-import { Labels } from "./labels";
+import { type Label, Labels } from "./labels";
 import { Lighting } from "./lighting";
+import { token } from "../ui/theme";
 import type { Quality } from "./quality";
 
 /** Without a GPU, a picture that has stood still for so long is drawn finely [ms]. */
@@ -22,6 +23,8 @@ export interface Colours {
   ghost: string;
   highlight: string;
   collision: string;
+  force: string;
+  contact: string;
   x: string;
   y: string;
   z: string;
@@ -33,6 +36,8 @@ export class Stage {
   readonly axes = new Axes();
   readonly labels = new Labels();
   readonly rig: CameraRig;
+  /** Labels besides those of the frames. */
+  moreLabels: () => readonly Label[] = () => [];
   /** Pictures drawn so far. */
   drawn = 0;
   private readonly renderer: WebGLRenderer;
@@ -66,12 +71,12 @@ export class Stage {
     this.lighting = new Lighting(this.scene, this.renderer, quality);
     this.ground = new Ground(quality, ground !== null);
     this.ground.root.position.z = ground ?? 0;
-    if (high && ground !== null) {
-      this.contact = new ContactShadow(ground);
+    if (ground !== null) {
+      this.contact = new ContactShadow(ground, quality);
       this.scene.add(this.contact.root);
     }
     this.scene.add(this.ground.root, this.axes.root);
-    this.rig = new CameraRig(canvas, changed);
+    this.rig = new CameraRig(canvas, ground, changed);
   }
 
   resize(width: number, height: number): void {
@@ -101,10 +106,37 @@ export class Stage {
       if (this.renderer.getPixelRatio() !== 1) this.sharpen(1);
       this.refinement = setTimeout(() => {
         this.sharpen(2);
-        this.render();
+        this.render(true);
       }, STILL_MS);
     }
     this.render();
+  }
+
+  /** Return what is seen as a PNG, on the background of the page. */
+  async picture(): Promise<Blob> {
+    const ratio = this.renderer.getPixelRatio();
+    this.sharpen(2);
+    this.render();
+    const source = this.renderer.domElement;
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [source.width, source.height];
+    const context = canvas.getContext("2d");
+    if (context) {
+      const sky = context.createLinearGradient(0, 0, 0, canvas.height);
+      sky.addColorStop(0, token("--scene-top"));
+      sky.addColorStop(1, token("--scene-bottom"));
+      context.fillStyle = sky;
+      context.fillRect(0, 0, canvas.width, canvas.height);
+      context.drawImage(source, 0, 0);
+    }
+    this.sharpen(ratio);
+    this.changed();
+    return new Promise((resolve, reject) => {
+      canvas.toBlob((blob) => {
+        if (blob) resolve(blob);
+        else reject(new Error("the browser made no picture"));
+      }, "image/png");
+    });
   }
 
   dispose(): void {
@@ -126,11 +158,12 @@ export class Stage {
     this.renderer.setSize(this.size.width, this.size.height, false);
   }
 
-  private render(): void {
+  /** @param isStill whether nothing will move soon, as far as is known */
+  private render(isStill = false): void {
     this.axes.update(this.rig.camera);
-    this.contact?.update(this.renderer, this.scene);
+    this.contact?.update(this.renderer, this.scene, isStill);
     this.renderer.render(this.scene, this.rig.camera);
-    this.labels.update(this.axes.labels, this.rig.camera);
+    this.labels.update([...this.axes.labels, ...this.moreLabels()], this.rig.camera);
     this.drawn += 1;
   }
 }

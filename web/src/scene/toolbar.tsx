@@ -1,8 +1,10 @@
 /** Buttons over the picture: views, and what is shown. */
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { CameraToggles } from "../cameras/toggles";
 import type { Key } from "../i18n";
 import { t } from "../i18n";
+import { type Overlay, overlays } from "../overlays";
 import { selected } from "../robots";
 import { showCollision, showGhost, shownFrames, status } from "../store";
 import { IconButton } from "../ui/button";
@@ -21,6 +23,13 @@ const VIEW_NAMES: Record<View, Key> = {
   top: "scene.view.top",
   tool: "scene.view.tool",
 };
+
+const SHOWN: readonly (readonly [Overlay, Key])[] = [
+  ["contacts", "scene.contacts"],
+  ["wrench", "scene.wrench"],
+  ["inertia", "scene.inertia"],
+  ["trace", "scene.trace"],
+];
 
 function toggleFrame(name: string, shown: boolean): void {
   const next = new Set(shownFrames.value);
@@ -45,6 +54,7 @@ function Options({ viewer }: { viewer: Viewer }) {
           }}
         />
       ))}
+      <CameraToggles />
       <p class="scene-heading">{t("scene.show")}</p>
       {status.value && (
         <Toggle
@@ -64,6 +74,17 @@ function Options({ viewer }: { viewer: Viewer }) {
           showCollision.value = shown;
         }}
       />
+      {SHOWN.map(([name, key]) => (
+        <Toggle
+          key={name}
+          label={t(key)}
+          checked={overlays[name].value}
+          data-testid={`scene-show-${name}`}
+          onChange={(shown) => {
+            overlays[name].value = shown;
+          }}
+        />
+      ))}
       <Toggle
         label={t("scene.simple")}
         checked={quality.value === "low"}

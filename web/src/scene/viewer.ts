@@ -1,11 +1,23 @@
 /** The scene on its canvas: what the page calls. */
-import { type Box3, type Mesh, type Object3D, Vector3 } from "three";
-import { aimAt, moving, putThere } from "../moving";
-import type { Target } from "../moving";
-import type { Frame, RobotPartsInfo, ViewInfo, ViewScene } from "../protocol";
+import { type Box3, type Mesh, type Object3D, Plane, Vector3 } from "three";
+import { aimAt, putThere } from "../moving";
+import type { Move } from "../moving";
+import type { Overlay as OverlayName } from "../overlays";
+import type { NewObject } from "../placing";
+import type {
+  Frame,
+  RobotPartsInfo,
+  ViewInfo,
+  ViewObject,
+  ViewScene,
+} from "../protocol";
+import type { Selection } from "../selection";
+import type { UrdfModel, Vector } from "../urdf";
 import { CollisionLook } from "./collision";
 import { directionOf, toolDirection, type View } from "./framing";
+import { ToolGizmo } from "./gizmo";
 import { Ghost } from "./ghost";
+import { Glow } from "./glow";
 import { goalOf } from "./goal";
 import { Interpolator, type Pose } from "./interpolation";
 import { Loop } from "./loop";
@@ -14,10 +26,15 @@ import { Materials } from "./materials";
 import { Meshes } from "./meshes";
 import { Mover } from "./mover";
 import { Objects } from "./objects";
+import { Outline } from "./outline";
 import { type Hit, Picker } from "./picker";
+import { Overlay } from "./overlay";
+import { Placer } from "./placer";
+import { PullSpring } from "./pull";
 import type { Quality } from "./quality";
 import { Robot } from "./robot";
 import { type Colours, Stage } from "./stage";
+import { aimTool, dragTool } from "../tool-target";
 
 /** What moved by less than this since it was drawn is not drawn again [rad | m]: a tenth of a pixel. */
 const UNSEEN = 5e-5;
@@ -34,7 +51,10 @@ export class Viewer {
   private readonly stage: Stage;
   private readonly picker: Picker;
   private readonly mover: Mover;
+  /** At the tool of the selected arm. */
+  readonly gizmo: ToolGizmo;
   private readonly marker: Marker;
+  private readonly spring: PullSpring;
   private readonly materials: Materials;
   private readonly collision = new CollisionLook();
   private readonly loop: Loop;
@@ -47,13 +67,20 @@ export class Viewer {
   private loaded: Loaded | undefined;
   private targets: Readonly<Record<string, number>> | undefined = {};
   private colours: Colours | undefined;
-  private lit: string | null = null;
+  private readonly glow: Glow;
+  private readonly outline = new Outline();
+  private readonly placer = new Placer();
+  private readonly overlay: Overlay;
+  private objects: readonly ViewObject[] = [];
+  private hovered: string | null = null;
+  private selection: Selection | null = null;
   private selected: RobotPartsInfo | null = null;
 
   constructor(
     canvas: HTMLCanvasElement,
     private readonly view: ViewInfo,
     private readonly urdf: string,
+    model: UrdfModel | null,
     quality: Quality,
   ) {
     this.loop = new Loop(this, quality === "high" ? 0 : SLOW_INTERVAL_MS);
@@ -71,13 +98,39 @@ export class Viewer {
         this.stage.rig.isEnabled = !is;
         if (!is) void putThere();
       },
-      moved: (position) => {
-        const now = moving.peek();
-        if (now) aimAt({ ...now.target, position });
+      moved: aimAt,
+    });
+    this.gizmo = new ToolGizmo(this.stage.rig.camera, canvas, {
+      changed: () => {
+        this.loop.invalidate();
       },
+      dragged: (is) => {
+        this.stage.rig.isEnabled = !is;
+        void dragTool(is);
+      },
+      moved: aimTool,
     });
     this.marker = new Marker(view.robot.ground);
-    this.stage.scene.add(this.mover.root, this.marker.root);
+    this.glow = new Glow(this.materials);
+    this.overlay = new Overlay(view.robot.robots, view.robot.joints, model, (name) =>
+      this.loaded?.robot.link(name),
+    );
+    this.stage.moreLabels = () => this.overlay.labels;
+    this.stage.scene.add(this.overlay.root);
+    this.spring = new PullSpring(canvas, this.stage.rig.camera, this.picker, {
+      at: (x, y) => this.at(x, y),
+      link: (name) => this.loaded?.robot.link(name),
+      changed: () => {
+        this.loop.invalidate();
+      },
+    });
+    this.stage.scene.add(
+      this.mover.root,
+      this.gizmo.root,
+      this.marker.root,
+      this.placer.root,
+      this.spring.root,
+    );
   }
 
   /** What is written over the picture. */
@@ -113,9 +166,11 @@ export class Viewer {
   async surround(scene: ViewScene): Promise<readonly string[]> {
     if (!this.loaded) return [];
     const { robot, objects } = this.loaded;
+    this.objects = scene.objects;
     const shown = objects.show(scene);
     this.redraw();
     await shown;
+    this.lightUp();
     this.redraw();
     return [...robot.failures, ...objects.failures];
   }
@@ -127,6 +182,7 @@ export class Viewer {
 
   push(frame: Frame, arrival: number): void {
     this.interpolator.push(frame, arrival);
+    if (this.loaded && this.overlay.push(frame, this.objects)) this.loop.invalidate();
     this.loop.wake();
   }
 
@@ -139,6 +195,13 @@ export class Viewer {
     this.stage.paint(colours);
     this.collision.paint(colours.collision);
     this.marker.paint(colours.ghost);
+    this.mover.paint(colours);
+    this.gizmo.paint(colours);
+    this.placer.paint(colours.ghost);
+    this.outline.paint(colours.ghost);
+    this.overlay.paint(colours);
+    this.glow.paint(colours.highlight);
+    this.spring.paint(colours.highlight);
     this.loaded?.ghost.paint(colours.ghost);
   }
 
@@ -169,9 +232,21 @@ export class Viewer {
     });
   }
 
-  /** Show arrows that move this object, or none. */
-  offerMove(target: Target | null): void {
-    this.mover.offer(target);
+  /** Show forces, inertias and traces. */
+  showOverlays(shown: Readonly<Record<OverlayName, boolean>>): void {
+    this.overlay.show(shown);
+    this.loop.invalidate();
+  }
+
+  /** Show a planned path of the tool, or none. */
+  showPath(points: readonly Vector[] | null): void {
+    this.overlay.plan(points);
+    this.loop.invalidate();
+  }
+
+  /** Show handles that move this object, or none. */
+  offerMove(move: Move | null): void {
+    this.mover.offer(move);
     this.loop.invalidate();
   }
 
@@ -184,13 +259,49 @@ export class Viewer {
 
   /** Light up a link. */
   highlight(link: string | null): void {
-    if (link === this.lit || !this.loaded || !this.colours) return;
-    const { robot } = this.loaded;
-    const { highlight } = this.colours;
-    robot.dress(this.lit, (one) => this.materials.plainOf(one));
-    robot.dress(link, (one) => this.materials.glowingOf(one, highlight));
-    this.lit = link;
+    this.hovered = link;
+    this.lightUp();
+  }
+
+  /** Light up and outline what is selected. */
+  choose(selection: Selection | null): void {
+    this.selection = selection;
+    this.lightUp();
+  }
+
+  private lightUp(): void {
+    if (!this.loaded) return;
+    const { robot, objects } = this.loaded;
+    const { kind, name } = this.selection ?? {};
+    const meshes =
+      kind === "object"
+        ? objects.meshesOf(name ?? "")
+        : (robot.visuals.get(name ?? "") ?? []);
+    this.outline.show(meshes);
+    this.glow.show([...meshes, ...(robot.visuals.get(this.hovered ?? "") ?? [])]);
     this.loop.invalidate();
+  }
+
+  /** Let the pointer place this object, or none. */
+  offerPlace(object: NewObject | null): void {
+    this.placer.offer(object);
+    this.loop.invalidate();
+  }
+
+  /** Show the offered object under a point of the window [px]; the result is where it is. */
+  aimPlace(x: number, y: number): Vector3 | undefined {
+    this.loop.invalidate();
+    return this.placer.put(this.at(x, y) ?? this.onGround(x, y));
+  }
+
+  private onGround(x: number, y: number): Pick<Hit, "point" | "normal"> | undefined {
+    const normal = new Vector3(0, 0, 1);
+    const point = this.picker.on(
+      new Plane(normal, -(this.view.robot.ground ?? 0)),
+      x,
+      y,
+    );
+    return point && { point, normal };
   }
 
   // ---- the camera -------------------------------------------------------------------
@@ -213,8 +324,25 @@ export class Viewer {
     return this.stage.rig.key(key);
   }
 
+  /** Where the gizmo's z arrow is in the picture, from its top left corner [px]. */
+  get arrowAt(): readonly [number, number] {
+    const { clientWidth, clientHeight } = this.stage.labels.element;
+    const at = this.gizmo.arrow.project(this.stage.rig.camera);
+    return [((at.x + 1) / 2) * clientWidth, ((1 - at.y) / 2) * clientHeight];
+  }
+
+  /** Height of the camera above the ground [m]. */
+  get eyeHeight(): number {
+    return this.stage.rig.camera.position.z - (this.view.robot.ground ?? 0);
+  }
+
   get isDragging(): boolean {
     return this.stage.rig.isDragging;
+  }
+
+  /** Whether the pointer is over the handles that move an object. */
+  get isOnHandles(): boolean {
+    return this.mover.isHovered || this.gizmo.isHovered;
   }
 
   at(x: number, y: number): Hit | undefined {
@@ -296,6 +424,7 @@ export class Viewer {
     this.isChanged = false;
     robot.pose(values);
     this.marker.follow();
+    this.spring.follow();
     objects.pose(this.pose, this.view.robot.joints.length);
     this.updateGhost();
     this.stage.castAnew();
@@ -311,13 +440,24 @@ export class Viewer {
   }
 
   draw(): void {
+    this.overlay.update();
     this.stage.draw();
+  }
+
+  /** Return what is seen as a PNG, with twice the pixels. */
+  picture(): Promise<Blob> {
+    return this.stage.picture();
   }
 
   dispose(): void {
     this.loop.stop();
     this.mover.dispose();
+    this.gizmo.dispose();
+    this.outline.dispose();
+    this.placer.dispose();
+    this.overlay.dispose();
     this.marker.dispose();
+    this.spring.dispose();
     this.stage.dispose();
     this.loaded?.ghost.dispose();
     this.collision.dispose();

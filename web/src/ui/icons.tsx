@@ -29,9 +29,12 @@ export const StepIcon = icon(
   </>,
 );
 export const ResetIcon = icon(<path d="M3 8a5 5 0 1 0 1.6-3.7L3 5.8M3 2.7v3.1h3.1" />);
+export const UndoIcon = icon(<path d="M6 3 3 6l3 3M3 6h6a3.5 3.5 0 0 1 0 7H6" />);
+export const RedoIcon = icon(<path d="m10 3 3 3-3 3M13 6H7a3.5 3.5 0 0 0 0 7h3" />);
 export const StopIcon = icon(
   <rect x="4" y="4" width="8" height="8" rx="1" fill="currentColor" />,
 );
+export const RecordIcon = icon(<circle cx="8" cy="8" r="4.5" fill="currentColor" />);
 export const CloseIcon = icon(<path d="m4 4 8 8m0-8-8 8" />);
 export const ChevronDownIcon = icon(<path d="m4.5 6.5 3.5 3.5 3.5-3.5" />);
 export const ChevronRightIcon = icon(<path d="M6.5 4.5 10 8l-3.5 3.5" />);
@@ -102,5 +105,21 @@ export const EyeIcon = icon(
   <>
     <path d="M1.8 8S4 3.8 8 3.8 14.2 8 14.2 8 12 12.2 8 12.2 1.8 8 1.8 8z" />
     <circle cx="8" cy="8" r="1.8" />
+  </>,
+);
+export const MenuIcon = icon(<path d="M2.5 4h11M2.5 8h11M2.5 12h11" />);
+export const CameraIcon = icon(
+  <>
+    <path d="M2.5 5h2.6l1-1.5h3.8l1 1.5h2.6v7.5h-11z" />
+    <circle cx="8" cy="8.6" r="2.2" />
+  </>,
+);
+export const FullScreenIcon = icon(
+  <path d="M2.5 6V2.5H6M10 2.5h3.5V6M13.5 10v3.5H10M6 13.5H2.5V10" />,
+);
+export const KeyboardIcon = icon(
+  <>
+    <rect x="1.5" y="4" width="13" height="8.5" rx="1.2" />
+    <path d="M4 6.7h.1m2.6 0h.1m2.6 0h.1m2.6 0h.1M5 10h6" />
   </>,
 );

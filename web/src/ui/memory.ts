@@ -6,9 +6,14 @@ export function recall<T extends string>(
   key: string,
   known: readonly T[],
 ): T | undefined {
+  const found = recallText(key);
+  return known.find((value) => value === found);
+}
+
+/** Return the stored text, whatever it says. */
+export function recallText(key: string): string | undefined {
   try {
-    const found = localStorage.getItem(PREFIX + key);
-    return known.find((value) => value === found);
+    return localStorage.getItem(PREFIX + key) ?? undefined;
   } catch {
     return undefined;
   }

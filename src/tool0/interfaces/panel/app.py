@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import secrets
-from typing import TYPE_CHECKING, Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, final, get_args
 from urllib.parse import parse_qs
 
 from starlette.applications import Starlette
@@ -14,7 +14,9 @@ from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
+from tool0.errors import ModelError, RenderError
 from tool0.interfaces.panel.address import Endpoint
+from tool0.interfaces.panel.camera_images import MAX_WIDTH, MIN_WIDTH, ImageKind
 from tool0.interfaces.panel.entrance import Visitor
 from tool0.interfaces.panel.robot_info import URDF_PATH
 
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
     from starlette.websockets import WebSocket
 
+    from tool0.interfaces.panel.camera_images import CameraImages
     from tool0.interfaces.panel.robot_info import RobotFiles
 
 POLICY: Final = "; ".join(
@@ -48,7 +51,7 @@ _HEADERS: Final = {
     "cross-origin-opener-policy": "same-origin",
     "cross-origin-resource-policy": "same-origin",
 }
-_SECRET_PATHS: Final = ("/ws", "/robot.urdf", "/meshes/")
+_SECRET_PATHS: Final = ("/ws", "/robot.urdf", "/meshes/", "/cameras/")
 _READING: Final = frozenset({"GET", "HEAD"})
 
 
@@ -127,6 +130,7 @@ NO_PAGE: Final = (
     "The robot still runs: programs can connect to /ws.\n"
 )
 _REVALIDATE: Final = {"cache-control": "no-cache"}
+_UNKEPT: Final = {"cache-control": "no-store"}
 _IMMUTABLE: Final = "public, max-age=31536000, immutable"
 _MIME: Final = {
     ".stl": "model/stl",
@@ -151,8 +155,14 @@ def build_app(
     serve_page: Callable[[WebSocket], Awaitable[None]],
     endpoint: Endpoint,
     static: Path,
+    images: CameraImages | None = None,
 ) -> ASGIApp:
     """Return the guarded application; ``static`` is the page, made from ``web/``."""
+
+    async def camera(request: Request) -> Response:
+        if images is None:
+            return PlainTextResponse("this robot has no cameras\n", 404)
+        return await _camera_response(images, request)
 
     async def urdf(request: Request) -> Response:
         etag = f'"{hashlib.sha256(files.urdf).hexdigest()[:16]}"'
@@ -192,8 +202,38 @@ def build_app(
             Route("/licenses.md", licenses),
             Route(URDF_PATH, urdf),
             Route("/meshes/{name}", mesh),
+            Route("/cameras/{name}/{kind}", camera),
             WebSocketRoute("/ws", serve_page),
             Mount("/assets", _ImmutableFiles(directory=assets, check_dir=False)),
         ]
     )
     return Guard(GZipMiddleware(app, minimum_size=1024, compresslevel=6), endpoint)
+
+
+async def _camera_response(images: CameraImages, request: Request) -> Response:
+    """Return an image as PNG, or 204 if the page has it already."""
+    name, kind = request.path_params["name"], request.path_params["kind"]
+    if kind not in get_args(ImageKind):
+        kinds = " or ".join(get_args(ImageKind))
+        return PlainTextResponse(f"no image '{kind}'; ask for {kinds}\n", 404)
+    try:
+        width = int(request.query_params.get("width", "640"))
+        after = int(request.query_params.get("after", "0"))
+    except ValueError:
+        return PlainTextResponse("width and after must be whole numbers\n", 400)
+    if not MIN_WIDTH <= width <= MAX_WIDTH:
+        text = f"width must be {MIN_WIDTH} … {MAX_WIDTH} pixels, got {width}\n"
+        return PlainTextResponse(text, 400)
+    try:
+        image = await images.image(name, kind, width, after)
+    except (RenderError, ModelError) as error:
+        is_unknown = name not in images
+        return PlainTextResponse(f"{error}\n", 404 if is_unknown else 503)
+    if image is None:
+        return Response(status_code=204, headers=_UNKEPT)
+    headers = {
+        **_UNKEPT,
+        "x-image-number": str(image.number),
+        "x-image-time": str(image.time),
+    }
+    return Response(image.png, media_type="image/png", headers=headers)

@@ -15,26 +15,11 @@ from msgspec import Struct
 from tool0.control.controller import Role
 from tool0.description.catalogue import DisplayName
 from tool0.hardware.control_box import ControlBoxState
+from tool0.programs.run import ProgramRun
+from tool0.recording.episodes import EpisodesStatus
 from tool0.requests.codec import Mode
 from tool0.requests.table import RGBA, Quaternion, Vector3
-
-Severity = Literal["info", "warning", "error"]
-NoticeCode = Literal[
-    "lint",
-    "goal_succeeded",
-    "goal_aborted",
-    "goal_preempted",
-    "overrun",
-    "stall",
-    "fault",
-    "reset",
-    "emergency_stop",
-    "protective_stop",
-    "arm_modes",
-    "controllers",
-    "refused",
-    "log",
-]
+from tool0.runtime.notifications import NoticeCode, Severity
 
 # ---- parts of messages ---------------------------------------------------------------
 
@@ -64,6 +49,12 @@ class GripperInfo(Struct, frozen=True, kw_only=True):
     min_force: float
     max_force: float
     """At each pad [N]."""
+    pad_offset: float
+    pad_cos: float
+    pad_sin: float
+    pad_slope: float
+    """With the joint at q, the opening is ``2 (pad_offset + pad_cos cos q + pad_sin
+    sin q + pad_slope q)``."""
 
 
 class RobotPartsInfo(Struct, frozen=True, kw_only=True):
@@ -104,6 +95,17 @@ class RobotInfo(Struct, frozen=True, kw_only=True):
     """Link or joint → its name in English and Chinese, where it has one."""
 
 
+class CameraInfo(Struct, frozen=True, kw_only=True):
+    """A camera of the robot or of its scene."""
+
+    name: str
+    width: int
+    """[pixels]"""
+    height: int
+    far: float
+    """Depth beyond which points are invisible [m]."""
+
+
 class PartInfo(Struct, frozen=True, kw_only=True):
     """One of the shapes of an object, and its pose in the object's frame."""
 
@@ -122,6 +124,8 @@ class ShapeInfo(Struct, frozen=True, kw_only=True):
     length: float | None = None
     url: str | None = None
     """Path of a mesh on this server."""
+    file: str | None = None
+    """The file of a mesh on the simulation's machine, as ``add_object`` takes it."""
     parts: list[PartInfo] | None = None
     """Of a compound: several shapes that are one rigid body."""
 
@@ -134,6 +138,8 @@ class ViewObject(Struct, frozen=True, kw_only=True):
     rgba: RGBA
     mass: float | None
     """[kg]; null is fixed."""
+    friction: float
+    """Coulomb coefficient."""
 
 
 ControllerStage = Literal[
@@ -217,6 +223,22 @@ class Notice(Struct, frozen=True, kw_only=True, tag="notice"):
     """In English."""
 
 
+class RecordingInfo(Struct, frozen=True, kw_only=True):
+    """A recording to a file."""
+
+    file: str
+    """The file that is written; the last one, after a rotation."""
+    is_recording: bool
+    seconds: int
+    """Simulated time recorded [s]."""
+    size: int
+    """Of all its files, in steps of 10 kB [bytes]."""
+    dropped: int
+    """Snapshots that are missing, because the disk was too slow."""
+    error: str | None
+    """Why it ended by itself, such as a full disk."""
+
+
 class Status(Struct, frozen=True, kw_only=True, tag="status"):
     """Slowly changing state: sent first, and on every change."""
 
@@ -240,6 +262,26 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     """Joint → target of its controller's motion; the page draws it as a ghost."""
     control_boxes: list[ControlBoxState]
     """Of each arm: modes, program, pins, speed slider; empty without physics."""
+    programs: list[ProgramRun]
+    """The last program of each arm that ran one."""
+    recording: RecordingInfo | None = None
+    """The recording in progress, or the last one."""
+    loops: bool = False
+    """Whether a replay starts again at its end; ``paused`` and ``speed`` are its own,
+    too."""
+    episodes: EpisodesStatus | None = None
+    """The folder of demonstrations, with whole seconds; null while there is none."""
+
+
+class ContactInfo(Struct, frozen=True, kw_only=True):
+    """All contact points between two links or objects, as one force."""
+
+    bodies: tuple[str, str]
+    """Links or objects; ``ground`` is the engine's own."""
+    point: Vector3
+    """Mean of the contact points, weighted by their normal forces [m]."""
+    force: Vector3
+    """Force that the first body exerts on the second [N]."""
 
 
 class Frame(Struct, frozen=True, kw_only=True, tag="frame"):
@@ -261,6 +303,11 @@ class Frame(Struct, frozen=True, kw_only=True, tag="frame"):
     """Poses in the order of the objects of the ``scene`` with this number."""
     scene: int
     """Number of the ``scene`` that these objects are of."""
+    contacts: list[ContactInfo] | None = None
+    """In the axes of the root; null unless ``subscribe_view`` asks for them."""
+    wrenches: list[tuple[float, float, float, float, float, float]] | None = None
+    """On the tool of each robot of ``view``, at its tip and in the tip's axes: force
+    [N] above torque [N·m], less payload and tare; null unless asked for."""
 
 
 class ViewScene(Struct, frozen=True, kw_only=True, tag="scene"):
@@ -274,6 +321,21 @@ class ViewScene(Struct, frozen=True, kw_only=True, tag="scene"):
     objects: list[ViewObject]
 
 
+class ReplayInfo(Struct, frozen=True, kw_only=True):
+    """The recording that is replayed; its notices are those of ``view``."""
+
+    file: str
+    """Its name, without folders."""
+    start: float
+    """Simulated time of its first snapshot [s]."""
+    end: float
+    """Simulated time of its last snapshot [s]."""
+    is_complete: bool
+    """False if the file was cut off while it was written."""
+    signals: list[str]
+    """Those that ``read_replay`` returns: ``joint/elbow_joint/position`` and so on."""
+
+
 class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
     """The first message of the view; ``scene``, ``status`` and ``frame`` follow."""
 
@@ -285,7 +347,12 @@ class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
     grasp_assist: bool
     """Whether grasped objects are fixed to the gripper, which is not physical."""
     robot: RobotInfo
+    cameras: list[CameraInfo]
+    """``/cameras/NAME/color?width=640`` and ``/cameras/NAME/depth`` on this server are
+    their images; see ``camera_images``."""
     notices: list[Notice]
+    replay: ReplayInfo | None = None
+    """What ``tool0 replay`` shows; null for a robot that runs."""
 
 
 ViewMessage = ViewInfo | ViewScene | Status | Frame | Notice

@@ -4,12 +4,22 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast, final
 
-from tool0.description.model import FLANGE, Joint, JointLimits, JointType, RobotModel
+from tool0.description.camera import Camera
+from tool0.description.model import (
+    FLANGE,
+    Joint,
+    JointLimits,
+    JointType,
+    LinearOpening,
+    ParallelGripper,
+    RobotModel,
+    RotaryOpening,
+)
 from tool0.description.parts import (
     base_of,
     find_arms,
@@ -32,6 +42,7 @@ from tool0.description.shapes import (
 from tool0.description.xml_source import parse_text, to_text
 from tool0.errors import ConfigError
 from tool0.interfaces.panel.protocol import (
+    CameraInfo,
     GripperInfo,
     JointInfo,
     PartInfo,
@@ -134,15 +145,7 @@ def robot_info(
             _joint_info(model, model.joint(name), limits.get(name)) for name in joints
         ],
         grippers=[
-            GripperInfo(
-                name=name,
-                joint=gripper.joint,
-                max_opening=gripper.max_opening,
-                min_speed=gripper.speed[0],
-                max_speed=gripper.speed[1],
-                min_force=gripper.force[0],
-                max_force=gripper.force[1],
-            )
+            _gripper_info(name, gripper)
             for name, gripper in find_grippers(model).items()
         ],
         robots=[
@@ -161,6 +164,16 @@ def robot_info(
     )
 
 
+def camera_infos(cameras: Iterable[Camera]) -> list[CameraInfo]:
+    """Return what a page needs to ask for images."""
+    return [
+        CameraInfo(
+            name=camera.name, width=camera.width, height=camera.height, far=camera.far
+        )
+        for camera in cameras
+    ]
+
+
 def object_info(item: SceneObject, files: RobotFiles) -> ViewObject:
     """Return what a page needs to draw an object of the scene."""
     return ViewObject(
@@ -168,6 +181,7 @@ def object_info(item: SceneObject, files: RobotFiles) -> ViewObject:
         shape=_shape_info(item.geometry, files),
         rgba=item.rgba,
         mass=item.mass,
+        friction=item.friction,
     )
 
 
@@ -202,6 +216,29 @@ def _joint_info(
     )
 
 
+def _gripper_info(name: str, gripper: ParallelGripper) -> GripperInfo:
+    law = gripper.law
+    pad_cos = pad_sin = pad_slope = 0.0
+    match law:
+        case RotaryOpening():
+            pad_cos, pad_sin = law.pad_cos, law.pad_sin
+        case LinearOpening():
+            pad_slope = law.pad_slope
+    return GripperInfo(
+        name=name,
+        joint=gripper.joint,
+        max_opening=gripper.max_opening,
+        min_speed=gripper.speed[0],
+        max_speed=gripper.speed[1],
+        min_force=gripper.force[0],
+        max_force=gripper.force[1],
+        pad_offset=law.pad_offset,
+        pad_cos=pad_cos,
+        pad_sin=pad_sin,
+        pad_slope=pad_slope,
+    )
+
+
 def _shape_info(solid: Solid, files: RobotFiles) -> ShapeInfo:
     match solid:
         case Box(size=size):
@@ -210,8 +247,9 @@ def _shape_info(solid: Solid, files: RobotFiles) -> ShapeInfo:
             return ShapeInfo(kind="cylinder", radius=radius, length=length)
         case Sphere(radius=radius):
             return ShapeInfo(kind="sphere", radius=radius)
-        case Mesh(scale=scale):
-            return ShapeInfo(kind="mesh", size=scale, url=files.url(solid))
+        case Mesh(scale=scale, path=path):
+            url = files.url(solid)
+            return ShapeInfo(kind="mesh", size=scale, url=url, file=str(path))
         case Compound(parts=parts):
             infos = [
                 PartInfo(shape=_shape_info(part, files), xyz=pose.xyz, rpy=pose.rpy)

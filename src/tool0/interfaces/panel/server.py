@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     import uvicorn
     from starlette.types import ASGIApp
 
+    from tool0.interfaces.panel.camera_images import CameraImages
     from tool0.interfaces.panel.entrance import Entrance
+    from tool0.interfaces.panel.replay.view import Replay
     from tool0.interfaces.panel.view import RobotView
     from tool0.interfaces.panel.view_feed import ViewFeed, ViewSource
     from tool0.interfaces.server.hub import Hub
@@ -92,6 +94,7 @@ class WebService:
         self._setpoint_requests = setpoint_requests
         self._shown = threading.Event()
         self._feed: ViewFeed | None = None
+        self._images: CameraImages | None = None
         self._server: uvicorn.Server | None = None
         self._serving: asyncio.Task[None] | None = None
         self._entrance: Entrance | None = None
@@ -107,6 +110,7 @@ class WebService:
         import uvicorn
 
         from tool0.interfaces.panel.app import build_app
+        from tool0.interfaces.panel.camera_images import CameraImages
         from tool0.interfaces.panel.entrance import Entrance
         from tool0.interfaces.panel.view_feed import ViewFeed
 
@@ -114,7 +118,15 @@ class WebService:
         hub.when_shown = self._shown.set
         hub.setpoint_requests += self._setpoint_requests
         self._feed = ViewFeed(source, hub)
-        app = build_app(source.files, self._serve_page(hub), self._endpoint, STATIC)
+        if source.cameras is not None:
+            self._images = CameraImages(source.cameras)
+        app = build_app(
+            source.files,
+            self._serve_page(hub),
+            self._endpoint,
+            STATIC,
+            self._images,
+        )
         self._server = server = uvicorn.Server(_configuration(app))
         logging.getLogger("uvicorn.error").addFilter(_is_problem)
         self._serving = asyncio.create_task(server.serve(sockets=[]))
@@ -132,6 +144,8 @@ class WebService:
             self._entrance.close()
         if self._feed is not None:
             self._feed.close()
+        if self._images is not None:
+            self._images.close()
 
     async def end(self) -> None:
         if self._server is not None and self._serving is not None:
@@ -199,7 +213,7 @@ class Panel(AbstractContextManager["Panel"]):
 
     def __init__(
         self,
-        robot: Robot | RobotView,
+        robot: Robot | RobotView | Replay,
         host: str | None = None,
         port: int | None = None,
         token: str | None = None,
@@ -209,7 +223,7 @@ class Panel(AbstractContextManager["Panel"]):
         """Start serving.
 
         Args:
-            robot: A robot of this process, or one without physics.
+            robot: A robot of this process, one without physics, or a recording.
             host: A name or address of this machine; the loopback if left out.
             port: If left out the default one, or a free one if that is taken.
             token: Required from pages; see ``open_endpoint``.
@@ -234,7 +248,7 @@ class Panel(AbstractContextManager["Panel"]):
 
 
 def panel_service(
-    robot: Robot | RobotView, endpoint: Endpoint
+    robot: Robot | RobotView | Replay, endpoint: Endpoint
 ) -> tuple[Backend, WebService]:
     """Return what a server needs to show ``robot`` as a page."""
     if isinstance(robot, Robot):

@@ -7,16 +7,20 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, cast, final
 
+from msgspec import structs
+
 from tool0.control.controller import Role
 from tool0.control.status import ControllerStatus
 from tool0.description.model import Joint, JointType
 from tool0.description.parts import find_grippers
-from tool0.interfaces.panel.notices import EventWatcher, Notification
+from tool0.interfaces.panel.notices import EventWatcher
 from tool0.interfaces.panel.protocol import (
+    ContactInfo,
     ControllerInfo,
     ControllerStage,
     Frame,
     GripperState,
+    RecordingInfo,
     StallInfo,
     Status,
     ViewInfo,
@@ -24,17 +28,25 @@ from tool0.interfaces.panel.protocol import (
 )
 from tool0.interfaces.panel.robot_info import (
     RobotFiles,
+    camera_infos,
     object_info,
     pose_infos,
     robot_info,
 )
-from tool0.sensing.grasp import GraspDetector
+from tool0.recording.episodes import Episodes, EpisodesStatus
+from tool0.recording.recordings import Recordings
+from tool0.runtime.notifications import Notification
+from tool0.sensing.grasp import GraspDetector, GraspState
 
 if TYPE_CHECKING:
     from tool0.description.scene import SceneObject
+    from tool0.hardware.engine import Contact
+    from tool0.hardware.tool_dynamics import Wrench
+    from tool0.runtime.bus import Subscription
     from tool0.runtime.simulation import Simulation
-    from tool0.sensing.snapshot import Snapshot
+    from tool0.sensing.snapshot import ArmSample, Snapshot
 
+_FORCE_DIGITS = 4
 _DIGITS = 6
 """Decimals of positions and the like: a resting robot then gives equal frames."""
 
@@ -55,8 +67,10 @@ class SimulationView:
             control_period=simulation.loop.control_period,
             grasp_assist=simulation.grasp_assist,
             robot=robot_info(description, first.joint_names, simulation.ground, limits),
+            cameras=camera_infos(simulation.cameras.values()),
             notices=[],
         )
+        self.cameras = simulation.cameras
         self._joints = {
             name: replace(joint, limits=limits.get(name, joint.limits))
             for name, joint in description.model.joint_by_name.items()
@@ -64,13 +78,17 @@ class SimulationView:
         self._seen: Snapshot | None = None
         self._objects = first.scene
         self._scene = self._scene_of(0, first.scene)
-        self._frame = _frame_of(first, self._scene.number)
+        self._frame = frame_of(first, self._scene.number)
         self._watcher = EventWatcher(simulation)
         self._grasps = {
             name: GraspDetector(gripper)
             for name, gripper in find_grippers(description.model).items()
         }
         self._grippers: list[GripperState] = []
+        self._arms = [robot.name for robot in self.info.robot.robots]
+        self._forces: Subscription | None = None
+        """Lets the snapshots have what the frames need."""
+        self._has_contacts = self._has_wrenches = False
 
     def scene(self) -> ViewScene:
         return self._scene
@@ -80,16 +98,35 @@ class SimulationView:
         if snapshot is not self._seen:
             self._seen = snapshot
             self._grippers = [
-                _gripper_state(name, detector, snapshot)
+                gripper_state(name, detector.observe(snapshot))
                 for name, detector in self._grasps.items()
             ]
             if snapshot.scene is not self._objects:
                 self._objects = snapshot.scene
                 self._scene = self._scene_of(self._scene.number + 1, snapshot.scene)
-            frame = _frame_of(snapshot, self._scene.number)
+            frame = with_forces(
+                frame_of(snapshot, self._scene.number),
+                snapshot,
+                contacts=self._has_contacts,
+                arms=self._arms if self._has_wrenches else (),
+            )
             if frame != self._frame:
                 self._frame = frame
         return self._frame
+
+    def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
+        if (contacts, wrenches) == (self._has_contacts, self._has_wrenches):
+            return
+        self._has_contacts, self._has_wrenches = contacts, wrenches
+        before, self._forces = self._forces, None
+        if contacts or wrenches:
+            self._forces = self._simulation.bus.subscribe(
+                with_contacts=contacts, with_arms=wrenches, latest_only=True
+            )
+            self._simulation.loop.refresh()
+        if before is not None:
+            before.close()
+        self._seen = None
 
     def status(self, clients: int) -> Status:
         self.frame()  # updates the grippers' states
@@ -110,25 +147,26 @@ class SimulationView:
             ),
             grippers=self._grippers,
             poses=pose_infos(self._simulation.poses, self._watcher.report_once),
-            stalls=[
-                StallInfo(
-                    joint=stall.joint,
-                    effort=round(stall.effort, 1),
-                    contacts=list(stall.contacts),
-                )
-                for stall in snapshot.stalls
-            ],
-            targets={
-                joint: _rounded(setpoint.target)
-                for joint, setpoint in snapshot.setpoints().items()
-            },
+            stalls=stall_infos(snapshot),
+            targets=targets_of(snapshot),
             control_boxes=list(snapshot.control_boxes),
+            recording=_recording_info(self._simulation),
+            programs=list(self._simulation.program_runs.states),
+            episodes=self._episodes(),
         )
+
+    def _episodes(self) -> EpisodesStatus | None:
+        """Return the demonstrations, as they change at most once a second."""
+        found = self._simulation.service(Episodes).status
+        if found is None:
+            return None
+        return structs.replace(found, duration=float(int(found.duration)))
 
     def notifications(self) -> Sequence[Notification]:
         return self._watcher.notifications()
 
     def close(self) -> None:
+        self.need_forces(contacts=False, wrenches=False)
         self._watcher.close()
 
     def _scene_of(self, number: int, objects: Sequence[SceneObject]) -> ViewScene:
@@ -137,7 +175,8 @@ class SimulationView:
         return ViewScene(number=number, objects=infos)
 
 
-def _frame_of(snapshot: Snapshot, scene: int) -> Frame:
+def frame_of(snapshot: Snapshot, scene: int) -> Frame:
+    """Return a snapshot as pages show it, with the number of its scene."""
     setpoints = snapshot.setpoints()
     return Frame(
         time=_rounded(snapshot.time),
@@ -161,10 +200,48 @@ def _frame_of(snapshot: Snapshot, scene: int) -> Frame:
     )
 
 
-def _gripper_state(
-    name: str, detector: GraspDetector, snapshot: Snapshot
-) -> GripperState:
-    grasp = detector.observe(snapshot)
+def with_forces(
+    frame: Frame, snapshot: Snapshot, *, contacts: bool, arms: Sequence[str]
+) -> Frame:
+    """Return a frame with the forces that pages ask for.
+
+    Args:
+        frame: A frame of the snapshot.
+        snapshot: Has the forces, unless they were asked for just now.
+        contacts: Whether to add contacts.
+        arms: Those whose wrenches to add; all arms, or none.
+    """
+    if arms and not set(arms) <= snapshot.arms.keys():
+        arms = ()
+    if not contacts and not arms:
+        return frame
+    return structs.replace(
+        frame,
+        contacts=list(map(_contact_info, snapshot.contacts)) if contacts else None,
+        wrenches=[_wrench_of(snapshot.arms[arm]) for arm in arms] or None,
+    )
+
+
+def _contact_info(contact: Contact) -> ContactInfo:
+    (px, py, pz), (fx, fy, fz) = contact.point, contact.force
+    return ContactInfo(
+        bodies=(contact.first, contact.second),
+        point=(_rounded(px), _rounded(py), _rounded(pz)),
+        force=(_of_force(fx), _of_force(fy), _of_force(fz)),
+    )
+
+
+def _wrench_of(sample: ArmSample) -> Wrench:
+    fx, fy, fz, tx, ty, tz = map(_of_force, sample.wrench)
+    return fx, fy, fz, tx, ty, tz
+
+
+def _of_force(value: float) -> float:
+    return round(value, _FORCE_DIGITS) + 0.0
+
+
+def gripper_state(name: str, grasp: GraspState) -> GripperState:
+    """Return a gripper's state as pages show it."""
     return GripperState(
         name=name,
         opening=round(grasp.opening, 4),
@@ -172,6 +249,26 @@ def _gripper_state(
         gobj=grasp.gobj,
         width=None if grasp.width is None else round(grasp.width, 4),
     )
+
+
+def stall_infos(snapshot: Snapshot) -> list[StallInfo]:
+    """Return the joints that push at their limit, as pages show them."""
+    return [
+        StallInfo(
+            joint=stall.joint,
+            effort=round(stall.effort, 1),
+            contacts=list(stall.contacts),
+        )
+        for stall in snapshot.stalls
+    ]
+
+
+def targets_of(snapshot: Snapshot) -> dict[str, float]:
+    """Return the ends of the joints' motions [rad | m]."""
+    return {
+        joint: _rounded(setpoint.target)
+        for joint, setpoint in snapshot.setpoints().items()
+    }
 
 
 def _rounded(value: float) -> float:
@@ -240,3 +337,17 @@ def _obstacle(
                 f"Joint '{joint.name}' has no position limits, so a slider has no ends."
             )
     return None
+
+
+def _recording_info(simulation: Simulation) -> RecordingInfo | None:
+    status = simulation.service(Recordings).status
+    if status is None:
+        return None
+    return RecordingInfo(
+        file=status.file,
+        is_recording=status.is_recording,
+        seconds=int(status.duration),
+        size=status.size // 10_000 * 10_000,
+        dropped=status.dropped,
+        error=status.error,
+    )

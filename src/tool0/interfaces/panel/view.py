@@ -10,7 +10,6 @@ from tool0.description.model import Joint, JointType, RobotModel
 from tool0.description.parts import find_grippers, joints_of_robot
 from tool0.description.robot import RobotDescription
 from tool0.errors import ControlError, ModelError
-from tool0.interfaces.panel.notices import Notification
 from tool0.interfaces.panel.protocol import (
     Frame,
     GripperState,
@@ -28,6 +27,7 @@ from tool0.requests.gripper import Grip
 from tool0.requests.motion import DeletePose, GoToPose, PoseJoints, SavePose
 from tool0.requests.state import Reset
 from tool0.requests.table import Request, method_name
+from tool0.runtime.notifications import Notification
 from tool0.runtime.poses import PoseBook
 
 _ROUNDING: Final = 1e-6
@@ -44,6 +44,7 @@ class RobotView:
 
     mode: Final = "view"
     simulation: Final = None
+    cameras: Final = None
 
     def __init__(
         self, description: RobotDescription, ground: float | None = None
@@ -73,6 +74,7 @@ class RobotView:
             control_period=None,
             grasp_assist=False,
             robot=robot_info(description, self._names, ground, {}),
+            cameras=[],
             notices=[],
         )
 
@@ -81,6 +83,9 @@ class RobotView:
 
     def frame(self) -> Frame:
         return self._frame
+
+    def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
+        """There are none: the frames have null."""
 
     def status(self, clients: int) -> Status:
         position = self._position
@@ -109,6 +114,7 @@ class RobotView:
             stalls=[],
             targets={},
             control_boxes=[],
+            programs=[],
         )
 
     def notifications(self) -> Sequence[Notification]:

@@ -10,12 +10,15 @@ from typing import Final, Protocol, final
 
 import msgspec
 
-from tool0.interfaces.panel.notices import NoticeBook, Notification
+from tool0.interfaces.panel.notices import NoticeBook
 from tool0.interfaces.panel.protocol import Frame, Status, ViewInfo, ViewScene
 from tool0.interfaces.panel.robot_info import RobotFiles
 from tool0.interfaces.server.hub import Hub
 from tool0.interfaces.server.session import Session
 from tool0.requests.codec import encode
+from tool0.requests.state import SubscribeView
+from tool0.runtime.notifications import Notification
+from tool0.sensing.cameras import Cameras
 
 logger = logging.getLogger(__name__)
 
@@ -32,10 +35,14 @@ class ViewSource(Protocol):
 
     @property
     def info(self) -> ViewInfo:
-        """The constant part of the view; without notices."""
+        """The constant part of the view; of its notices only those before this."""
 
     @property
     def files(self) -> RobotFiles: ...
+
+    @property
+    def cameras(self) -> Cameras | None:
+        """The cameras of ``info``; None without any."""
 
     def scene(self) -> ViewScene:
         """Return the objects of the newest frame that was returned.
@@ -45,6 +52,9 @@ class ViewSource(Protocol):
 
     def frame(self) -> Frame:
         """Return the current frame: the same object while nothing changes."""
+
+    def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
+        """Let frames have contacts and wrenches, or null in their place."""
 
     def status(self, clients: int) -> Status:
         """Return the status, with the number of pages."""
@@ -64,10 +74,12 @@ class ViewFeed:
         """Start reading the source."""
         self._source = source
         self._hub = hub
-        self._sessions: set[Session] = set()
+        self._sessions: dict[Session, SubscribeView] = {}
+        """Each with what its frames shall have."""
         self._book = NoticeBook()
         self._frame = source.frame()
-        self._frame_text = encode(self._frame)
+        self._frame_texts: dict[SubscribeView, bytes] = {}
+        """The frame for sessions that want this."""
         self._frame_sent = 0.0
         self._scene = source.scene()
         self._scene_text = encode(self._scene)
@@ -77,18 +89,23 @@ class ViewFeed:
         hub.when_refused = self._notify_refusal
         self._task = asyncio.create_task(self._run())
 
-    def attach(self, session: Session) -> None:
-        """Send a session the view from now on."""
-        notices = list(self._book.kept)
+    def attach(self, session: Session, wanted: SubscribeView) -> None:
+        """Send a session the view from now on, or change what its frames have."""
+        if session in self._sessions:
+            self._sessions[session] = wanted
+            self._update_needs()
+            return
+        notices = [*self._source.info.notices, *self._book.kept]
         session.send(
             encode(msgspec.structs.replace(self._source.info, notices=notices))
         )
         self._update_frame()
         session.send_latest("scene", self._scene_text)
-        self._sessions.add(session)
+        self._sessions[session] = wanted
+        self._update_needs()
         self._update_status()
         session.send_latest("status", self._status_text)
-        session.send_latest("frame", self._frame_text)
+        session.send_latest("frame", self._frame_text(wanted))
 
     def close(self) -> None:
         """Stop."""
@@ -102,7 +119,7 @@ class ViewFeed:
         while True:
             start = loop.time()
             try:
-                self._sessions &= self._hub.sessions
+                self._forget_ended()
                 if start >= next_status:
                     next_status = start + STATUS_PERIOD
                     for notification in self._source.notifications():
@@ -122,15 +139,46 @@ class ViewFeed:
         if frame is self._frame and now - self._frame_sent < HEARTBEAT:
             return
         self._frame_sent = now
-        self._frame, self._frame_text = frame, encode(frame)
+        if frame is not self._frame:
+            self._frame = frame
+            self._frame_texts.clear()
         scene = self._source.scene()
         is_new = scene is not self._scene
         if is_new:
             self._scene, self._scene_text = scene, encode(scene)
-        for session in self._sessions:
+        for session, wanted in self._sessions.items():
             if is_new:
                 session.send_latest("scene", self._scene_text)
-            session.send_latest("frame", self._frame_text)
+            session.send_latest("frame", self._frame_text(wanted))
+
+    def _frame_text(self, wanted: SubscribeView) -> bytes:
+        """Return the frame with what a session wants of it."""
+        text = self._frame_texts.get(wanted)
+        if text is None:
+            frame = self._frame
+            text = self._frame_texts[wanted] = encode(
+                msgspec.structs.replace(
+                    frame,
+                    contacts=frame.contacts if wanted.contacts else None,
+                    wrenches=frame.wrenches if wanted.wrenches else None,
+                )
+            )
+        return text
+
+    def _forget_ended(self) -> None:
+        ended = self._sessions.keys() - self._hub.sessions
+        for session in ended:
+            del self._sessions[session]
+        if ended:
+            self._update_needs()
+
+    def _update_needs(self) -> None:
+        """Let the source compute the forces that a page wants, and no others."""
+        wanted = self._sessions.values()
+        self._source.need_forces(
+            contacts=any(item.contacts for item in wanted),
+            wrenches=any(item.wrenches for item in wanted),
+        )
 
     def _update_status(self) -> None:
         status = self._source.status(len(self._sessions))

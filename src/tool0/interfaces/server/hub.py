@@ -92,7 +92,7 @@ class Hub:
         # An emergency stop never waits for the requests of others.
         self._urgent_worker = ThreadPoolExecutor(1, "tool0-server-stop")
         self._urgent: set[asyncio.Task[bool]] = set()
-        self.attach_view: Callable[[Session], None] | None = None
+        self.attach_view: Callable[[Session, SubscribeView], None] | None = None
         """Lets a session receive what the panel shows; None without a panel."""
         self.when_shown: Callable[[], None] = lambda: None
         """Called when a page has drawn the robot."""
@@ -211,7 +211,7 @@ class Hub:
                 session.send(encode_error(ident, error))
             else:
                 session.send(reply)
-                self.attach_view(session)
+                self.attach_view(session, request)
         elif self._snapshots is None or self._updates is None:
             error = ControlError("a robot without physics has no snapshots")
             session.send(encode_error(ident, error))

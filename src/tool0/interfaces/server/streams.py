@@ -21,7 +21,14 @@ from tool0.requests.codec import (
     outcome_of,
     snapshot_message,
 )
-from tool0.runtime.bus import Event, Faulted, GoalFinished, Overran, Subscription
+from tool0.runtime.bus import (
+    Faulted,
+    GoalFinished,
+    Overran,
+    Reported,
+    Subscription,
+    WasReset,
+)
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.snapshot import Snapshot
 
@@ -194,7 +201,10 @@ class SnapshotStreams:
             stream.send(snapshot)
         events = stream.subscription.events
         while events:
-            text = encode(event_message(self._simulation, events.popleft()))
+            event = events.popleft()
+            if isinstance(event, Reported):
+                continue  # for the panel and the log
+            text = encode(event_message(self._simulation, event))
             for session in stream.sessions:
                 session.send(text)
 
@@ -205,7 +215,9 @@ def _close_in_background(stream: _RateStream) -> None:
     asyncio.get_running_loop().run_in_executor(None, close)
 
 
-def event_message(simulation: Simulation, event: Event) -> EventMessage:
+def event_message(
+    simulation: Simulation, event: GoalFinished | Faulted | Overran | WasReset
+) -> EventMessage:
     """Return an event as it is sent."""
     match event:
         case GoalFinished(goal):
@@ -219,5 +231,5 @@ def event_message(simulation: Simulation, event: Event) -> EventMessage:
             return Fault(message=message, time=time)
         case Overran(count, time):
             return LateTicks(count=count, time=time)
-        case _:
-            return ResetDone(time=event.time)
+        case WasReset(time):
+            return ResetDone(time=time)

@@ -18,7 +18,7 @@ import numpy as np
 from tool0.errors import ControlError
 from tool0.kinematics.chain import Array
 from tool0.kinematics.move_planner import MovePlanner
-from tool0.kinematics.moves import Move, MovePlan
+from tool0.kinematics.moves import Move, MovePlan, MoveWarning
 from tool0.requests.arm_motion import (
     ExecutePath,
     ServoJoints,
@@ -257,8 +257,8 @@ class Moves:
                 return _Running(rest, number, box.time)
         return None
 
-    def _warn(self, warnings: Sequence[str]) -> None:
-        shown = list(warnings[:_SHOWN_WARNINGS])
+    def _warn(self, warnings: Sequence[MoveWarning]) -> None:
+        shown = list(map(str, warnings[:_SHOWN_WARNINGS]))
         if len(warnings) > len(shown):
             shown.append(f"{len(warnings) - len(shown)} more warnings of this path")
         for warning in shown:

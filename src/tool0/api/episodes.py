@@ -1,0 +1,61 @@
+"""Demonstrations: episodes that are recorded into a folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal, final
+
+from tool0.api.channel import Channel
+from tool0.recording import episodes as requests
+from tool0.recording.episodes import EpisodesStatus
+
+
+@final
+class EpisodesHandle:
+    """Starts and ends episodes, as the panel's bar does (docs/demonstrations.md)."""
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
+
+    @property
+    def status(self) -> EpisodesStatus | None:
+        """The folder and its episodes; None while no folder is open."""
+        return self._channel.call(requests.ReadEpisodes())
+
+    def open(
+        self, folder: Path | str, *, task: str = "", reset: bool = True
+    ) -> EpisodesStatus:
+        """Choose the folder, on the simulation's machine; it may have episodes already.
+
+        Args:
+            folder: Where the recordings and their index are written.
+            task: What is to be done, in words; each line of the index has it.
+            reset: Whether each episode starts with a reset of robot and objects.
+
+        Raises:
+            RecordingError: If the folder cannot be used.
+        """
+        path = str(Path(folder).expanduser().absolute())
+        return self._channel.call(
+            requests.OpenEpisodes(folder=path, task=task, reset=reset)
+        )
+
+    def start(self) -> EpisodesStatus:
+        """Start to record an episode.
+
+        Raises:
+            ControlError: If no folder is open, or an episode is being recorded.
+        """
+        return self._channel.call(requests.StartEpisode())
+
+    def end(self, outcome: Literal["success", "failure", "discard"]) -> EpisodesStatus:
+        """End the episode: keep it with its outcome, or discard it.
+
+        Raises:
+            ControlError: If none is being recorded.
+        """
+        return self._channel.call(requests.EndEpisode(outcome=outcome))
+
+    def close(self) -> None:
+        """Leave the folder; an episode that is being recorded is discarded."""
+        self._channel.call(requests.CloseEpisodes())

@@ -1,0 +1,176 @@
+"""Programs of steps: saved ones, checks, and the handle on one that runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal, final
+
+from msgspec.structs import replace
+
+from tool0.api.channel import Channel
+from tool0.api.controller import GoalHandle
+from tool0.errors import ProgramError, RequestError, SourceLocation
+from tool0.programs.files import ProgramFile, read_program
+from tool0.programs.model import Program, path_text
+from tool0.programs.run import ProgramCheck, ProgramRun, SavedProgram
+from tool0.requests import program as requests
+
+AnyProgram = Program | Path | str
+"""A program, the path of its file, or the name of a saved one."""
+_SUFFIXES = (".yaml", ".yml")
+
+
+@final
+class Programs:
+    """The programs that were saved with a robot."""
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
+
+    def list(self) -> Sequence[SavedProgram]:
+        """Return the saved programs, sorted by name."""
+        return self._channel.call(requests.ListPrograms())
+
+    def read(self, program: AnyProgram) -> Program:
+        """Return a program of a file or a saved one.
+
+        Raises:
+            ControlError: If none is saved under that name.
+            ConfigError: If the file cannot be read, or is no program.
+        """
+        return self._read(program).program
+
+    def save(self, program: Program, *, overwrite: bool = True) -> None:
+        """Save a program under its name.
+
+        Raises:
+            ControlError: If the name is taken and not overwritten, or not printable.
+            ConfigError: If it cannot be written.
+        """
+        self._channel.call(requests.SaveProgram(program=program, overwrite=overwrite))
+
+    def rename(self, name: str, new_name: str) -> None:
+        """Give a saved program another name."""
+        self._channel.call(requests.RenameProgram(name=name, new_name=new_name))
+
+    def delete(self, name: str) -> None:
+        """Delete a saved program."""
+        self._channel.call(requests.DeleteProgram(name=name))
+
+    def check(self, program: AnyProgram) -> ProgramCheck:
+        """Plan a program from the present posture; nothing moves.
+
+        The problems of a file have their lines.
+        """
+        source = self._read(program)
+        found = self._channel.call(requests.CheckProgram(program=source.program))
+        return replace(
+            found,
+            problems=tuple(map(source.located, found.problems)),
+            warnings=tuple(map(source.located, found.warnings)),
+        )
+
+    def export(
+        self, program: AnyProgram, format: Literal["yaml", "python", "urscript"]
+    ) -> str:
+        """Return a program as YAML, or as a script that does the same.
+
+        Raises:
+            ControlError: If the language cannot express a step.
+        """
+        source = self._read(program)
+        return self._channel.call(
+            requests.ExportProgram(program=source.program, format=format)
+        )
+
+    def run(self, program: AnyProgram, *, paused: bool = False) -> ProgramHandle:
+        """Start a program: see ``Robot.run_program``."""
+        source = self._read(program)
+        request = requests.RunProgram(program=source.program, paused=paused)
+        try:
+            started = self._channel.call(request)
+        except ProgramError:
+            self._explain(source)
+            raise
+        return ProgramHandle(
+            GoalHandle(started, self._channel), self._channel, -started.goal
+        )
+
+    def _explain(self, source: ProgramFile) -> None:
+        """Raise the problems of a file at their lines."""
+        if source.file is None:
+            return
+        problems = self.check(source.program).problems
+        lines = [
+            f"{SourceLocation(source.file, problem.line)}: step "
+            f"{path_text(problem.step)}: {problem.text}"
+            for problem in map(source.located, problems)
+            if problem.step
+        ]
+        if lines:
+            raise ProgramError("\n".join(lines)) from None
+
+    def _read(self, program: AnyProgram) -> ProgramFile:
+        if isinstance(program, str) and not program.endswith(_SUFFIXES):
+            saved = self._channel.call(requests.ReadProgram(name=program))
+            return ProgramFile(program=saved, file=None, lines={})
+        if isinstance(program, str | Path):
+            return read_program(Path(program))
+        if not isinstance(program, Program):
+            problem = (
+                f"'program': need a Program, a file or a name, got {program!r:.80}"
+            )
+            raise RequestError("run_program", problem)
+        return ProgramFile(program=program, file=None, lines={})
+
+
+@final
+class ProgramHandle:
+    """A program that runs: wait for it, pause it, step it, or stop it."""
+
+    def __init__(self, goal: GoalHandle, channel: Channel, run: int) -> None:
+        self._goal, self._channel, self._run = goal, channel, run
+        self._last = self.status
+
+    @property
+    def status(self) -> ProgramRun:
+        """What it does now: state, step, error."""
+        runs = self._channel.call(requests.ReadRuns())
+        found = next((item for item in runs if item.run == self._run), None)
+        if found is not None:
+            self._last = found
+        return self._last
+
+    def wait(self, timeout: float | None = None) -> ProgramRun:
+        """Wait until it has ended, and return how.
+
+        ``timeout`` is as for ``GoalHandle.wait``.
+
+        Raises:
+            GoalTimeoutError: If it still runs then.
+        """
+        self._goal.wait(timeout)
+        return self.status
+
+    def pause(self) -> None:
+        """Let the arm slow down to a standstill on its path."""
+        self._channel.call(requests.PauseRun(arm=self._last.arm))
+
+    def resume(self) -> None:
+        """Continue."""
+        self._channel.call(requests.ResumeRun(arm=self._last.arm))
+
+    def step(self) -> None:
+        """Continue until the next step is done."""
+        self._channel.call(requests.StepRun(arm=self._last.arm))
+
+    def stop(self) -> None:
+        """End it: the arm stops on its path, and its controllers start again.
+
+        One that has ended is left alone.
+        """
+        self._goal.cancel()
+
+    def __repr__(self) -> str:
+        return f"ProgramHandle({self._last.program!r}, {self._last.state!r})"

@@ -1,0 +1,173 @@
+"""``tool0 run`` and ``tool0 program``: programs of steps, on a running bringup."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final, Literal
+
+from tool0.cli import GOAL_FAILED, INTERRUPTED, OK
+from tool0.cli.connection import DEFAULT, Bringup
+from tool0.cli.parameters import Option
+from tool0.cli.text import columns
+
+if TYPE_CHECKING:
+    from tool0.api.programs import ProgramHandle
+    from tool0.api.robot import Robot
+    from tool0.programs.run import ProgramCheck, ProgramProblem, ProgramRun
+
+Source = Annotated[str, Option(is_positional=True, metavar="FILE | PROGRAM")]
+ProgramName = Annotated[str, Option(is_positional=True, metavar="PROGRAM")]
+
+_POLL_PERIOD: Final = 0.05
+"""Time between two looks at the program [wall s]."""
+_STOP_TIMEOUT: Final = 10.0
+"""Longest wait for a stopped program to end [wall s]."""
+
+
+def run(program: Source, *, check: bool = False, bringup: Bringup = DEFAULT) -> int:
+    """Run a program, and print its steps until it has ended.
+
+    It is checked first: if a step cannot be executed, nothing moves.  Ctrl-C stops it;
+    the exit status is 0 if it succeeded.
+
+    Args:
+        program: File of the program, .yaml, or the name of a saved one.
+        check: Only check it.
+    """
+    with bringup.connect() as robot:
+        if check:
+            return _report(program, robot.programs.check(program))
+        return _follow(robot, program)
+
+
+def _report(name: str, found: ProgramCheck) -> int:
+    for kind, problems in (("warning", found.warnings), ("error", found.problems)):
+        for problem in problems:
+            print(_problem(name, kind, problem))
+    if found.problems:
+        return GOAL_FAILED
+    times = found.motion.times
+    print(
+        f"{name}: can be executed; its motions take {times[-1] if times else 0:.1f} s"
+    )
+    return OK
+
+
+def _problem(name: str, kind: str, problem: ProgramProblem) -> str:
+    from tool0.programs.model import path_text
+
+    where = name if problem.line is None else f"{name}:{problem.line}"
+    step = f"step {path_text(problem.step)}: " if problem.step else ""
+    return f"{where}: {kind}: {step}{problem.text}"
+
+
+def _follow(robot: Robot, program: str) -> int:
+    """Run a program until it ends, or until a signal stops it."""
+    from tool0.cli.stop_signal import StopSignal
+    from tool0.errors import GoalTimeoutError
+
+    with StopSignal() as stop:
+        handle = robot.run_program(program)
+        shown: tuple[object, ...] = ()
+        while True:
+            shown = _show(handle.status, shown)
+            try:
+                end = handle.wait(_POLL_PERIOD)
+                break
+            except GoalTimeoutError:
+                if not stop.is_set:
+                    continue
+            end = _stopped(handle)
+            break
+        _show(end, shown)
+    reason = f": {end.error}" if end.error else ""
+    print(f"{end.state} after {end.time:.1f} s{reason}")
+    if stop.is_set:
+        return INTERRUPTED
+    return OK if end.state == "succeeded" else GOAL_FAILED
+
+
+def _stopped(handle: ProgramHandle) -> ProgramRun:
+    handle.stop()
+    return handle.wait(_STOP_TIMEOUT)
+
+
+def _show(run: ProgramRun, shown: tuple[object, ...]) -> tuple[object, ...]:
+    """Print the step, unless it was ``shown``; return what is shown now."""
+    from tool0.programs.model import path_text
+
+    state = "paused" if run.state == "paused" else ""
+    now = run.step, state
+    if now != shown and run.step:
+        pause = "  (paused)" if state else ""
+        print(f"{path_text(run.step):>6}  {run.text}{pause}", flush=True)
+    return now
+
+
+def show(*, bringup: Bringup = DEFAULT) -> None:
+    """List the programs that were saved with the robot."""
+    with bringup.connect() as robot:
+        saved = robot.programs.list()
+    rows = [(item.name, item.error or f"{item.n_steps} steps") for item in saved]
+    print(columns([("name", "content"), *rows]), end="")
+
+
+def save(
+    program: Annotated[Path, Option(is_positional=True, metavar="FILE")],
+    *,
+    as_name: Annotated[str, Option(metavar="PROGRAM")] | None = None,
+    bringup: Bringup = DEFAULT,
+) -> None:
+    """Save the program of a file with the robot.
+
+    Args:
+        program: File of the program.
+        as_name: Name to save it under; the one in the file if not given.
+    """
+    from msgspec.structs import replace
+
+    with bringup.connect() as robot:
+        found = robot.programs.read(program)
+        robot.programs.save(found if as_name is None else replace(found, name=as_name))
+
+
+def delete(
+    programs: Annotated[
+        tuple[str, ...], Option(is_positional=True, metavar="PROGRAM ...")
+    ],
+    bringup: Bringup = DEFAULT,
+) -> None:
+    """Delete saved programs.
+
+    Args:
+        programs: Their names.
+    """
+    with bringup.connect() as robot:
+        for name in programs:
+            robot.programs.delete(name)
+
+
+def export(
+    program: Source,
+    *,
+    format: Literal["yaml", "python", "urscript"] = "yaml",
+    output: Path | None = None,
+    bringup: Bringup = DEFAULT,
+) -> None:
+    """Write a program as YAML, or as a script that does the same.
+
+    Args:
+        program: File of the program, or the name of a saved one.
+        format: Language: ``python`` for tool0, ``urscript`` for a UR's control box.
+        output: File to write; standard output if not given.
+    """
+    with bringup.connect() as robot:
+        text = robot.programs.export(program, format)
+    if output is None:
+        sys.stdout.write(text)
+    else:
+        output.write_text(text, encoding="utf-8")
+
+
+program = {"list": show, "save": save, "delete": delete, "export": export}

@@ -1,0 +1,230 @@
+"""Recordings: ``tool0 record``, ``tool0 log`` and ``tool0 export``."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final, Literal, final
+
+from tool0.cli.connection import DEFAULT, Bringup
+from tool0.cli.parameters import Option
+from tool0.cli.stop_signal import StopSignal
+from tool0.errors import ConfigError, RecordingError
+
+if TYPE_CHECKING:
+    from tool0.recording.options import RecordingStatus
+    from tool0.recording.reading import RecordingFile
+
+_PERIOD: Final = 0.25
+"""Wall time between looks at the recording [s]."""
+File = Annotated[Path, Option(is_positional=True, metavar="FILE")]
+
+
+def record(
+    file: Annotated[Path | None, Option(is_positional=True, metavar="FILE")] = None,
+    *,
+    episodes: Annotated[Path | None, Option(metavar="FOLDER")] = None,
+    task: str = "",
+    reset: bool = True,
+    duration: float | None = None,
+    overwrite: bool = False,
+    max_size: Annotated[float | None, Option(metavar="MB")] = None,
+    max_duration: float | None = None,
+    max_files: int | None = None,
+    cameras: Annotated[tuple[str, ...], Option(metavar="NAME ...")] = (),
+    camera_rate: float = 5.0,
+    bringup: Bringup = DEFAULT,
+) -> int:
+    """Record a running bringup to an MCAP file, until Ctrl-C.
+
+    The process of the bringup writes the file; it can be read while it grows.  With
+    --episodes, keys in the terminal or in the panel start and end demonstrations.
+
+    Args:
+        file: A file that ends in .mcap.
+        episodes: Record demonstrations into this folder, a file for each.
+        task: What they show, in words.
+        reset: Reset robot and objects before each demonstration.
+        duration: End after this simulated time [s].
+        overwrite: Replace a file that exists.
+        max_size: Go on in another file from this size on [MB].
+        max_duration: Go on in another file after this simulated time [s].
+        max_files: Keep only this number of files, the newest.
+        cameras: Cameras whose images are recorded, too.
+        camera_rate: Images of each camera per simulated second [Hz].
+    """
+    if (file is None) == (episodes is None):
+        raise ConfigError("record: give either a FILE.mcap or --episodes FOLDER")
+    if episodes is not None:
+        from tool0.cli.episodes import record_episodes
+
+        return record_episodes(episodes, task, reset=reset, bringup=bringup)
+    assert file is not None  # one of them is given
+    with bringup.connect() as robot, StopSignal() as stop:
+        status = robot.start_recording(
+            file.expanduser(),
+            overwrite=overwrite,
+            max_size=None if max_size is None else round(max_size * 1e6),
+            max_duration=max_duration,
+            max_files=max_files,
+            cameras=cameras,
+            camera_rate=camera_rate,
+        )
+        is_terminal = sys.stdout.isatty()
+        while status.is_recording and not stop.wait(_PERIOD):
+            if duration is not None and status.duration >= duration:
+                break
+            if is_terminal:
+                print(f"\r{_described(status)}  ", end="", flush=True)
+            status = robot.recording or status
+        status = robot.stop_recording()
+    if is_terminal:
+        print("\r", end="")
+    print(_described(status))
+    if status.error is not None:
+        raise RecordingError(f"the recording ended early: {status.error}")
+    return 0
+
+
+def _described(status: RecordingStatus) -> str:
+    text = f"{status.file}: {status.duration:.1f} s, {status.size / 1e6:.1f} MB"
+    if status.files > 1:
+        text += f" in {status.files} files"
+    if status.dropped:
+        text += f", {status.dropped} snapshots dropped"
+    return text
+
+
+def log(
+    file: File,
+    *,
+    requests: bool = True,
+    severity: Literal["info", "warning", "error"] = "info",
+) -> None:
+    """Print what happened in a recording: goals, requests, warnings, contacts.
+
+    Args:
+        file: A recording.
+        requests: Also print the requests that changed the simulation.
+        severity: Least severity of the events.
+    """
+    from tool0.recording.reading import open_recording
+    from tool0.recording.tables import log_lines
+
+    recording = open_recording(file)
+    for line in log_lines(recording, severity=severity, requests=requests):
+        print(line)
+    if not recording.is_complete:
+        print(
+            f"tool0: warning: {file} was cut off after {recording.duration:.2f} s",
+            file=sys.stderr,
+        )
+
+
+_FORMATS: Final[Mapping[str, Literal["parquet", "mp4"]]] = {
+    "parquet": "parquet",
+    "mp4": "mp4",
+}
+"""By the end of the file's name; others are csv."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class VideoOptions:
+    """How a recording becomes a video; for tables they mean nothing."""
+
+    camera: str = "scene"
+    """A camera of the robot or its scene."""
+    eye: Annotated[tuple[float, float, float] | None, Option(metavar="X Y Z")] = None
+    """Look from here instead, in the robot's root [m]."""
+    at: Annotated[tuple[float, float, float], Option(metavar="X Y Z")] = (0.0, 0.0, 0.3)
+    """What the eye looks at [m]."""
+    width: int = 960
+    """Width of the images [pixels]."""
+    height: int = 720
+    """Height of the images [pixels]."""
+    fps: float = 30.0
+    """Images per second."""
+    speed: float = 1.0
+    """Seconds of the recording per second of the video."""
+    start: float | None = None
+    """Simulated time at which it begins [s]."""
+    end: float | None = None
+    """Simulated time at which it ends [s]."""
+
+    def write(self, recording: RecordingFile, target: Path) -> None:
+        """Write the video, and print how far it is."""
+        from tool0.description.camera import Camera, looking
+        from tool0.recording.video import write_video
+
+        is_terminal = sys.stdout.isatty()
+
+        def show(share: float) -> None:
+            if is_terminal:
+                print(f"\r{target}: {100 * share:.0f} %", end="", flush=True)
+
+        free = self.eye and Camera(name="eye", pose=looking(self.eye, self.at))
+        n_images = write_video(
+            recording,
+            target,
+            free or self.camera,
+            width=self.width,
+            height=self.height,
+            fps=self.fps,
+            speed=self.speed,
+            start=self.start,
+            end=self.end,
+            when_written=show,
+        )
+        print(f"{chr(13) if is_terminal else ''}{target}: {n_images} images")
+
+
+def export(
+    file: File,
+    *,
+    format: Literal["csv", "parquet", "mp4", "lerobot"] | None = None,  # the option
+    output: Path | None = None,
+    overwrite: bool = False,
+    rate: float = 25.0,
+    only_successes: bool = False,
+    video: VideoOptions = VideoOptions(),  # frozen
+) -> None:
+    """Write a recording as a table, a video or a data set.
+
+    A table has a row for each snapshot, in SI units: joints, objects, wrenches and
+    grippers.  A video shows what a camera would have seen.  A folder of demonstrations
+    becomes a data set of LeRobot.
+
+    Args:
+        file: A recording, or a folder of demonstrations for lerobot.
+        format: By default, that of the output's name, or csv.
+        output: The new file or folder; beside the recording if not given.
+        overwrite: Replace a file that exists.
+        rate: Frames per simulated second of a LeRobot data set [Hz].
+        only_successes: Leave out demonstrations that failed.
+    """
+    if format == "lerobot":
+        from tool0.collect.demonstrations import export_lerobot
+
+        folder = output or file.with_name(f"{file.name}_lerobot")
+        found = export_lerobot(file, folder, rate=rate, only_successes=only_successes)
+        print(f"{folder}: {found.n_episodes} episodes, {found.n_frames} frames")
+        return
+    from tool0.recording.reading import open_recording
+    from tool0.recording.tables import write_csv, write_parquet
+
+    if format is None:
+        suffix = "" if output is None else output.suffix.removeprefix(".")
+        format = _FORMATS.get(suffix, "csv")
+    target = output or file.with_suffix(f".{format}")
+    if target.exists() and not overwrite:
+        raise ConfigError(f"{target} exists already; choose another, or --overwrite")
+    recording = open_recording(file)
+    if format == "mp4":
+        video.write(recording, target)
+        return
+    write = write_csv if format == "csv" else write_parquet
+    write(recording, target)
+    print(f"{target}: {len(recording)} rows")

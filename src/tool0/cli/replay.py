@@ -1,0 +1,81 @@
+"""``tool0 replay``: the panel of a recording."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from tool0.cli.options import PanelOptions
+from tool0.cli.panel import listening, show
+from tool0.cli.parameters import Option
+from tool0.cli.stop_signal import StopSignal
+from tool0.cli.text import ProgressBar, panel_line
+
+if TYPE_CHECKING:
+    from tool0.recording.reading import RecordingFile
+
+
+def replay(
+    file: Annotated[Path, Option(is_positional=True)],
+    speed: float = 1.0,
+    loop: bool = False,
+    simulate: bool = False,
+    panel: PanelOptions = PanelOptions(),
+) -> int:
+    """Show a recording in a web page: the robot as it was, with a time line.
+
+    Args:
+        file: An MCAP file of tool0.
+        speed: Seconds of the recording per second.
+        loop: Start again at the end.
+        simulate: Show nothing: simulate what was recorded once more, and compare every
+            frame to the bit. The exit code is 1 if they differ.
+    """
+    from tool0.interfaces.panel.replay.view import Replay
+    from tool0.interfaces.panel.server import Panel
+    from tool0.recording.reading import open_recording
+
+    recording = open_recording(file)
+    if simulate:
+        return _simulate(recording)
+    with contextlib.ExitStack() as exits:
+        endpoint = exits.enter_context(listening(panel))
+        stop = exits.enter_context(StopSignal())
+        source = Replay(recording)
+        source.playhead.set_speed(speed)
+        source.playhead.set_loops(loop)
+        exits.enter_context(Panel(source, endpoint=endpoint))
+        if not recording.is_complete:
+            print(
+                f"tool0: warning: {file} was cut off; its last whole part ends at "
+                f"t = {recording.time[-1]:.2f} s",
+                file=sys.stderr,
+            )
+        print(f"{panel_line(endpoint.url)}\nCtrl-C ends it.", flush=True)
+        show(endpoint.url, panel, sys.stdout)
+        stop.wait()
+    return 0
+
+
+def _simulate(recording: RecordingFile) -> int:
+    """Repeat a recording, and print how that compares; return the exit code."""
+    from tool0.recording.resimulation import resimulate
+
+    with ProgressBar(sys.stderr) as bar:
+        outcome = resimulate(
+            recording,
+            lambda done, total: bar("simulating", done / total, f"{done}/{total}"),
+        )
+    if outcome.is_identical:
+        print(
+            f"identical: {outcome.frames} frames, {recording.duration:.2f} s, "
+            f"{outcome.requests} requests"
+        )
+    else:
+        print(f"different {outcome.divergence}")
+        print(f"{outcome.frames} of {outcome.total_frames} frames before are identical")
+    for reason in outcome.reasons:
+        print(f"note: {reason}")
+    return 0 if outcome.is_identical else 1

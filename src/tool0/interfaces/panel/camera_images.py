@@ -1,0 +1,148 @@
+"""Camera images for pages: rendered when one asks for it, and once for all of them."""
+
+from __future__ import annotations
+
+import asyncio
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Final, Literal, final
+
+from tool0.sensing.cameras import CameraImage, Cameras, depth_in_mm, encode_png
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from tool0.description.scene import SceneObject
+    from tool0.sensing.snapshot import Snapshot
+
+ImageKind = Literal["color", "depth"]
+
+MIN_WIDTH: Final = 64
+MAX_WIDTH: Final = 1280
+"""Widest image of a page [pixels]."""
+_DIGITS: Final = 5
+"""Decimals of positions [rad | m]: smaller motions are invisible."""
+_THREADS: Final = 4
+"""They encode, or wait for the thread that renders."""
+_LEVEL: Final = 1
+"""Of zlib: a quarter of the time of the default level, for half as many bytes more."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PageImage:
+    """An encoded image."""
+
+    number: int
+    """Another one whenever what the cameras see has changed."""
+    time: float
+    """Simulated time [s]."""
+    png: bytes
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Rendering:
+    """An image that is being rendered, or was, and its encodings."""
+
+    number: int
+    image: asyncio.Future[CameraImage]
+    encoded: dict[ImageKind, asyncio.Task[PageImage]] = field(default_factory=dict)
+
+
+@final
+class CameraImages:
+    """Renders and encodes in threads; it lives in the server's event loop."""
+
+    def __init__(self, cameras: Cameras) -> None:
+        self._cameras = cameras
+        self._threads = ThreadPoolExecutor(_THREADS, "tool0 images")
+        self._number = 0
+        self._poses: tuple[tuple[float, ...], ...] = ()
+        self._scene: tuple[SceneObject, ...] | None = None
+        self._renderings: dict[tuple[str, int], _Rendering] = {}
+        """The newest by camera and width."""
+
+    def __contains__(self, name: object) -> bool:
+        return name in tuple(self._cameras)
+
+    async def image(
+        self, name: str, kind: ImageKind, width: int, after: int
+    ) -> PageImage | None:
+        """Return the current image, or None if its number is ``after``.
+
+        Pages that ask while an image is being rendered get that one.
+
+        Args:
+            name: The camera.
+            kind: ``color``, or ``depth`` as ``depth_pixels`` has it.
+            width: Of the image [pixels]; the height follows from the camera.
+            after: Number of the image that the page has; 0 for none.
+
+        Raises:
+            RenderError: If there is no such camera, or no OpenGL.
+            ModelError: If MuJoCo does not support an object that Gazebo has.
+        """
+        camera = self._cameras[name]
+        snapshot = self._cameras.newest()
+        self._look(snapshot)
+        found = self._renderings.get((name, width))
+        if found is None or not self._serves(found, after):
+            if after == self._number:
+                return None
+            height = max(1, round(width * camera.height / camera.width))
+            sized = replace(camera, width=width, height=height)
+            image = asyncio.get_running_loop().run_in_executor(
+                self._threads, self._cameras.render, sized, snapshot
+            )
+            found = _Rendering(number=self._number, image=image)
+            self._renderings[name, width] = found
+        if kind not in found.encoded:
+            found.encoded[kind] = asyncio.create_task(self._encode(found, kind))
+        # A page that leaves does not cancel the image of the others.
+        return await asyncio.shield(found.encoded[kind])
+
+    def close(self) -> None:
+        """Render no more images; those in progress end."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+
+    def _look(self, snapshot: Snapshot) -> None:
+        """Count up if the cameras see something else than at the last look."""
+        objects = [(*item.position, *item.quat_wxyz) for item in snapshot.objects]
+        poses = tuple(
+            tuple(round(value, _DIGITS) for value in values)
+            for values in (snapshot.position, *objects)
+        )
+        if snapshot.scene is not self._scene or poses != self._poses:
+            self._number += 1
+            self._scene, self._poses = snapshot.scene, poses
+
+    def _serves(self, rendering: _Rendering, after: int) -> bool:
+        """Return whether it is the current one, or will soon be a newer one."""
+        if rendering.number == after:
+            return False
+        return rendering.number == self._number or not rendering.image.done()
+
+    async def _encode(self, rendering: _Rendering, kind: ImageKind) -> PageImage:
+        image = await asyncio.shield(rendering.image)
+        loop = asyncio.get_running_loop()
+        png = await loop.run_in_executor(self._threads, _png, image, kind)
+        return PageImage(number=rendering.number, time=image.time, png=png)
+
+
+def depth_pixels(depth: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Return depth [m] as colours (height, width, 3): red · 256 + green is in mm.
+
+    0 where unknown or over 65.535 m.  A browser decodes 16-bit grey to 8 bits only.
+    """
+    import numpy as np
+
+    mm = depth_in_mm(depth)
+    high, low = (mm >> 8).astype(np.uint8), (mm & 255).astype(np.uint8)
+    return np.dstack([high, low, np.zeros_like(low)])
+
+
+def _png(image: CameraImage, kind: ImageKind) -> bytes:
+    pixels = image.rgb if kind == "color" else depth_pixels(image.depth)
+    return encode_png(pixels, _LEVEL)

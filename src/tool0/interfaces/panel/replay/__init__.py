@@ -1,0 +1,1 @@
+"""``tool0 replay``: the panel of a recording."""

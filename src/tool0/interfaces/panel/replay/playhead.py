@@ -1,0 +1,99 @@
+"""Which time of a recording is shown: it plays, pauses, loops, and jumps."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import final
+
+MIN_SPEED, MAX_SPEED = 0.01, 100.0
+
+
+@final
+class Playhead:
+    """A time between two ends, which passes with the wall clock.
+
+    Any thread may use it.
+    """
+
+    def __init__(
+        self, start: float, end: float, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        """Pause at ``start`` [s]; ``clock`` returns wall time [s]."""
+        self._start, self._end = start, end
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._time = start
+        self._since = clock()
+        self._is_playing = False
+        self._speed = 1.0
+        self._loops = False
+
+    @property
+    def time(self) -> float:
+        """The time that is shown [s]."""
+        with self._lock:
+            return self._update()
+
+    @property
+    def is_playing(self) -> bool:
+        """Whether time passes: not beyond the end, unless it loops."""
+        with self._lock:
+            self._update()
+            return self._is_playing
+
+    @property
+    def speed(self) -> float:
+        """Seconds of the recording per second of wall time."""
+        return self._speed
+
+    @property
+    def loops(self) -> bool:
+        """Whether it starts again at the end."""
+        return self._loops
+
+    def play(self) -> None:
+        """Let time pass; at the end, from the start again."""
+        with self._lock:
+            if self._update() >= self._end:
+                self._time = self._start
+            self._is_playing = True
+
+    def pause(self) -> None:
+        """Hold the time."""
+        with self._lock:
+            self._update()
+            self._is_playing = False
+
+    def seek(self, time: float) -> None:
+        """Go to a time, or to the nearer end."""
+        with self._lock:
+            self._update()
+            self._time = min(self._end, max(self._start, time))
+
+    def set_speed(self, speed: float) -> None:
+        """Change the speed from now on; beyond the bounds, to the nearer one."""
+        with self._lock:
+            self._update()
+            self._speed = min(MAX_SPEED, max(MIN_SPEED, speed))
+
+    def set_loops(self, loops: bool) -> None:
+        """Start again at the end, or stop there."""
+        with self._lock:
+            self._update()
+            self._loops = loops
+
+    def _update(self) -> float:
+        """Let the wall time since the last call pass; return the time then."""
+        now = self._clock()
+        passed, self._since = now - self._since, now
+        if self._is_playing:
+            self._time += passed * self._speed
+            if self._time >= self._end:
+                span = self._end - self._start
+                if self._loops and span > 0.0:
+                    self._time = self._start + (self._time - self._start) % span
+                else:
+                    self._time, self._is_playing = self._end, False
+        return self._time

@@ -1,0 +1,1 @@
+"""Programs: steps for one arm and its gripper, as data."""

@@ -1,0 +1,151 @@
+"""Programs as YAML: a file that people read and edit."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, get_args
+
+import msgspec
+from msgspec import NODEFAULT, Struct
+from msgspec.structs import fields
+
+from tool0.description.yaml_tree import YamlEntry, read_verbatim_text, text_of
+from tool0.errors import ConfigError, SourceLocation, did_you_mean
+from tool0.programs.model import Program, Step, StepPath
+from tool0.programs.run import ProgramProblem
+
+_PLACE: Final = re.compile(r"^(?P<what>.*?)(?: - at `\$(?P<path>.*)`)?$", re.DOTALL)
+_PART: Final = re.compile(r"\.(\w+)|\[(\d+)\]")
+_UNKNOWN: Final = re.compile(r"unknown field `(\w+)`")
+_DEGREES: Final = {"!degrees": lambda _, node: math.radians(float(node.value))}
+KINDS: Final = tuple(str(kind.__struct_config__.tag) for kind in get_args(Step))
+"""Of steps."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProgramFile:
+    """A program, and where its steps stand."""
+
+    program: Program
+    file: Path | None
+    lines: Mapping[StepPath, int]
+    """Of each step, from 1 on."""
+
+    def located(self, problem: ProgramProblem) -> ProgramProblem:
+        """Return a problem with the line of its step."""
+        return msgspec.structs.replace(problem, line=self.lines.get(problem.step))
+
+
+def read_program(file: Path) -> ProgramFile:
+    """Return the program in a file.
+
+    Raises:
+        ConfigError: If it cannot be read, or is no program; with file and line.
+    """
+    return parse_program(text_of(file), file)
+
+
+def parse_program(text: str, file: Path | None = None) -> ProgramFile:
+    """Return the program in a text; ``file`` is where it comes from.
+
+    Raises:
+        ConfigError: If it is no program; with the line.
+    """
+    tree = read_verbatim_text(text, SourceLocation(file, 1), _DEGREES)
+    tree.require_unique_keys()
+    root = tree.root
+    if not root.is_mapping:
+        raise ConfigError(
+            "a program needs 'name' and 'steps', got "
+            + ("an empty file" if root.is_null else root.describe()),
+            root.location,
+        )
+    try:
+        # YAML 1.1 takes 1e-3 for a text.
+        program = msgspec.convert(root.plain(), Program, strict=False)
+    except msgspec.ValidationError as error:
+        raise _explained(error, root) from None
+    lines: dict[StepPath, int] = {}
+    _note_lines(root, (), lines)
+    return ProgramFile(program=program, file=file, lines=lines)
+
+
+def program_text(program: Program) -> str:
+    """Return the YAML of a program, without what has its default value."""
+    import yaml
+
+    text: str = yaml.safe_dump(
+        _plain(program), sort_keys=False, allow_unicode=True, default_flow_style=None
+    )
+    return text
+
+
+def _note_lines(
+    entry: YamlEntry, parents: StepPath, lines: dict[StepPath, int]
+) -> None:
+    steps = entry.children.get("steps")
+    for number, item in enumerate(steps.items if steps else (), 1):
+        path = (*parents, number)
+        if item.location.line is not None:
+            lines[path] = item.location.line
+        _note_lines(item, path, lines)
+
+
+def _explained(error: msgspec.ValidationError, root: YamlEntry) -> ConfigError:
+    """Return the error at the line of the entry that it is about."""
+    found = _PLACE.match(str(error))
+    what, path = str(error), ""
+    if found is not None:
+        what, path = found["what"], found["path"] or ""
+    entry = root
+    for name, number in _PART.findall(path):
+        if name and name in entry.children:
+            entry = entry.children[name]
+        elif number and int(number) < len(entry.items):
+            entry = entry.items[int(number)]
+        else:
+            break
+    if path.endswith(".kind"):
+        what = f"{what}; the kinds of steps are {', '.join(KINDS)}"
+    unknown = _UNKNOWN.search(what)
+    if unknown is not None:
+        what = f"unknown key '{unknown[1]}'{_hint(unknown[1], entry)}"
+        entry = entry.children.get(unknown[1], entry)
+    where = f"'{entry.key}': " if entry.key else ""
+    return ConfigError(f"{where}{what}", entry.location)
+
+
+def _hint(name: str, entry: YamlEntry) -> str:
+    """Return the key that was meant, of a step or of the program."""
+    kind = entry.children.get("kind")
+    of = [item for item in get_args(Step) if kind and _tag(item) == kind.scalar]
+    structs = of or [Program]
+    return did_you_mean(
+        name, [field.name for item in structs for field in fields(item)]
+    )
+
+
+def _tag(kind: type[Struct]) -> Any:
+    return kind.__struct_config__.tag
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as YAML has it."""
+    if isinstance(value, Struct):
+        kind, tag = type(value), _tag(type(value))
+        found = {} if tag is None else {"kind": tag}
+        for field in fields(kind):
+            item = getattr(value, field.name)
+            default = field.default
+            if field.default_factory is not NODEFAULT:
+                default = field.default_factory()
+            if item != default or field.name == "format":
+                found[field.name] = _plain(item)
+        return found
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    return value

@@ -1,0 +1,215 @@
+"""A program: steps for one arm and its gripper, as data.
+
+A file, a request and the panel have the same structure.  A step is named by its number
+from 1 on, with those of the loops around it: step 2 of the loop that is step 3 is 3.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Final, Literal
+
+from msgspec import Meta, Struct, field
+
+Name = Annotated[str, Meta(min_length=1, max_length=200)]
+Text = Annotated[str, Meta(max_length=1000)]
+Coordinate = Annotated[float, Meta(ge=-1000.0, le=1000.0)]
+"""[m]"""
+Place = tuple[Coordinate, Coordinate, Coordinate]
+Angles = tuple[float, float, float]
+"""Fixed-axis roll, pitch, yaw [rad]."""
+Blend = Annotated[float, Meta(ge=0.0, le=10.0)]
+"""[m]"""
+Speed = Annotated[float, Meta(gt=0.0, le=100.0)]
+Acceleration = Annotated[float, Meta(gt=0.0, le=1000.0)]
+Duration = Annotated[float, Meta(ge=0.0, le=1e6)]
+"""[s]"""
+Pin = Annotated[int, Meta(ge=0, le=17)]
+"""Of the arm's control box: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
+StepPath = tuple[int, ...]
+"""The numbers of a step and of the loops around it, from the outermost on."""
+
+MOST_STEPS: Final = 2000
+"""Of a program, those within loops included."""
+MOST_NESTED: Final = 10
+"""Loops within each other."""
+
+
+class ToolPose(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A pose of the program's tool."""
+
+    xyz: Place
+    """[m]"""
+    rpy: Angles = (0.0, 0.0, 0.0)
+    """Fixed-axis roll, pitch, yaw [rad]."""
+    relative_to: Name | None = None
+    """The link in whose frame it is; the robot's root, if left out; for the tool, a
+    link that is fixed to the flange, and the flange, if left out."""
+
+
+class _Step(
+    Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind"
+):
+    """What every step is made of."""
+
+
+class _Move(_Step, frozen=True, kw_only=True):
+    """A move to one target: joint positions, a pose of the tool, or a named pose."""
+
+    joints: dict[str, float] | None = None
+    """Joint → position [rad], for all joints of the arm.  In a cell, the robot's prefix
+    may be left out."""
+    pose: ToolPose | None = None
+    named_pose: Name | None = None
+    """Of the robot, such as ``home``, or a saved one; only the arm moves."""
+    blend: Blend = 0.0
+    """Radius around the target within which the next move may begin [m]."""
+
+
+class MoveJointStep(_Move, frozen=True, kw_only=True, tag="move_joint"):
+    """Turn all joints in proportion, as URScript's ``movej``."""
+
+    speed: Speed = 1.05
+    """Of the joint that turns most [rad/s]."""
+    acceleration: Acceleration = 1.4
+    """Of the joint that turns most [rad/s²]."""
+
+
+class MoveLinearStep(_Move, frozen=True, kw_only=True, tag="move_linear"):
+    """Move the tool on a straight line, as URScript's ``movel``."""
+
+    speed: Speed = 0.25
+    """Of the tool [m/s]."""
+    acceleration: Acceleration = 1.2
+    """Of the tool [m/s²]."""
+
+
+class GripperStep(_Step, frozen=True, kw_only=True, tag="gripper"):
+    """Move the gripper's pads, and wait until they stand still."""
+
+    opening: float | Literal["open", "closed"]
+    """Distance between the pads [m]."""
+    speed: Speed | None = None
+    """Of the pads relative to each other [m/s]; the fastest, if left out."""
+    force: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
+    """Largest force at each pad [N]; the strongest, if left out."""
+    must_hold: bool = False
+    """Whether the program ends with an error if the gripper holds nothing then."""
+
+
+class WaitStep(_Step, frozen=True, kw_only=True, tag="wait"):
+    """Wait for a time, or until a digital input has a level."""
+
+    duration: Duration | None = None
+    """[s]; with an input, the longest wait: the program ends with an error after it."""
+    input: Pin | None = None
+    """Of the arm's control box."""
+    level: bool = True
+    """That the input must have; high is true."""
+
+
+class UntilStep(_Step, frozen=True, kw_only=True, tag="until"):
+    """Move the tool on a line until it touches something."""
+
+    direction: tuple[float, float, float]
+    """Of the move, of any length but zero."""
+    frame: Literal["root", "tool"] = "root"
+    """Whose axes the direction is in."""
+    distance: Annotated[float, Meta(gt=0.0, le=10.0)]
+    """The longest way [m]."""
+    speed: Speed = 0.02
+    """Of the tool [m/s]."""
+    acceleration: Acceleration = 1.2
+    """Of the tool [m/s²], also to stop."""
+    force: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
+    """Stop at this force on the tool against the direction [N], above that at the
+    start; at any contact of the tool, if left out."""
+    must_touch: bool = True
+    """Whether the program ends with an error if nothing was touched on the way."""
+
+
+class PlaceObjectStep(_Step, frozen=True, kw_only=True, tag="place_object"):
+    """Place an object of the scene at once, at rest: to let a scene begin again."""
+
+    name: Name
+    """Of the object."""
+    xyz: Place
+    """Of its origin, in the robot's root [m]."""
+    rpy: Angles = (0.0, 0.0, 0.0)
+    """Fixed-axis roll, pitch, yaw [rad]."""
+
+
+class SetOutputStep(_Step, frozen=True, kw_only=True, tag="set_output"):
+    """Set a digital output of the arm's control box."""
+
+    output: Pin
+    """Of the arm's control box."""
+    level: bool = True
+    """High is true."""
+
+
+class CommentStep(_Step, frozen=True, kw_only=True, tag="comment"):
+    """A note for people; nothing happens."""
+
+    text: Text
+    """The note."""
+
+
+class LoopStep(_Step, frozen=True, kw_only=True, tag="loop"):
+    """Repeat steps: a number of times, while an input has a level, or forever."""
+
+    steps: tuple[Step, ...] = ()
+    """What is repeated."""
+    times: Annotated[int, Meta(ge=1, le=1_000_000)] | None = None
+    """How often; forever, without it and an input."""
+    while_input: Pin | None = None
+    """Instead of a number: before each time, this digital input must have the level."""
+    level: bool = True
+    """Of the input."""
+
+
+Step = (
+    MoveJointStep
+    | MoveLinearStep
+    | GripperStep
+    | WaitStep
+    | UntilStep
+    | PlaceObjectStep
+    | SetOutputStep
+    | CommentStep
+    | LoopStep
+)
+MoveStep = MoveJointStep | MoveLinearStep
+
+
+class Program(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Steps for one arm and its gripper."""
+
+    format: Literal[1] = 1
+    """Of the file."""
+    name: Name
+    """What people call it, and what it is saved under."""
+    arm: Name | None = None
+    """As ``list_arms`` names it; the robot's only one, if left out."""
+    gripper: Name | None = None
+    """The one that the arm carries, if left out."""
+    tool: ToolPose = field(default_factory=lambda: ToolPose(xyz=(0.0, 0.0, 0.0)))
+    """The tool in the flange: targets, speeds and blends are those of its origin."""
+    steps: tuple[Step, ...] = ()
+    """Executed one after the other."""
+
+
+def walk(
+    steps: Sequence[Step], parents: StepPath = ()
+) -> Iterator[tuple[StepPath, Step]]:
+    """Yield every step with its path, a loop before its steps."""
+    for number, step in enumerate(steps, 1):
+        path = (*parents, number)
+        yield path, step
+        if isinstance(step, LoopStep):
+            yield from walk(step.steps, path)
+
+
+def path_text(path: Sequence[int]) -> str:
+    """Return a path as people write it: ``3.2``."""
+    return ".".join(map(str, path))

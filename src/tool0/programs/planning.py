@@ -1,0 +1,340 @@
+"""Planning of a program before it moves: every path from every posture it may have.
+
+Moves that follow each other are one path, with their blends; comments between them do
+not count.  A move until contact may end anywhere on its way: both ends are planned
+from.  A loop is planned until its postures repeat.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple, final
+
+import numpy as np
+
+from tool0.errors import ControlError, ModelError, did_you_mean
+from tool0.kinematics.chain import Array
+from tool0.kinematics.moves import Move, MoveError, MovePlan
+from tool0.kinematics.segments import sampled
+from tool0.programs.model import (
+    MOST_NESTED,
+    MOST_STEPS,
+    CommentStep,
+    GripperStep,
+    LoopStep,
+    MoveJointStep,
+    MoveLinearStep,
+    MoveStep,
+    PlaceObjectStep,
+    Program,
+    Step,
+    StepPath,
+    UntilStep,
+    WaitStep,
+    path_text,
+    walk,
+)
+from tool0.programs.robot_context import RobotContext
+from tool0.programs.run import PlannedMotion, ProgramCheck, ProgramProblem
+
+_SAME: Final = 1e-7
+"""Postures closer to each other than this are one [rad]."""
+_MOST_POSTURES: Final = 8
+"""In which a program may be at a step, at most."""
+_PREVIEW_STEP: Final = 0.02
+"""Time between two points of a preview [s], for short programs."""
+_MOST_POINTS: Final = 1500
+"""Of a preview."""
+
+
+class NumberedMove(NamedTuple):
+    """A step that moves the arm, with its path."""
+
+    path: StepPath
+    step: MoveStep
+
+
+def moves_from(
+    steps: Sequence[Step], first: int, parents: StepPath
+) -> list[NumberedMove]:
+    """Return the moves that are one path, from the step with index ``first`` on."""
+    found = []
+    for number, step in enumerate(steps[first:], first + 1):
+        if isinstance(step, MoveStep):
+            found.append(NumberedMove((*parents, number), step))
+        elif not isinstance(step, CommentStep):
+            break
+    return found
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ProgramPath:
+    """A path of a program's arm, from rest to rest."""
+
+    steps: tuple[StepPath, ...]
+    """Of its moves."""
+    plan: MovePlan
+
+    def is_from(self, step: StepPath, q: Sequence[float] | Array) -> bool:
+        """Return whether it begins with a step, at ``q`` [rad]."""
+        start = self.plan.knots.q[0]
+        return self.steps[0] == step and bool(np.abs(start - q).max() < _SAME)
+
+
+class StepError(Exception):
+    """A step that cannot be planned."""
+
+    def __init__(self, problem: ProgramProblem) -> None:
+        super().__init__(problem.text)
+        self.problem = problem
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ProgramPlan:
+    """A program with its paths, as far as they could be planned."""
+
+    program: Program
+    paths: tuple[ProgramPath, ...] = ()
+    """In the order in which they are executed first."""
+    problems: tuple[ProgramProblem, ...] = ()
+    warnings: tuple[ProgramProblem, ...] = ()
+
+    def find(self, step: StepPath, q: Sequence[float]) -> ProgramPath | None:
+        """Return the path that begins with a step at ``q`` [rad], if it is known."""
+        return next((path for path in self.paths if path.is_from(step, q)), None)
+
+    def check(self, context: RobotContext) -> ProgramCheck:
+        """Return the findings, and the motion for a preview."""
+        return ProgramCheck(
+            problems=self.problems,
+            warnings=self.warnings,
+            motion=preview(self.paths, context),
+        )
+
+
+def plan_program(context: RobotContext, start: Sequence[float]) -> ProgramPlan:
+    """Plan a program from rest at ``start`` [rad]; problems are in the result."""
+    program = context.program
+    problems = static_problems(context)
+    if problems:
+        return ProgramPlan(program=program, problems=tuple(problems))
+    planning = _Planning(context)
+    try:
+        planning.follow(program.steps, (), [np.array(start, dtype=np.float64)])
+    except StepError as error:
+        problems.append(error.problem)
+    return ProgramPlan(
+        program=program,
+        paths=tuple(planning.paths),
+        problems=tuple(problems),
+        warnings=tuple(planning.warnings),
+    )
+
+
+def plan_path(
+    context: RobotContext, moves: Sequence[NumberedMove], start: Sequence[float]
+) -> ProgramPath:
+    """Return the path of moves from rest at ``start`` [rad]; StepError if none."""
+    steps = tuple(path for path, _ in moves)
+    return _planned(context, steps, [context.move(step) for _, step in moves], start)
+
+
+def plan_search(
+    context: RobotContext, path: StepPath, step: UntilStep, start: Sequence[float]
+) -> ProgramPath:
+    """Return all the way of a move until contact; StepError if it is impossible."""
+    move = context.search(step, np.array(start, dtype=np.float64))
+    return _planned(context, (path,), [move], start)
+
+
+def _planned(
+    context: RobotContext,
+    steps: tuple[StepPath, ...],
+    moves: Sequence[Move],
+    start: Sequence[float],
+) -> ProgramPath:
+    try:
+        plan = context.planner.plan(start, moves)
+    except MoveError as error:
+        step = steps[error.number - 1]
+        raise StepError(ProgramProblem(step=step, text=error.reason)) from None
+    return ProgramPath(steps=steps, plan=plan)
+
+
+# ---- what needs no planning ----------------------------------------------------------
+
+
+def static_problems(context: RobotContext) -> list[ProgramProblem]:
+    """Return what is wrong with single steps: names, ranges, missing values."""
+    numbered = list(walk(context.program.steps))
+    if len(numbered) > MOST_STEPS:
+        text = f"the program has {len(numbered)} steps; {MOST_STEPS} is the most"
+        return [ProgramProblem(step=(), text=text)]
+    found = []
+    if any(isinstance(step, MoveStep | UntilStep) for _, step in numbered):
+        try:
+            _ = context.planner
+        except (ControlError, ModelError) as error:
+            return [ProgramProblem(step=(), text=str(error))]
+    for path, step in numbered:
+        try:
+            _check(context, path, step)
+        except (ControlError, ModelError) as error:
+            found.append(ProgramProblem(step=path, text=str(error)))
+    return found
+
+
+def _check(context: RobotContext, path: StepPath, step: Step) -> None:
+    """Raise ControlError or ModelError if a step is impossible in itself."""
+    if len(path) > MOST_NESTED + 1:
+        raise ControlError(f"more than {MOST_NESTED} loops are within each other here")
+    match step:
+        case MoveJointStep() | MoveLinearStep():
+            context.move(step)
+        case UntilStep():
+            context.direction(step, np.eye(4))
+        case GripperStep():
+            context.opening(step)
+        case WaitStep(duration=None, input=None):
+            raise ControlError("a wait needs a 'duration' or an 'input'")
+        case PlaceObjectStep(name=name) if name not in context.objects:
+            hint = did_you_mean(name, context.objects)
+            raise ControlError(f"there is no object '{name}'{hint}")
+        case LoopStep(times=int(), while_input=int()):
+            raise ControlError("a loop has 'times' or 'while_input', not both")
+        case LoopStep(steps=steps):
+            if all(isinstance(item, CommentStep) for item in steps):
+                raise ControlError("a loop needs a step that does something")
+
+
+# ---- the paths -----------------------------------------------------------------------
+
+
+@final
+@dataclass(slots=True)
+class _Planning:
+    """Plans every path from every posture that it may begin in."""
+
+    context: RobotContext
+    paths: list[ProgramPath] = field(default_factory=list)
+    warnings: list[ProgramProblem] = field(default_factory=list)
+
+    def follow(
+        self, steps: Sequence[Step], parents: StepPath, starts: list[Array]
+    ) -> list[Array]:
+        """Return the postures in which the steps may end; none if they never do."""
+        index = 0
+        while index < len(steps):
+            step, path = steps[index], (*parents, index + 1)
+            if not starts:
+                self._warn(path, "is never reached: the loop before it is endless")
+                return []
+            if isinstance(step, MoveStep):
+                moves = moves_from(steps, index, parents)
+                starts = _distinct(self._path(moves, q).plan.end for q in starts)
+                index = moves[-1].path[-1]
+                continue
+            if isinstance(step, UntilStep):
+                ends = [self._search(path, step, q).plan.end for q in starts]
+                starts = _distinct([*ends, *starts])
+            elif isinstance(step, LoopStep):
+                starts = self._loop(step, path, starts)
+            index += 1
+        return starts
+
+    def _loop(self, loop: LoopStep, path: StepPath, starts: list[Array]) -> list[Array]:
+        ends = seen = self.follow(loop.steps, path, starts)
+        while ends and loop.times != 1:
+            ends = self.follow(loop.steps, path, ends)
+            merged = _distinct([*seen, *ends])
+            if len(merged) == len(seen) or len(merged) > _MOST_POSTURES:
+                break
+            seen = merged
+        if loop.while_input is not None:
+            return _distinct([*seen, *starts])
+        return [] if loop.times is None else seen
+
+    def _path(self, moves: Sequence[NumberedMove], q: Array) -> ProgramPath:
+        first = moves[0].path
+        known = next((path for path in self.paths if path.is_from(first, q)), None)
+        if known is not None:
+            return known
+        return self._add(plan_path(self.context, moves, q.tolist()))
+
+    def _search(self, path: StepPath, step: UntilStep, q: Array) -> ProgramPath:
+        known = next((item for item in self.paths if item.is_from(path, q)), None)
+        if known is not None:
+            return known
+        return self._add(plan_search(self.context, path, step, q.tolist()))
+
+    def _add(self, path: ProgramPath) -> ProgramPath:
+        for warning in path.plan.warnings:
+            step, text = path.steps[warning.number - 1], warning.text
+            if warning.kind != "blend":
+                self._warn(step, text)
+                continue
+            remedy = "choose smaller blends here or at the move before"
+            raise StepError(ProgramProblem(step=step, text=f"{text}; {remedy}"))
+        self.paths.append(path)
+        return path
+
+    def _warn(self, step: StepPath, text: str) -> None:
+        warning = ProgramProblem(step=step, text=text)
+        if warning not in self.warnings:
+            self.warnings.append(warning)
+
+
+def _distinct(postures: Iterable[Array]) -> list[Array]:
+    """Return the postures without repetitions, in order."""
+    found: list[Array] = []
+    for q in postures:
+        if all(np.abs(q - known).max() >= _SAME for known in found):
+            found.append(q)
+    return found[:_MOST_POSTURES]
+
+
+# ---- the preview ---------------------------------------------------------------------
+
+
+def preview(paths: Sequence[ProgramPath], context: RobotContext) -> PlannedMotion:
+    """Return the first path of every step, one after the other."""
+    shown: list[ProgramPath] = []
+    for path in paths:
+        if all(path.steps[0] != other.steps[0] for other in shown):
+            shown.append(path)
+    duration = sum(path.plan.duration for path in shown)
+    spacing = max(_PREVIEW_STEP, duration / _MOST_POINTS)
+    times: list[float] = []
+    rows: list[list[float]] = []
+    steps: list[StepPath] = []
+    start = 0.0
+    for path in shown:
+        plan = path.plan
+        if plan.duration == 0.0:
+            continue
+        n = max(2, round(plan.duration / spacing) + 1)
+        grid = np.linspace(0.0, plan.duration, n)
+        times += (start + grid).tolist()
+        rows += sampled(plan.knots, grid).q.tolist()
+        steps += [path.steps[plan.move_at(time)] for time in grid.tolist()]
+        start += plan.duration
+    tools = context.tool(np.array(rows).reshape(-1, 6))[:, :3, 3]
+    return PlannedMotion(
+        joint_names=context.joint_names,
+        times=tuple(times),
+        positions=tuple(tuple(row) for row in rows),
+        points=tuple((x, y, z) for x, y, z in tools.tolist()),
+        steps=tuple(steps),
+    )
+
+
+def problems_text(name: str, problems: Sequence[ProgramProblem]) -> str:
+    """Return problems as one message."""
+    parts = [
+        f"step {path_text(item.step)}: {item.text}" if item.step else item.text
+        for item in problems
+    ]
+    return f"the program '{name}' cannot be executed: " + "; ".join(parts)

@@ -1,0 +1,200 @@
+"""What a program finds: the arm, its surroundings, and the named poses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.model import FLANGE, Joint, ParallelGripper, RobotModel
+from tool0.description.transform import Pose, to_transform
+from tool0.errors import ControlError, did_you_mean
+from tool0.hardware.limits import DriveLimits
+from tool0.kinematics.chain import ArmChain, Array, fixed_transform
+from tool0.kinematics.inverse import InverseKinematics
+from tool0.kinematics.move_planner import MovePlanner
+from tool0.kinematics.moves import Move
+from tool0.kinematics.pose import rotation_vector
+from tool0.programs.model import (
+    GripperStep,
+    MoveLinearStep,
+    MoveStep,
+    Program,
+    ToolPose,
+    UntilStep,
+)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RobotContext:
+    """One arm as a program moves it."""
+
+    program: Program
+    model: RobotModel
+    arm: str
+    tip: str
+    """The link at the end of the arm."""
+    joints: tuple[Joint, ...]
+    """Of the arm, with the limits that apply; from base to flange."""
+    positions: Mapping[str, float]
+    """Of all joints of the robot now [rad | m]."""
+    find_pose: Callable[[str], Mapping[str, float]]
+    """Returns the positions of a named pose, or raises ControlError."""
+    gripper: str | None
+    """The name of the gripper that the arm uses, if it has one."""
+    geometry: ParallelGripper | None
+    """Of that gripper."""
+    objects: Collection[str]
+    """The names of the scene's objects."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        return tuple(joint.name for joint in self.joints)
+
+    @cached_property
+    def chain(self) -> ArmChain:
+        return ArmChain(self.model, self.tip, self.joints)
+
+    @cached_property
+    def T_tip_tool(self) -> Array:
+        """The program's tool in the flange, shape (4, 4)."""
+        tool = self.program.tool
+        T = _transform(tool)
+        if tool.relative_to is None:
+            return T
+        T_tip_link = fixed_transform(self.model, self.tip, tool.relative_to).matrix
+        return np.asarray(T_tip_link @ T)
+
+    @cached_property
+    def T_root_base(self) -> Array:
+        """The link that carries the arm, in the root, shape (4, 4)."""
+        found = link_poses(self.model, self.positions)
+        return np.asarray(found[self.chain.base].matrix)
+
+    @cached_property
+    def planner(self) -> MovePlanner:
+        """Plans moves whose poses are in the root.
+
+        Raises:
+            ControlError: If the arm is not built like a UR.
+        """
+        T_base_root = np.linalg.inv(self.T_root_base)
+        tcp = _six(self.T_tip_tool)
+        return MovePlanner(InverseKinematics(self.chain), tcp, np.asarray(T_base_root))
+
+    def tool(self, q: Array) -> Array:
+        """Return the tool in the root at positions ``q`` [rad], shape (n, 6).
+
+        The shape is (n, 4, 4).
+        """
+        T_base_tip = self.chain.forward(q).T_base_tip
+        return np.asarray(self.T_root_base @ T_base_tip @ self.T_tip_tool)
+
+    # ---- steps as moves -------------------------------------------------------------
+
+    def move(self, step: MoveStep) -> Move:
+        """Return the move of a step, or raise ControlError or ModelError."""
+        given = [step.joints, step.pose, step.named_pose]
+        if sum(item is not None for item in given) != 1:
+            raise ControlError(
+                "a move needs one target: 'joints', 'pose' or 'named_pose'"
+            )
+        q: tuple[float, ...] | None = None
+        pose: tuple[float, ...] | None = None
+        if step.joints is not None:
+            q = self._joint_target(step.joints)
+        elif step.named_pose is not None:
+            q = self._named(step.named_pose)
+        elif step.pose is not None:
+            pose = self._pose(step.pose)
+        is_linear = isinstance(step, MoveLinearStep)
+        return Move(
+            kind="linear" if is_linear else "joint",
+            q=q,
+            pose=pose,
+            a=step.acceleration,
+            v=step.speed,
+            r=step.blend,
+        )
+
+    def search(self, step: UntilStep, start: Array) -> Move:
+        """Return the longest move of a search that starts at ``start`` [rad]."""
+        T = self.tool(start[None])[0]
+        T[:3, 3] += step.distance * self.direction(step, T)
+        a, v = step.acceleration, step.speed
+        return Move(kind="linear", pose=_six(T), a=a, v=v)
+
+    def direction(self, step: UntilStep, T_root_tool: Array) -> Array:
+        """Return the direction of a search in the root's axes, a unit vector."""
+        given = np.array(step.direction)
+        length = float(np.linalg.norm(given))
+        if not length > 0.0:
+            raise ControlError("'direction' must not be zero")
+        if step.frame == "tool":
+            given = T_root_tool[:3, :3] @ given
+        return np.asarray(given / length)
+
+    def _joint_target(self, joints: Mapping[str, float]) -> tuple[float, ...]:
+        prefix, names = self.tip.removesuffix(FLANGE), self.joint_names
+        target = {
+            name if name in names else prefix + name: q for name, q in joints.items()
+        }
+        for given, name in zip(joints, target, strict=False):
+            if name not in names:
+                raise ControlError(
+                    f"'{given}' is no joint of the arm{did_you_mean(given, names)}"
+                )
+        missing = [name for name in names if name not in target]
+        if missing:
+            raise ControlError(f"'joints' lacks {', '.join(missing)}")
+        return tuple(target[name] for name in names)
+
+    def _named(self, name: str) -> tuple[float, ...]:
+        positions = self.find_pose(name)
+        missing = [joint for joint in self.joint_names if joint not in positions]
+        if missing:
+            raise ControlError(
+                f"the pose '{name}' has no position of {', '.join(missing)}"
+            )
+        return tuple(positions[joint] for joint in self.joint_names)
+
+    def _pose(self, pose: ToolPose) -> tuple[float, ...]:
+        """Return a pose of the tool in the root: position and rotation vector."""
+        T = _transform(pose)
+        if pose.relative_to is not None:
+            link = self.model.link(pose.relative_to).name
+            if link in self.model.links_from(self.joints[0].child):
+                raise ControlError(
+                    f"a target cannot be relative to '{link}', which the arm moves"
+                )
+            T = link_poses(self.model, self.positions)[link].matrix @ T
+        return _six(T)
+
+    # ---- the gripper ----------------------------------------------------------------
+
+    def opening(self, step: GripperStep) -> float:
+        """Return the opening of a step [m], or raise ControlError or ModelError."""
+        geometry = self.geometry
+        if geometry is None:
+            raise ControlError("the arm carries no gripper")
+        DriveLimits(gripper=geometry, speed=step.speed, force=step.force)
+        if step.opening == "open":
+            return geometry.max_opening
+        if step.opening == "closed":
+            return 0.0
+        geometry.position(step.opening)
+        return step.opening
+
+
+def _transform(pose: ToolPose) -> Array:
+    return np.asarray(to_transform(Pose(xyz=pose.xyz, rpy=pose.rpy)).matrix)
+
+
+def _six(T: Array) -> tuple[float, ...]:
+    """Return a pose as UR writes it: position and rotation vector [m, rad]."""
+    return (*T[:3, 3].tolist(), *rotation_vector(T[:3, :3]).tolist())

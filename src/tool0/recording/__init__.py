@@ -1,0 +1,1 @@
+"""Recordings: MCAP files with ROS 2 messages, written from snapshots, and read."""

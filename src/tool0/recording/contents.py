@@ -1,0 +1,168 @@
+"""What a file says once: the robot, its meshes, its controllers, how it was made."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, final
+
+import msgspec
+from msgspec import Struct
+
+from tool0.description.scene import SceneObject
+from tool0.description.shapes import Geometry, Mesh, parts_of
+from tool0.requests.reproduction import Reproduction, reproduction
+from tool0.requests.state import (
+    DescriptionInfo,
+    ReadDescription,
+    ReadInfo,
+    SimulationInfo,
+)
+from tool0.requests.table import answer
+
+if TYPE_CHECKING:
+    from tool0.recording.mcap_file import McapFile
+    from tool0.runtime.simulation import Simulation
+
+FORMAT: Final = 1
+"""Incremented when an older reader would misread the file."""
+METADATA: Final = "tool0"
+MESHES: Final = "tool0.meshes"
+"""Metadata: a mesh's URI → the name of its attachment."""
+ROBOT: Final = "robot.urdf"
+DESCRIPTION: Final = "description.json"
+SIMULATION: Final = "simulation.json"
+BRINGUP: Final = "bringup.json"
+"""All that brings the same robot up again."""
+CONTROLLERS: Final = "controllers.yaml"
+_JSON: Final = "application/json"
+
+
+@final
+class RecordingInfo(Struct, frozen=True, kw_only=True):
+    """What a recording says about itself."""
+
+    format: int = FORMAT
+    version: str
+    """Of tool0."""
+    engine: str
+    """Physics engine: mujoco or gazebo."""
+    wall_start: float
+    """When the recording began [s since 1970, UTC]."""
+    part: int = 1
+    """Number of this file; recordings rotate."""
+    first_file: str = ""
+    """Name of the first file of the recording; empty for that file itself."""
+    control_period: float
+    """Simulated time of a tick [s]."""
+    root: str
+    """Link in whose frame objects are: the robot's root."""
+    joint_names: tuple[str, ...]
+    """Order of the arrays' columns."""
+
+    def metadata(self) -> dict[str, str]:
+        """Return it as metadata of MCAP: texts, by name."""
+        plain = msgspec.to_builtins(self)
+        return {
+            key: value
+            if isinstance(value, str)
+            else msgspec.json.encode(value).decode()
+            for key, value in plain.items()
+        }
+
+
+def info_from(metadata: Mapping[str, str]) -> RecordingInfo:
+    """Return what ``metadata`` wrote; msgspec.ValidationError if it is another's."""
+    texts = {
+        name
+        for name, kind in RecordingInfo.__annotations__.items()
+        if kind in ("str", str)
+    }
+    plain: dict[str, Any] = {
+        key: value if key in texts else msgspec.json.decode(value)
+        for key, value in metadata.items()
+        if key in RecordingInfo.__struct_fields__
+    }
+    return msgspec.convert(plain, RecordingInfo)
+
+
+@final
+class Contents:
+    """What each file of one recording begins with: collected once, when it starts."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        from importlib.metadata import version
+
+        snapshot = simulation.snapshot
+        self._model = simulation.description.model
+        self._description = answer(simulation, ReadDescription())
+        self._simulation = answer(simulation, ReadInfo())
+        self._bringup = reproduction(simulation)
+        geometries: list[Geometry] = []
+        for link in self._model.links:
+            geometries += [shape.geometry for shape in link.visuals]
+            geometries += [shape.geometry for shape in link.collisions]
+        self._meshes = _meshes(geometries)
+        self._info = RecordingInfo(
+            version=version("tool0"),
+            engine=simulation.engine.name,
+            wall_start=round(time.time(), 3),
+            control_period=simulation.loop.control_period,
+            root=self._model.root,
+            joint_names=snapshot.joint_names,
+        )
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        return self._info.joint_names
+
+    def write(self, file: McapFile, part: int, first: Path) -> None:
+        """Write them into a new file, the ``part``-th of the recording."""
+        info = msgspec.structs.replace(
+            self._info, part=part, first_file="" if part == 1 else first.name
+        )
+        file.note(METADATA, info.metadata())
+        file.attach(ROBOT, "application/xml", self._description.urdf.encode())
+        file.attach(DESCRIPTION, _JSON, msgspec.json.encode(self._description))
+        file.attach(SIMULATION, _JSON, msgspec.json.encode(self._simulation))
+        file.attach(BRINGUP, _JSON, msgspec.json.encode(self._bringup))
+        file.attach(CONTROLLERS, "application/yaml", self._bringup.controllers.encode())
+        attach_meshes(file, self._meshes)
+
+
+def attach_meshes(file: McapFile, meshes: Mapping[str, Path], first: int = 0) -> None:
+    """Attach the files of meshes, by their URIs, and number them from ``first`` on."""
+    names = {
+        uri: f"meshes/{number}-{path.name}"
+        for number, (uri, path) in enumerate(meshes.items(), first)
+    }
+    for uri, name in names.items():
+        file.attach(name, "model/mesh", meshes[uri].read_bytes())
+    if names:
+        file.note(MESHES, names)
+
+
+def read_description(data: bytes) -> DescriptionInfo:
+    """Return the robot's description, as a file has it."""
+    return msgspec.json.decode(data, type=DescriptionInfo)
+
+
+def read_simulation(data: bytes) -> SimulationInfo:
+    """Return what did not change while it was recorded."""
+    return msgspec.json.decode(data, type=SimulationInfo)
+
+
+def read_bringup(data: bytes) -> Reproduction:
+    """Return what brings the same robot up again."""
+    return msgspec.json.decode(data, type=Reproduction)
+
+
+def object_meshes(objects: Iterable[SceneObject]) -> dict[str, Path]:
+    """Return the mesh files of objects, as their shapes name them when sent."""
+    parts = (part for item in objects for part, _ in parts_of(item.geometry))
+    return {str(path): path for path in _meshes(parts).values()}
+
+
+def _meshes(shapes: Iterable[Geometry]) -> dict[str, Path]:
+    return {shape.uri: shape.path for shape in shapes if isinstance(shape, Mesh)}

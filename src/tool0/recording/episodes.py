@@ -1,0 +1,296 @@
+"""Demonstrations: a folder of recordings, one for each episode, with an index.
+
+A person or a program drives the robot, starts an episode, and says how it ended: by a
+key in the terminal or in the panel, or by a request.  ``episodes.jsonl`` has a line for
+each episode that was kept, in the order of their numbers.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final, Literal, final
+
+import msgspec
+from msgspec import Meta, Struct
+
+from tool0.errors import ControlError, RecordingError
+from tool0.recording.recordings import Recordings
+from tool0.requests.state import Reset
+from tool0.requests.table import Request, answer, handles
+
+if TYPE_CHECKING:
+    from tool0.recording.options import RecordingStatus
+    from tool0.runtime.simulation import Simulation
+
+INDEX: Final = "episodes.jsonl"
+Outcome = Literal["success", "failure"]
+FolderName = Annotated[str, Meta(min_length=1, max_length=4000)]
+
+
+class EpisodeRow(Struct, frozen=True, kw_only=True):
+    """A line of the index."""
+
+    episode: int
+    """From 0 on."""
+    file: str
+    """Name of the recording in the same folder."""
+    outcome: Outcome
+    task: str
+    """What was to be done, in words."""
+    duration: float
+    """Simulated time [s]."""
+    wall_start: float
+    """[s since 1970, UTC]"""
+
+
+class EpisodesStatus(Struct, frozen=True, kw_only=True):
+    """A folder of episodes, and whether one is being recorded."""
+
+    folder: str
+    """Its path on the simulation's machine."""
+    task: str
+    """What is to be done, in words."""
+    is_recording: bool
+    """Whether an episode is being recorded."""
+    duration: float
+    """Simulated time of the episode being recorded [s]; 0 without one."""
+    episodes: int
+    """Episodes in the folder."""
+    succeeded: int
+    """Of these, with the outcome ``success``."""
+    error: str | None = None
+    """Why an episode ended by itself: a full disk."""
+
+
+class OpenEpisodes(Request[EpisodesStatus], frozen=True):
+    """Choose the folder for episodes, which may have some already.
+
+    From then on the panel has keys to start and end them.
+    """
+
+    folder: FolderName
+    task: Annotated[str, Meta(max_length=500)] = ""
+    """What is to be done, in words; each line of the index has it."""
+    reset: bool = True
+    """Whether each episode starts with a reset of robot and objects."""
+
+
+class CloseEpisodes(Request[None], frozen=True):
+    """Leave the folder; an episode that is being recorded is discarded."""
+
+
+class StartEpisode(Request[EpisodesStatus], frozen=True):
+    """Start to record an episode."""
+
+
+class EndEpisode(Request[EpisodesStatus], frozen=True):
+    """End the episode: keep it with its outcome, or discard it."""
+
+    outcome: Literal["success", "failure", "discard"]
+
+
+class ReadEpisodes(Request[EpisodesStatus | None], frozen=True):
+    """The folder of episodes; null while there is none."""
+
+
+def read_index(folder: Path) -> list[EpisodeRow]:
+    """Return the episodes of a folder, of which the last line may be incomplete.
+
+    Raises:
+        RecordingError: If it has no index, or a line of it is wrong.
+    """
+    path = folder / INDEX
+    try:
+        lines = path.read_bytes().split(b"\n")[:-1]
+    except FileNotFoundError:
+        raise RecordingError(
+            f"{folder} has no {INDEX}: it is no folder of episodes; "
+            "`tool0 record --episodes FOLDER` makes one"
+        ) from None
+    except OSError as error:
+        raise RecordingError(f"cannot read {path}: {error.strerror}") from error
+    rows = []
+    for number, line in enumerate(lines, start=1):
+        try:
+            rows.append(msgspec.json.decode(line, type=EpisodeRow))
+        except msgspec.MsgspecError as error:
+            raise RecordingError(f"{path}, line {number}: {error}") from None
+    return rows
+
+
+@final
+class Episodes:
+    """Records the episodes of one simulation: ``simulation.service(Episodes)``."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._lock = threading.Lock()
+        self._folder: Path | None = None
+        self._task = ""
+        self._resets = True
+        self._rows: list[EpisodeRow] = []
+        self._wall_start: float | None = None
+        """Of the episode being recorded [s]; None without one."""
+        self._error: str | None = None
+
+    @property
+    def status(self) -> EpisodesStatus | None:
+        folder = self._folder
+        if folder is None:
+            return None
+        recording = self._recording
+        return EpisodesStatus(
+            folder=str(folder),
+            task=self._task,
+            is_recording=recording is not None,
+            duration=0.0 if recording is None else recording.duration,
+            episodes=len(self._rows),
+            succeeded=sum(row.outcome == "success" for row in self._rows),
+            error=self._error,
+        )
+
+    def open(self, folder: Path, task: str, *, resets: bool) -> EpisodesStatus:
+        """Use a folder: a new one, or one with episodes.
+
+        Raises:
+            RecordingError: If it has other files, or cannot be written.
+            ControlError: If an episode is being recorded.
+        """
+        with self._lock:
+            if self._wall_start is not None:
+                raise ControlError("an episode is being recorded; end it first")
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+                others = [path.name for path in folder.iterdir()]
+                if others and INDEX not in others:
+                    raise RecordingError(
+                        f"{folder} has other files ({min(others)}): give an empty or "
+                        "a new folder"
+                    )
+                (folder / INDEX).touch()
+            except OSError as error:
+                raise RecordingError(f"cannot use {folder}: {error.strerror}") from None
+            self._rows = read_index(folder)
+            self._folder, self._task, self._resets = folder, task, resets
+            self._error = None
+            return self._status()
+
+    def start(self) -> EpisodesStatus:
+        """Start an episode, after a reset if the folder was opened so.
+
+        Raises:
+            ControlError: If no folder is open, or something is being recorded.
+            RecordingError: If its file cannot be written.
+        """
+        with self._lock:
+            if self._recording is not None:
+                raise ControlError("an episode is being recorded; end it first")
+            file = self._file()
+            recordings = self._simulation.service(Recordings)
+            status = recordings.status
+            if status is not None and status.is_recording:
+                raise ControlError(
+                    f"a recording to {status.file} is in progress; stop it first"
+                )
+            self._error = None
+            if self._resets:
+                answer(self._simulation, Reset())
+            recordings.start(file, overwrite=True)  # one without a line is no episode
+            self._wall_start = time.time()
+            return self._status()
+
+    def end(self, outcome: Literal["success", "failure", "discard"]) -> EpisodesStatus:
+        """End the episode, and add it to the index unless it is discarded.
+
+        Raises:
+            ControlError: If there is none.
+            RecordingError: If its recording has ended by itself, or a reset has
+                divided it: it is discarded then.
+        """
+        with self._lock:
+            wall_start, file = self._wall_start, self._file()
+            if wall_start is None:
+                raise ControlError("no episode is being recorded; start one first")
+            self._wall_start = None
+            recording = self._simulation.service(Recordings).stop()
+            problem = recording.error
+            if recording.files > 1:
+                problem = "time began again during the episode: the robot was reset"
+            if problem is not None or outcome == "discard":
+                self._discard(file, recording.files)
+            if problem is not None:
+                self._error = problem
+                raise RecordingError(f"the episode was discarded: {problem}")
+            if outcome != "discard":
+                row = EpisodeRow(
+                    episode=len(self._rows),
+                    file=file.name,
+                    outcome=outcome,
+                    task=self._task,
+                    duration=recording.duration,
+                    wall_start=round(wall_start, 3),
+                )
+                self._add(file.parent / INDEX, row)
+            return self._status()
+
+    def close(self) -> None:
+        """Leave the folder, and discard an episode that is being recorded."""
+        with self._lock:
+            if self._folder is not None and self._wall_start is not None:
+                recording = self._simulation.service(Recordings).stop()
+                self._discard(self._file(), recording.files)
+            self._wall_start = self._folder = None
+
+    @property
+    def _recording(self) -> RecordingStatus | None:
+        """The recording of the current episode."""
+        if self._wall_start is None:
+            return None
+        return self._simulation.service(Recordings).status
+
+    def _status(self) -> EpisodesStatus:
+        status = self.status
+        assert status is not None  # a folder is open
+        return status
+
+    def _file(self) -> Path:
+        """Return the file of the current or the next episode."""
+        if self._folder is None:
+            raise ControlError(
+                "there is no folder for episodes; open one: "
+                "`tool0 record --episodes FOLDER`"
+            )
+        return self._folder / f"episode_{len(self._rows):06d}.mcap"
+
+    def _discard(self, file: Path, n_files: int) -> None:
+        for number in range(1, n_files + 1):
+            part = file if number == 1 else file.with_stem(f"{file.stem}_{number}")
+            part.unlink(missing_ok=True)
+
+    def _add(self, index: Path, row: EpisodeRow) -> None:
+        line = json.dumps(msgspec.to_builtins(row), ensure_ascii=False)
+        try:
+            with index.open("ab") as stream:
+                stream.write(f"{line}\n".encode())
+                stream.flush()
+                os.fsync(stream.fileno())
+        except OSError as error:
+            raise RecordingError(f"cannot write {index}: {error.strerror}") from error
+        self._rows.append(row)
+
+
+@handles(OpenEpisodes)
+def _open(simulation: Simulation, request: OpenEpisodes) -> EpisodesStatus:
+    folder = Path(request.folder).expanduser().absolute()
+    episodes = simulation.service(Episodes)
+    return episodes.open(folder, request.task, resets=request.reset)
+
+
+handles(CloseEpisodes)(lambda sim, _: sim.service(Episodes).close())
+handles(StartEpisode)(lambda sim, _: sim.service(Episodes).start())
+handles(EndEpisode)(lambda sim, request: sim.service(Episodes).end(request.outcome))
+handles(ReadEpisodes)(lambda sim, _: sim.service(Episodes).status)

@@ -1,0 +1,56 @@
+"""Images of cameras as messages: rendered from the snapshots that are written."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final, final
+
+import numpy as np
+
+from tool0.recording.frames import optical_frame, stamp
+from tool0.recording.mcap_file import McapFile
+from tool0.recording.message_types import IMAGE, message, stamp_of, typestore
+from tool0.sensing.cameras import encode_png
+
+if TYPE_CHECKING:
+    from tool0.sensing.cameras import Cameras
+    from tool0.sensing.snapshot import Snapshot
+
+_ROUNDING: Final = 1e-6  # [s]
+
+
+def image_topic(camera: str) -> str:
+    """Return the topic of a camera's images."""
+    return f"/camera/{camera}/image/compressed"
+
+
+@final
+class ImageWriter:
+    """Writes colour images of some cameras to one file, at a rate."""
+
+    def __init__(
+        self, file: McapFile, cameras: Cameras, names: Sequence[str], period: float
+    ) -> None:
+        """``period`` is the simulated time between images of a camera [s]."""
+        self._file, self._cameras = file, cameras
+        self._names, self._period = names, period
+        self._next = -math.inf
+
+    def write(self, snapshot: Snapshot) -> None:
+        """Add the images of a snapshot, if they are due."""
+        if not self._names or snapshot.time < self._next:
+            return
+        self._next = snapshot.time + self._period - _ROUNDING
+        time = stamp(snapshot.time)
+        header = typestore().types["std_msgs/msg/Header"]
+        for name in self._names:
+            camera = self._cameras[name]
+            png = encode_png(self._cameras.render(camera, snapshot).rgb)
+            data = message(
+                IMAGE,
+                header=header(stamp=stamp_of(time), frame_id=optical_frame(name)),
+                format="png",
+                data=np.frombuffer(png, np.uint8),
+            )
+            self._file.write(image_topic(name), IMAGE, time, data, snapshot.step)

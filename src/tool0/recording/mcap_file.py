@@ -1,0 +1,142 @@
+"""One MCAP file that is being written: channels, messages, chunks, attachments."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, final
+
+from tool0.errors import RecordingError
+from tool0.recording.message_types import definition, missing_extra
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+LARGEST_CHUNK: Final = 256 * 1024
+"""A chunk ends here, or at a flush [bytes]: compressing it takes below a millisecond,
+without the interpreter's lock."""
+
+
+@final
+class _Output:
+    """A file without a buffer of its own: nothing is left in it when a write fails."""
+
+    def __init__(self, path: Path, *, overwrite: bool) -> None:
+        mode = os.O_WRONLY | os.O_CREAT | (os.O_TRUNC if overwrite else os.O_EXCL)
+        self._file = os.open(path, mode | getattr(os, "O_CLOEXEC", 0), 0o644)
+        self._position = 0
+
+    def write(self, data: bytes) -> int:
+        left = memoryview(data)
+        while left:
+            done = os.write(self._file, left)
+            self._position += done
+            left = left[done:]
+        return len(data)
+
+    def tell(self) -> int:
+        return self._position
+
+    def flush(self) -> None:
+        pass
+
+    def cut(self, size: int) -> None:
+        """Remove what follows ``size`` [bytes], if that is possible."""
+        with contextlib.suppress(OSError):
+            os.ftruncate(self._file, size)
+            self._position = size
+
+    def close(self) -> None:
+        os.close(self._file)
+
+
+@final
+class McapFile:
+    """Writes one file.  Every method may raise OSError; the file is to be closed then.
+
+    What was flushed can be read, however the process ends.
+    """
+
+    def __init__(self, path: Path, *, overwrite: bool = False) -> None:
+        """Create the file.
+
+        Raises:
+            RecordingError: If it cannot be written, exists already, or the extra
+                ``record`` is not installed.
+        """
+        try:
+            from mcap.writer import CompressionType, Writer
+        except ImportError:
+            raise missing_extra("mcap") from None
+        self.path = path
+        try:
+            self._output = _Output(path, overwrite=overwrite)
+        except FileExistsError:
+            raise RecordingError(
+                f"{path} exists already; choose another name, or overwrite it "
+                "(--overwrite)"
+            ) from None
+        except OSError as error:
+            raise RecordingError(f"cannot write {path}: {error.strerror}") from error
+        output: Any = self._output  # what the writer uses of a stream
+        self._writer: Any = Writer(  # not all of it has types
+            output, chunk_size=LARGEST_CHUNK, compression=CompressionType.ZSTD
+        )
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[str, int] = {}
+        self._written = 0
+        try:
+            self._writer.start(profile="ros2", library="tool0")
+        except OSError as error:
+            self.abandon()
+            raise RecordingError(f"cannot write {path}: {error.strerror}") from error
+        self._written = self.size
+
+    @property
+    def size(self) -> int:
+        """What was written so far [bytes]."""
+        return self._output.tell()
+
+    def write(
+        self, topic: str, kind: str, time: int, data: bytes, sequence: int = 0
+    ) -> None:
+        """Add a message of an instant [ns]; ``flush`` writes it."""
+        channel = self._channels.get(topic)
+        if channel is None:
+            channel = self._channels[topic] = self._channel(topic, kind)
+        self._writer.add_message(channel, time, data, time, sequence)
+
+    def attach(self, name: str, media_type: str, data: bytes, time: int = 0) -> None:
+        """Add a file within the file."""
+        self._writer.flush()  # in order: the attachment follows what was before it
+        self._writer.add_attachment(0, time, name, media_type, data)
+        self._written = self.size
+
+    def note(self, name: str, values: Mapping[str, str]) -> None:
+        """Add metadata."""
+        self._writer.add_metadata(name, dict(values))
+        self._written = self.size
+
+    def flush(self) -> None:
+        """Write what was added, as one chunk."""
+        self._writer.flush()
+        self._written = self.size
+
+    def finish(self) -> None:
+        """Write the index, and close."""
+        self._writer.finish()
+        self._output.close()
+
+    def abandon(self) -> None:
+        """Close without an index, after an error: what was flushed can be read."""
+        self._output.cut(self._written)
+        self._output.close()
+
+    def _channel(self, topic: str, kind: str) -> int:
+        schema = self._schemas.get(kind)
+        if schema is None:
+            text = definition(kind).encode()
+            schema = int(self._writer.register_schema(kind, "ros2msg", text))
+            self._schemas[kind] = schema
+        return int(self._writer.register_channel(topic, "cdr", schema))

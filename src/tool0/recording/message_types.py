@@ -1,0 +1,59 @@
+"""The ROS 2 message types of a recording, by rosbags: definitions and serialization."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+from tool0.errors import RecordingError
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+JOINT_STATE: Final = "sensor_msgs/msg/JointState"
+TRANSFORMS: Final = "tf2_msgs/msg/TFMessage"
+WRENCH: Final = "geometry_msgs/msg/WrenchStamped"
+POINTS: Final = "sensor_msgs/msg/PointCloud2"
+IMAGE: Final = "sensor_msgs/msg/CompressedImage"
+LOG: Final = "rcl_interfaces/msg/Log"
+TEXT: Final = "std_msgs/msg/String"
+
+
+@cache
+def typestore() -> Typestore:
+    """Return the message types of ROS 2.
+
+    Raises:
+        RecordingError: If the extra ``record`` is not installed.
+    """
+    try:
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError:
+        raise missing_extra("rosbags") from None
+    return get_typestore(Stores.ROS2_HUMBLE)
+
+
+def missing_extra(library: str) -> RecordingError:
+    """Return the error for a library of the extra ``record`` that is not installed."""
+    return RecordingError(
+        f"recordings need {library}, which is not installed: "
+        "pip install 'tool0[record]'"
+    )
+
+
+def definition(name: str) -> str:
+    """Return the definition of a message type, with those that it contains."""
+    text, _ = typestore().generate_msgdef(name, ros_version=2)
+    return text
+
+
+def message(kind: str, /, **fields: Any) -> bytes:
+    """Return a message in CDR; its fields are those of the definition."""
+    store = typestore()
+    return bytes(store.serialize_cdr(store.types[kind](**fields), kind))
+
+
+def stamp_of(time: int) -> Any:
+    """Return builtin_interfaces/Time of an instant [ns]."""
+    sec, nanosec = divmod(time, 1_000_000_000)
+    return typestore().types["builtin_interfaces/msg/Time"](sec=sec, nanosec=nanosec)

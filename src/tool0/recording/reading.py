@@ -1,0 +1,408 @@
+"""``tool0.open_recording``: a recording as arrays, events and snapshots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.errors import RecordingError
+from tool0.hardware.engine import Contact
+from tool0.recording.cdr import JointStates, Wrenches, decode_text
+from tool0.recording.columns import columns_of
+from tool0.recording.contents import (
+    BRINGUP,
+    DESCRIPTION,
+    FORMAT,
+    MESHES,
+    METADATA,
+    ROBOT,
+    SIMULATION,
+    RecordingInfo,
+    info_from,
+    read_bringup,
+    read_description,
+    read_simulation,
+)
+from tool0.recording.entries import RecordedEvent, RecordedRequest
+from tool0.recording.events import EVENTS
+from tool0.recording.frames import (
+    CONTACTS,
+    GRIPPERS,
+    JOINT_COMMANDS,
+    JOINT_STATES,
+    OBJECTS,
+    STATE,
+    contact_points,
+    object_transforms,
+)
+from tool0.recording.journal import REQUESTS
+from tool0.recording.parsing import Stream, parse
+from tool0.recording.robot import RecordedRobot
+from tool0.recording.snapshots import Snapshots, held
+from tool0.recording.state import decode_change
+from tool0.requests.objects import ObjectInfo
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from tool0.description.robot import RobotDescription
+    from tool0.requests.reproduction import Reproduction
+    from tool0.requests.state import SimulationInfo
+    from tool0.sensing.snapshot import Snapshot
+
+Array = NDArray[np.float64]
+
+
+def open_recording(path: Path | str) -> RecordingFile:
+    """Read a recording that tool0 wrote.
+
+    One that was cut off, by a crash or a full disk, is read up to its last whole chunk.
+
+    Args:
+        path: An MCAP file.
+
+    Raises:
+        RecordingError: If the file cannot be read, is damaged, or is no recording.
+    """
+    return RecordingFile(Path(path))
+
+
+@final
+class RecordingFile:
+    """A recording.  Arrays have a row for each snapshot, in the order of ``time``."""
+
+    def __init__(self, path: Path) -> None:
+        """Read the file, or raise RecordingError."""
+        self._path = path
+        parsed = parse(path, JOINT_STATES)
+        self._streams = parsed.streams
+        self._is_complete = parsed.is_complete
+        self._attachments = parsed.attachments
+        self._meshes = parsed.metadata.get(MESHES, {})
+        metadata = parsed.metadata.get(METADATA)
+        if metadata is None:
+            raise RecordingError(
+                f"{path} is an MCAP file, but no recording of tool0: it has no "
+                f"metadata '{METADATA}'"
+            )
+        if metadata.get("format") != str(FORMAT):
+            raise RecordingError(
+                f"{path} has format {metadata.get('format')}, and this version of "
+                f"tool0 reads {FORMAT}; it was recorded with tool0 "
+                f"{metadata.get('version', '(unknown)')}"
+            )
+        try:
+            self._info = info_from(metadata)
+        except (msgspec.MsgspecError, ValueError) as error:
+            raise RecordingError(f"{path}: unreadable metadata: {error}") from None
+        self._names = self._info.joint_names
+
+    # ---- what was recorded ----------------------------------------------------------
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._path
+
+    @property
+    def info(self) -> RecordingInfo:
+        """What the recording says about itself: versions, engine, when it began."""
+        return self._info
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the file was finished; otherwise its end is missing."""
+        return self._is_complete
+
+    @property
+    def attachments(self) -> Mapping[str, bytes]:
+        """The files within the file, by name."""
+        return self._attachments
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints, in the order of the arrays' columns."""
+        return self._names
+
+    def __len__(self) -> int:
+        """Return the number of snapshots."""
+        return len(self._stream(JOINT_STATES).times)
+
+    @cached_property
+    def tick(self) -> NDArray[np.int64]:
+        """Control periods since the start or the last reset, shape (n,)."""
+        times = np.array(self._stream(JOINT_STATES).times, dtype=np.float64)
+        return np.rint(times * 1e-9 / self.info.control_period).astype(np.int64)
+
+    @cached_property
+    def step(self) -> NDArray[np.int64]:
+        """Control periods since the bring-up, shape (n,): no reset sets them back."""
+        return np.array(self._stream(JOINT_STATES).sequence, dtype=np.int64)
+
+    @cached_property
+    def time(self) -> Array:
+        """Simulated time [s], shape (n,)."""
+        return np.multiply(self.tick, self.info.control_period, dtype=np.float64)
+
+    @property
+    def duration(self) -> float:
+        """Simulated time from the first snapshot to the last [s]."""
+        return float(self.time[-1] - self.time[0]) if len(self) else 0.0
+
+    @property
+    def position(self) -> Array:
+        """Measured positions [rad | m], shape (n, n_joints)."""
+        return self._states[0]
+
+    @property
+    def velocity(self) -> Array:
+        """Measured velocities [rad/s | m/s], shape (n, n_joints)."""
+        return self._states[1]
+
+    @property
+    def effort(self) -> Array:
+        """Applied efforts [N·m | N], shape (n, n_joints)."""
+        return self._states[2]
+
+    @property
+    def desired_position(self) -> Array:
+        """Desired positions [rad | m], shape (n, n_joints).
+
+        NaN where no controller moves the joint by position.
+        """
+        return self._commands[0]
+
+    @property
+    def desired_velocity(self) -> Array:
+        """Desired velocities [rad/s | m/s], shape (n, n_joints); NaN likewise."""
+        return self._commands[1]
+
+    @cached_property
+    def objects(self) -> Mapping[str, Array]:
+        """Object → x, y, z [m], qw, qx, qy, qz in the root, shape (n, 7).
+
+        NaN while there was no such object.
+        """
+        stream = self._stream(OBJECTS)
+        found: dict[str, Array] = {}
+        scenes = self._scene_names
+        first = 0
+        while first < len(stream.frames):
+            names = scenes[stream.frames[first]]
+            last = first
+            while last < len(stream.frames) and scenes[stream.frames[last]] is names:
+                last += 1
+            layout = object_transforms(self.info.root, names)
+            poses = layout.arrays(stream.messages[first:last])
+            for name, values in zip(names, poses, strict=True):
+                array = found.setdefault(name, np.full((len(self), 7), math.nan))
+                array[stream.frames[first:last]] = values[:, (0, 1, 2, 6, 3, 4, 5)]
+            first = last
+        return found
+
+    @cached_property
+    def wrenches(self) -> Mapping[str, Array]:
+        """Arm → force [N] and torque [N·m] at its flange, in its axes, shape (n, 6).
+
+        They are sampled less often than joints: each sample stays until the next.
+        """
+        found = {}
+        for arm, (topic, flange) in self.robot.wrench_topics.items():
+            stream = self._streams.get(topic)
+            if stream is not None:
+                values = Wrenches(flange).arrays(stream.messages)
+                found[arm] = held(values, stream.frames, len(self))
+        return found
+
+    @cached_property
+    def gripper_states(self) -> Mapping[str, Array]:
+        """Gripper → opening [m], its rate [m/s] and the force [N], shape (n, 3)."""
+        stream, names = self._stream(GRIPPERS), list(self.robot.grippers)
+        values = np.stack(JointStates(names).arrays(stream.messages), axis=2)
+        found = {}
+        for i, name in enumerate(names):
+            array = np.full((len(self), 3), math.nan)
+            array[stream.frames] = values[:, i]
+            found[name] = array
+        return found
+
+    @cached_property
+    def contacts(self) -> Sequence[tuple[Contact, ...]]:
+        """What touched what in each snapshot, with forces, in the root's axes.
+
+        Each sample stays until the next, as for ``wrenches``.
+        """
+        layout, stream = contact_points(self.info.root), self._stream(CONTACTS)
+        found: list[tuple[Contact, ...]] = []
+        bodies: Sequence[str] = ()
+        changes = self._changes
+        last: tuple[Contact, ...] = ()
+        for frame, message in zip(stream.frames, stream.messages, strict=True):
+            found += [last] * (frame - len(found))
+            bodies = changes.get(frame, {}).get("bodies", bodies)
+            last = tuple(
+                Contact(
+                    bodies[point[9]],
+                    bodies[point[10]],
+                    point[0:3],
+                    point[3:6],
+                    point[6:9],
+                )
+                for point in layout.decode(message)
+            )
+        return found + [last] * (len(self) - len(found))
+
+    @cached_property
+    def events(self) -> Sequence[RecordedEvent]:
+        """What happened, in the order of the file."""
+        return [RecordedEvent(**item) for item in self._texts(EVENTS)]
+
+    @cached_property
+    def requests(self) -> Sequence[RecordedRequest]:
+        """The requests that changed the simulation, since the bring-up."""
+        return [RecordedRequest(**item) for item in self._texts(REQUESTS)]
+
+    @property
+    def gripping(self) -> Iterator[tuple[int, tuple[str, ...]]]:
+        """When grippers begin to press on something from two sides, or end to.
+
+        Yields the number of a snapshot, and the grippers that do from there on.
+        """
+        for frame, fields in self._changes.items():
+            if "gripping" in fields:
+                yield frame, fields["gripping"]
+
+    # ---- the robot ------------------------------------------------------------------
+
+    @cached_property
+    def robot(self) -> RecordedRobot:
+        """The robot's description and meshes, as they were."""
+        return RecordedRobot(
+            self.path,
+            self._meshes,
+            read_description(self._attached(DESCRIPTION)),
+            self.attachments,
+        )
+
+    @property
+    def urdf(self) -> str:
+        """The robot as one URDF document, as it was recorded."""
+        return self._attached(ROBOT).decode()
+
+    @property
+    def description(self) -> RobotDescription:
+        """The robot, with the recorded meshes."""
+        return self.robot.description
+
+    @cached_property
+    def simulation(self) -> SimulationInfo:
+        """What did not change while it was recorded."""
+        return read_simulation(self._attached(SIMULATION))
+
+    @cached_property
+    def bringup(self) -> Reproduction:
+        """All that brings the same robot up again."""
+        try:
+            return read_bringup(self._attached(BRINGUP))
+        except msgspec.MsgspecError as error:
+            raise RecordingError(f"{self.path}: {BRINGUP}: {error}") from None
+
+    # ---- snapshots ------------------------------------------------------------------
+
+    def snapshots(self) -> Sequence[Snapshot]:
+        """Return every snapshot, each made when it is asked for."""
+        return self._snapshots
+
+    # ---- tables ---------------------------------------------------------------------
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a table with the index ``time`` [s]: joints, objects and wrenches.
+
+        Raises:
+            RecordingError: If pandas is not installed.
+        """
+        try:
+            import pandas as pd
+        except ImportError:
+            raise RecordingError(
+                "to_pandas needs pandas, which is not installed: pip install pandas"
+            ) from None
+        index = pd.Index(self.time, name="time")
+        return pd.DataFrame(self.table(), index=index)
+
+    def table(self) -> dict[str, Array]:
+        """Return every column but the time by its name, such as ``elbow_joint.effort``.
+
+        Objects have ``NAME.x`` to ``NAME.qz``, wrenches ``ARM.fx`` to ``ARM.tz``, and
+        grippers ``NAME.opening``, ``NAME.speed`` and ``NAME.force``.
+        """
+        return columns_of(self)
+
+    # ---- inside ---------------------------------------------------------------------
+
+    def _stream(self, topic: str) -> Stream:
+        return self._streams.get(topic) or Stream(topic, "")
+
+    @cached_property
+    def _snapshots(self) -> Snapshots:
+        return Snapshots(self, self._changes)
+
+    @cached_property
+    def _states(self) -> tuple[Array, Array, Array]:
+        return JointStates(self._names).arrays(self._stream(JOINT_STATES).messages)
+
+    @cached_property
+    def _commands(self) -> tuple[Array, Array]:
+        stream = self._stream(JOINT_COMMANDS)
+        layout = JointStates(self._names, has_effort=False)
+        found = []
+        for values in layout.arrays(stream.messages)[:2]:
+            array = np.full((len(self), len(self._names)), math.nan)
+            array[stream.frames] = values
+            found.append(array)
+        return found[0], found[1]
+
+    @cached_property
+    def _changes(self) -> Mapping[int, Mapping[str, Any]]:
+        """Frame → fields of the snapshot that changed then."""
+        stream = self._stream(STATE)
+        pairs = zip(stream.frames, stream.messages, strict=True)
+        try:
+            return {frame: decode_change(decode_text(text)) for frame, text in pairs}
+        except msgspec.MsgspecError as error:
+            raise RecordingError(f"{self.path}: unreadable state: {error}") from None
+
+    @cached_property
+    def _scene_names(self) -> Sequence[tuple[str, ...]]:
+        """The names of the objects at each frame."""
+        found: list[tuple[str, ...]] = []
+        names: tuple[str, ...] = ()
+        for frame in range(len(self)):
+            scene: Sequence[ObjectInfo] | None = self._changes.get(frame, {}).get(
+                "scene"
+            )
+            if scene is not None:
+                names = tuple(item.name for item in scene)
+            found.append(names)
+        return found
+
+    def _texts(self, topic: str) -> list[dict[str, Any]]:
+        return [
+            msgspec.json.decode(decode_text(text))
+            for text in self._stream(topic).messages
+        ]
+
+    def _attached(self, name: str) -> bytes:
+        try:
+            return self.attachments[name]
+        except KeyError:
+            raise RecordingError(
+                f"{self.path} lacks its attachment '{name}': it was cut off too early"
+            ) from None

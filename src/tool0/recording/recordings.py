@@ -1,0 +1,79 @@
+"""The recordings of one simulation, one at a time."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, final
+
+from tool0.errors import ControlError
+from tool0.recording.options import (
+    NO_IMAGES,
+    NO_ROTATION,
+    Images,
+    RecordingStatus,
+    Rotation,
+)
+from tool0.recording.recorder import Recorder
+
+if TYPE_CHECKING:
+    from tool0.runtime.simulation import Simulation
+
+
+@final
+class Recordings:
+    """Starts and stops recordings: ``simulation.service(Recordings)``."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._lock = threading.Lock()
+        self._recorder: Recorder | None = None
+
+    @property
+    def status(self) -> RecordingStatus | None:
+        """The recording in progress, or the last one; None before the first."""
+        recorder = self._recorder
+        return None if recorder is None else recorder.status
+
+    def start(
+        self,
+        path: Path,
+        rotation: Rotation = NO_ROTATION,
+        images: Images = NO_IMAGES,
+        *,
+        overwrite: bool = False,
+    ) -> RecordingStatus:
+        """Start a recording.
+
+        Raises:
+            ControlError: If there is one already.
+            RecordingError: If the file cannot be written.
+            RenderError: If a camera cannot take images.
+        """
+        with self._lock:
+            status = self.status
+            if status is not None and status.is_recording:
+                raise ControlError(
+                    f"a recording to {status.file} is in progress; stop it first"
+                )
+            self._recorder = Recorder(
+                self._simulation, path, rotation, images, overwrite=overwrite
+            )
+            return self._recorder.status
+
+    def stop(self) -> RecordingStatus:
+        """End the recording, and return its last status.
+
+        Raises:
+            ControlError: If there was none.
+        """
+        with self._lock:
+            if self._recorder is None:
+                raise ControlError("nothing is recorded; start a recording first")
+            return self._recorder.stop()
+
+    def close(self) -> None:
+        """Complete the file."""
+        with self._lock:
+            if self._recorder is not None:
+                self._recorder.stop()

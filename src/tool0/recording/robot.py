@@ -1,0 +1,125 @@
+"""The robot in a recording: its description, with the meshes that were attached."""
+
+from __future__ import annotations
+
+import tempfile
+import weakref
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import final
+
+import msgspec
+
+from tool0.description.catalogue import Part
+from tool0.description.model import ParallelGripper
+from tool0.description.parts import find_arms, find_grippers, flange_names
+from tool0.description.robot import CatalogueRobot, RobotDescription
+from tool0.description.scene import SceneObject
+from tool0.description.urdf import read_model
+from tool0.description.xml_source import parse_text
+from tool0.errors import RecordingError, Tool0Error
+from tool0.recording.frames import wrench_topics
+from tool0.requests.objects import ObjectInfo, object_of, with_meshes
+from tool0.requests.state import DescriptionInfo
+
+
+@final
+class RecordedRobot:
+    """Description, meshes and objects.
+
+    Meshes are unpacked into a temporary folder, which lives as long as this object:
+    the files that they came from may have changed.
+    """
+
+    def __init__(
+        self,
+        source: Path,
+        meshes: Mapping[str, str],
+        info: DescriptionInfo,
+        attachments: Mapping[str, bytes],
+    ) -> None:
+        """``meshes`` has the name of the attachment of each mesh, by its URI."""
+        self._source = source
+        self._info = info
+        self._meshes, self._attachments = dict(meshes), attachments
+
+    @cached_property
+    def folder(self) -> Path:
+        """The temporary folder with the meshes."""
+        folder = tempfile.TemporaryDirectory(prefix="tool0-recording-")
+        weakref.finalize(self, folder.cleanup)
+        return Path(folder.name)
+
+    @cached_property
+    def description(self) -> RobotDescription:
+        """The robot, with the recorded meshes; RecordingError if it cannot be read."""
+        document = parse_text(self._info.urdf)
+        try:
+            for mesh in document.getElementsByTagName("mesh"):
+                file = self._file(mesh.getAttribute("filename"))
+                mesh.setAttribute("filename", file)
+            model = read_model(document)
+        except (Tool0Error, OSError) as error:
+            raise RecordingError(
+                f"{self._source}: the robot cannot be read: {error}"
+            ) from error
+        return RobotDescription(
+            model=model,
+            source=Path(self._info.source),
+            robots=tuple(
+                CatalogueRobot(
+                    name=robot.name,
+                    arm=Part(kind="arm", folder=Path(robot.arm)),
+                    gripper=None
+                    if robot.gripper is None
+                    else Part(kind="gripper", folder=Path(robot.gripper)),
+                    prefix=robot.prefix,
+                )
+                for robot in self._info.robots
+            ),
+            _document=document,
+        )
+
+    @cached_property
+    def wrench_topics(self) -> Mapping[str, tuple[str, str]]:
+        """Arm → topic of its wrench, and link in whose axes it is."""
+        model = self.description.model
+        topics, flanges = wrench_topics(model), flange_names(model)
+        return {arm: (topics[arm], flanges[arm]) for arm in flanges}
+
+    @cached_property
+    def arms(self) -> Mapping[str, tuple[str, ...]]:
+        """Arm → its joints, from base to flange."""
+        arms = find_arms(self.description.model)
+        return {
+            name: tuple(joint.name for joint in arm.joints)
+            for name, arm in arms.items()
+        }
+
+    @cached_property
+    def grippers(self) -> Mapping[str, ParallelGripper]:
+        """The grippers by name."""
+        return find_grippers(self.description.model)
+
+    def scene(self, infos: Sequence[ObjectInfo]) -> Iterator[SceneObject]:
+        """Yield the objects of a scene, with the recorded meshes."""
+        for info in infos:
+            shape = with_meshes(info.shape, self.mesh_files)
+            yield object_of(msgspec.structs.replace(info, shape=shape))
+
+    @cached_property
+    def mesh_files(self) -> Mapping[str, Path]:
+        """Where the meshes are now, by their URIs."""
+        return {uri: Path(self._file(uri)) for uri in self._meshes}
+
+    def _file(self, uri: str) -> str:
+        """Return where a mesh is now; its URI if the file has no such mesh."""
+        name = self._meshes.get(uri)
+        data = None if name is None else self._attachments.get(name)
+        if name is None or data is None:
+            return uri
+        file = self.folder / Path(name).name
+        if not file.exists():
+            file.write_bytes(data)
+        return str(file)

@@ -1,0 +1,196 @@
+"""Signals of a recording as arrays, by the names that the panel's plots use."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.description.forward_kinematics import joint_transform
+from tool0.description.model import JointType, RobotModel
+from tool0.description.parts import find_arms
+from tool0.errors import RecordingError, did_you_mean
+
+if TYPE_CHECKING:
+    from tool0.recording.reading import RecordingFile
+
+Array = NDArray[np.float64]
+
+_POSE: Final = ("x", "y", "z", "roll", "pitch", "yaw")
+_WRENCH: Final = ("fx", "fy", "fz", "tx", "ty", "tz")
+
+
+@final
+class Signals(Mapping[str, Array]):
+    """Signal → its values [SI] at each snapshot, shape (n,); NaN where there is none.
+
+    The names are ``joint/NAME/position``, ``tool/ARM/x``, ``wrench/ARM/fz``,
+    ``gripper/NAME/opening``, ``object/NAME/yaw`` and the like.  Each is computed when
+    it is first read.
+    """
+
+    def __init__(self, recording: RecordingFile) -> None:
+        self._recording = recording
+        self._makers = dict(self._all())
+        self._known: dict[str, Array] = {}
+
+    def __getitem__(self, name: str) -> Array:
+        """Return the values of a signal, or raise RecordingError."""
+        if name not in self._makers:
+            hint = did_you_mean(name, list(self._makers))
+            raise RecordingError(f"the recording has no signal '{name}'{hint}")
+        if name not in self._known:
+            self._known[name] = self._makers[name]()
+        return self._known[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._makers)
+
+    def __len__(self) -> int:
+        """Return the number of signals."""
+        return len(self._makers)
+
+    def _all(self) -> Iterator[tuple[str, Callable[[], Array]]]:
+        recording = self._recording
+        for i, name in enumerate(recording.joint_names):
+            for quantity, read in _JOINT.items():
+                yield f"joint/{name}/{quantity}", partial(read, recording, i)
+        for arm, parts in find_arms(recording.description.model).items():
+            for i, part in enumerate(_POSE):
+                yield f"tool/{arm}/{part}", partial(self._tool, parts.flange, i)
+        for arm in recording.wrenches:
+            for i, part in enumerate(_WRENCH):
+                column = partial(_column, recording.wrenches, arm, i)
+                yield f"wrench/{arm}/{part}", column
+        for name in recording.gripper_states:
+            states = recording.gripper_states
+            yield f"gripper/{name}/opening", partial(_column, states, name, 0)
+            yield f"gripper/{name}/force", partial(_column, states, name, 2)
+        for name in recording.objects:
+            for i, part in enumerate(_POSE):
+                yield f"object/{name}/{part}", partial(self._object, name, i)
+
+    def _tool(self, link: str, part: int) -> Array:
+        model, recording = self._recording.description.model, self._recording
+        R, p = link_frames(model, link, recording.joint_names, recording.position)
+        return p[:, part] if part < 3 else _rpy(R)[:, part - 3]
+
+    def _object(self, name: str, part: int) -> Array:
+        poses = self._recording.objects[name]
+        if part < 3:
+            return poses[:, part]
+        return _rpy(_matrices(poses[:, 3:]))[:, part - 3]
+
+
+_JOINT: Final[Mapping[str, Callable[[RecordingFile, int], Array]]] = {
+    "position": lambda recording, i: recording.position[:, i],
+    "desired": lambda recording, i: recording.desired_position[:, i],
+    "error": lambda recording, i: (
+        recording.desired_position[:, i] - recording.position[:, i]
+    ),
+    "velocity": lambda recording, i: recording.velocity[:, i],
+    "effort": lambda recording, i: recording.effort[:, i],
+}
+
+
+def _column(table: Mapping[str, Array], name: str, i: int) -> Array:
+    return table[name][:, i]
+
+
+def link_frames(
+    model: RobotModel, link: str, joint_names: Sequence[str], position: Array
+) -> tuple[Array, Array]:
+    """Return the poses of a link in the root, for many joint positions at once.
+
+    Args:
+        model: The robot.
+        link: A link of it.
+        joint_names: The columns of ``position``.
+        position: [rad | m], shape (n, n_joints).
+
+    Returns:
+        Rotation matrices (n, 3, 3) and positions [m] (n, 3).
+    """
+    n = len(position)
+    R = np.broadcast_to(np.eye(3), (n, 3, 3))
+    p = np.zeros((n, 3))
+    while link != model.root:  # upwards: the poses so far are in `link`
+        joint = model.parent_joint[link]
+        if joint.name in joint_names:
+            q = position[:, joint_names.index(joint.name)]
+            axis = np.array(joint.axis)
+            if joint.type is JointType.PRISMATIC:
+                p = p + q[:, None] * axis
+            else:
+                turn = _turn(axis, q)
+                R, p = turn @ R, np.einsum("nij,nj->ni", turn, p)
+        fixed = joint_transform(joint, {joint.name: 0.0})
+        F = np.array(fixed.rotation)
+        R, p = F @ R, p @ F.T + np.array(fixed.position)
+        link = joint.parent
+    return R, p
+
+
+def _turn(axis: Array, angle: Array) -> Array:
+    """Return rotations about a unit vector [rad], shape (n, 3, 3): Rodrigues."""
+    x, y, z = axis
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    s, c = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
+    turn: Array = np.eye(3) + s * K + (1.0 - c) * (K @ K)
+    return turn
+
+
+def _matrices(quat_wxyz: Array) -> Array:
+    """Return rotation matrices, shape (n, 3, 3)."""
+    w, x, y, z = (quat_wxyz / np.linalg.norm(quat_wxyz, axis=1, keepdims=True)).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def _rpy(R: Array) -> Array:
+    """Return roll, pitch and yaw about fixed axes [rad], shape (n, 3)."""
+    pitch = np.arctan2(-R[:, 2, 0], np.hypot(R[:, 2, 1], R[:, 2, 2]))
+    roll = np.arctan2(R[:, 2, 1], R[:, 2, 2])
+    yaw = np.arctan2(R[:, 1, 0], R[:, 0, 0])
+    return np.stack([roll, pitch, yaw], axis=1)
+
+
+def thinned(
+    time: Array, columns: Sequence[Array], points: int
+) -> tuple[list[float], list[list[float | None]]]:
+    """Return at most about ``points`` samples of signals, without losing peaks.
+
+    Of consecutive samples, the least and the greatest remain, in the order in which
+    they occurred; NaN becomes None.
+    """
+    n = len(time)
+    bucket = math.ceil(n / max(1, points // 2))
+    if n <= points or bucket < 3:
+        return time.tolist(), [_plain(column) for column in columns]
+    starts = np.arange(0, n, bucket)
+    ends = np.minimum(starts + bucket, n) - 1
+    pairs = np.stack([time[starts], time[ends]], axis=1)
+    return pairs.ravel().tolist(), [_plain(_extremes(c, bucket)) for c in columns]
+
+
+def _extremes(column: Array, bucket: int) -> Array:
+    n = -(-len(column) // bucket)
+    padded = np.full(n * bucket, math.nan)
+    padded[: len(column)] = column
+    rows = padded.reshape(n, bucket)
+    least = np.where(np.isnan(rows), math.inf, rows).argmin(axis=1)
+    most = np.where(np.isnan(rows), -math.inf, rows).argmax(axis=1)
+    which = np.sort(np.stack([least, most], axis=1), axis=1)
+    return np.take_along_axis(rows, which, axis=1).ravel()
+
+
+def _plain(column: Array) -> list[float | None]:
+    return [None if math.isnan(value) else value for value in column.tolist()]

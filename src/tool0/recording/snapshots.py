@@ -1,0 +1,182 @@
+"""The snapshots of a recording, each made when it is asked for."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Protocol, final, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.description.scene import SceneObject
+from tool0.hardware.engine import Contact, ObjectState
+from tool0.recording.robot import RecordedRobot
+from tool0.sensing.snapshot import ArmSample, JointSetpoint, MotionMode, Snapshot
+
+Array = NDArray[np.float64]
+
+_DEFAULTS: Final[Mapping[str, Any]] = {
+    "controllers": (),
+    "is_paused": False,
+    "is_stopped": False,
+    "real_time_factor": 0.0,
+    "overruns": 0,
+}
+"""Of a file that was cut off before its first state."""
+
+
+class Arrays(Protocol):
+    """What a recording has of every snapshot, as ``RecordingFile`` says."""
+
+    def __len__(self) -> int: ...
+    @property
+    def joint_names(self) -> tuple[str, ...]: ...
+    @property
+    def robot(self) -> RecordedRobot: ...
+    @property
+    def tick(self) -> NDArray[np.int64]: ...
+    @property
+    def step(self) -> NDArray[np.int64]: ...
+    @property
+    def time(self) -> Array: ...
+    @property
+    def position(self) -> Array: ...
+    @property
+    def velocity(self) -> Array: ...
+    @property
+    def effort(self) -> Array: ...
+    @property
+    def desired_position(self) -> Array: ...
+    @property
+    def desired_velocity(self) -> Array: ...
+    @property
+    def objects(self) -> Mapping[str, Array]: ...
+    @property
+    def wrenches(self) -> Mapping[str, Array]: ...
+    @property
+    def contacts(self) -> Sequence[tuple[Contact, ...]]: ...
+    @property
+    def gripper_states(self) -> Mapping[str, Array]: ...
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class _State:
+    """What changes rarely, from one snapshot on."""
+
+    fields: Mapping[str, Any]
+    scene: tuple[SceneObject, ...]
+    targets: Mapping[str, float]
+    modes: Mapping[str, MotionMode]
+
+
+@final
+class Snapshots(Sequence[Snapshot]):
+    """Every snapshot of a recording, with what the file has of it."""
+
+    def __init__(
+        self, recording: Arrays, changes: Mapping[int, Mapping[str, Any]]
+    ) -> None:
+        """``changes`` has the fields that changed at a snapshot, by its number."""
+        self._recording = recording
+        state = _State(_DEFAULTS, (), {}, {})
+        self._starts = [0]
+        self._states = [state]
+        for frame, fields in sorted(changes.items()):
+            state = self._after(state, fields)
+            self._starts.append(frame)
+            self._states.append(state)
+
+    def __len__(self) -> int:
+        """Return the number of snapshots."""
+        return len(self._recording)
+
+    @overload
+    def __getitem__(self, index: int) -> Snapshot: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Snapshot]: ...
+    def __getitem__(self, index: int | slice) -> Snapshot | list[Snapshot]:
+        """Return one snapshot, or several."""
+        if isinstance(index, slice):
+            return [self._at(i) for i in range(*index.indices(len(self)))]
+        return self._at(range(len(self))[index])
+
+    def _after(self, before: _State, changes: Mapping[str, Any]) -> _State:
+        fields = {**before.fields, **changes}
+        infos = fields.pop("scene", None)
+        fields.pop("bodies", None)
+        return _State(
+            targets=fields.pop("targets", before.targets),
+            modes=fields.pop("modes", before.modes),
+            scene=before.scene
+            if infos is None
+            else tuple(self._recording.robot.scene(infos)),
+            fields=fields,
+        )
+
+    def _at(self, i: int) -> Snapshot:
+        recording = self._recording
+        names = recording.joint_names
+        state = self._states[bisect_right(self._starts, i) - 1]
+        desired = recording.desired_position[i].tolist()
+        speed = recording.desired_velocity[i].tolist()
+        targets, objects = state.targets, recording.objects
+        return Snapshot(
+            **state.fields,
+            time=float(recording.time[i]),
+            tick=int(recording.tick[i]),
+            step=int(recording.step[i]),
+            joint_names=names,
+            position=tuple(recording.position[i].tolist()),
+            velocity=tuple(recording.velocity[i].tolist()),
+            effort=tuple(recording.effort[i].tolist()),
+            received_setpoints={
+                name: JointSetpoint(p, v, targets.get(name, p))
+                for name, p, v in zip(names, desired, speed, strict=True)
+                if not math.isnan(p)
+            },
+            scene=state.scene,
+            contacts=recording.contacts[i],
+            arms={
+                arm: _arm_sample(
+                    recording.robot.arms[arm], mode, recording.wrenches[arm][i].tolist()
+                )
+                for arm, mode in state.modes.items()
+                if arm in recording.wrenches
+            },
+            objects=tuple(
+                ObjectState(item.name, tuple(pose[:3]), tuple(pose[3:]))
+                for item in state.scene
+                for pose in (objects[item.name][i].tolist(),)
+            ),
+        )
+
+
+def _arm_sample(
+    joint_names: tuple[str, ...], mode: MotionMode, wrench: Sequence[float]
+) -> ArmSample:
+    """Return what is recorded of an arm."""
+    fx, fy, fz, tx, ty, tz = wrench
+    return ArmSample(
+        joint_names=joint_names,
+        mode=mode,
+        setpoint=None,
+        path=0,
+        path_time=0.0,
+        is_done=True,
+        force_mode=False,
+        wrench=(fx, fy, fz, tx, ty, tz),
+    )
+
+
+def held(values: Array, frames: Sequence[int], n_frames: int) -> Array:
+    """Return samples at some ``frames`` for all, each until the next; NaN before."""
+    array = np.full((n_frames, values.shape[1]), math.nan)
+    array[frames] = values
+    row = np.zeros(n_frames, dtype=np.intp)
+    row[frames] = frames
+    filled: Array = array[np.maximum.accumulate(row)]
+    return filled

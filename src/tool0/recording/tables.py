@@ -1,0 +1,101 @@
+"""A recording as a table in a file, and its events as lines of text."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from tool0.errors import RecordingError
+
+if TYPE_CHECKING:
+    from tool0.recording.reading import RecordingFile
+    from tool0.runtime.notifications import Severity
+
+_ORDER: Final = ("info", "warning", "error")
+_LONGEST: Final = 120
+"""Characters of a request's parameters in a line."""
+
+
+def write_csv(recording: RecordingFile, path: Path) -> None:
+    """Write a line for each snapshot; what does not exist is an empty field.
+
+    Raises:
+        RecordingError: If the file cannot be written.
+    """
+    columns = {"time": recording.time, **recording.table()}
+    rows = np.stack(list(columns.values()), axis=1).tolist()
+    try:
+        with path.open("w", encoding="utf-8") as file:
+            file.write(",".join(map(_quoted, columns)) + "\n")
+            for row in rows:
+                fields = ("" if math.isnan(value) else repr(value) for value in row)
+                file.write(",".join(fields) + "\n")
+    except OSError as error:
+        raise RecordingError(f"cannot write {path}: {error.strerror}") from error
+
+
+def write_parquet(recording: RecordingFile, path: Path) -> None:
+    """Write the same columns as Parquet.
+
+    Raises:
+        RecordingError: If the file cannot be written, or pyarrow is not installed.
+    """
+    try:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+    except ImportError:
+        raise RecordingError(
+            "Parquet needs pyarrow, which is not installed: pip install pyarrow"
+        ) from None
+    table = pa.table({"time": recording.time, **recording.table()})
+    try:
+        pq.write_table(table, path)
+    except OSError as error:
+        raise RecordingError(f"cannot write {path}: {error.strerror}") from error
+
+
+def log_lines(
+    recording: RecordingFile, *, severity: Severity = "info", requests: bool = True
+) -> Iterator[str]:
+    """Yield what happened, in the order of time: events, and requests.
+
+    Args:
+        recording: The recording.
+        severity: Least severity of the events.
+        requests: Whether to yield the requests within the recording.
+    """
+    least = _ORDER.index(severity)
+    found = [
+        (event.time, f"{event.severity:8} {event.text}")
+        for event in recording.events
+        if _ORDER.index(event.severity) >= least
+    ]
+    if requests:
+        first = int(recording.step[0]) if len(recording) else 0
+        found += [
+            (
+                item.time,
+                f"{'request':8} {item.method} {_shortened(item.params)}".rstrip(),
+            )
+            for item in recording.requests
+            if item.step >= first
+        ]
+    for time, text in sorted(found, key=lambda item: item[0]):
+        yield f"{time:10.3f} s  {text}"
+
+
+def _shortened(params: object) -> str:
+    text = json.dumps(params, separators=(", ", ": ")) if params else ""
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} …"
+
+
+def _quoted(name: str) -> str:
+    """Return a column's name for CSV: objects may have any name."""
+    if any(character in name for character in ',"\n'):
+        return '"' + name.replace('"', '""') + '"'
+    return name

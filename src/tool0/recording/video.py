@@ -1,0 +1,89 @@
+"""A recording as a video: what a camera would have seen, at any size and speed."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from tool0.errors import ConfigError, RecordingError
+from tool0.sensing.cameras import Cameras
+from tool0.sensing.video import VideoWriter
+
+if TYPE_CHECKING:
+    from tool0.description.camera import Camera
+    from tool0.recording.reading import RecordingFile
+
+MAX_SPEED: Final = 1000.0
+
+
+def write_video(
+    recording: RecordingFile,
+    path: Path,
+    camera: Camera | str = "scene",
+    *,
+    width: int = 960,
+    height: int = 720,
+    fps: float = 30.0,
+    speed: float = 1.0,
+    start: float | None = None,
+    end: float | None = None,
+    when_written: Callable[[float], None] = lambda share: None,
+) -> int:
+    """Write a recording as an MP4 file, and return the number of images.
+
+    Each image is rendered from the last snapshot up to its time, so a video needs no
+    recorded images.
+
+    Args:
+        recording: The recording.
+        path: The file; an existing one is replaced.
+        camera: A camera, or the name of one of the robot or its scene.
+        width: Of the video [pixels]; even.
+        height: Of the video [pixels]; even.
+        fps: Images per second of the video.
+        speed: Seconds of the recording per second of the video.
+        start: Simulated time of the first image [s]; that of the first snapshot, if
+            left out.
+        end: Simulated time of the last image [s]; likewise.
+        when_written: Called after each image with the share that is done, up to 1.
+
+    Raises:
+        ConfigError: If a value is out of range, or the file cannot be written.
+        RecordingError: If the recording has no snapshots in this range.
+        RenderError: If there is no OpenGL, no encoder or no such camera.
+    """
+    if not 0.0 < speed <= MAX_SPEED:
+        raise ConfigError(f"speed must be above 0, up to {MAX_SPEED:g}, got {speed:g}")
+    if len(recording) == 0:
+        raise RecordingError(f"{recording.path} has no snapshots to show")
+    times: list[float] = recording.time.tolist()
+    first = times[0] if start is None else max(start, times[0])
+    last = times[-1] if end is None else min(end, times[-1])
+    if not first <= last:
+        raise RecordingError(
+            f"{recording.path} has nothing from {first:g} to {last:g} s; it lasts from "
+            f"{times[0]:g} to {times[-1]:g} s"
+        )
+    snapshots = recording.snapshots()
+    n_images = int((last - first) / speed * fps + 1e-9) + 1
+    cameras = Cameras(
+        recording.description.model,
+        {item.name: item for item in recording.bringup.cameras},
+        recording.simulation.ground,
+        lambda: snapshots[-1],
+    )
+    seen = cameras[camera] if isinstance(camera, str) else camera
+    sized = replace(seen, width=width, height=height)
+    try:
+        with VideoWriter(path, width, height, fps) as video:
+            for i in range(n_images):
+                time = first + i * speed / fps
+                index = max(0, bisect_right(times, time + 1e-9) - 1)
+                video.write(cameras.render(sized, snapshots[index]).rgb)
+                when_written((i + 1) / n_images)
+    finally:
+        cameras.close()
+    return n_images

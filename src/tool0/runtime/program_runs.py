@@ -1,0 +1,101 @@
+"""The programs that run: each goes on after a snapshot, between two ticks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol, TypeVar, final
+
+from tool0.control.goal import Goal
+from tool0.errors import ControlError
+from tool0.programs.run import ENDED, ProgramRun
+from tool0.sensing.snapshot import Snapshot
+
+
+class Execution(Protocol):
+    """Executes one program.  Any thread may use it, except for ``look``."""
+
+    goal: Goal
+    """Ends with it."""
+
+    @property
+    def status(self) -> ProgramRun:
+        """What it does."""
+
+    def stop(self, reason: str) -> None:
+        """End it at the next snapshot."""
+
+    def set_stepping(self, stepping: bool) -> None:
+        """Choose whether it pauses before its next step."""
+
+    def look(self, snapshot: Snapshot) -> None:
+        """Go on; between two ticks, in the thread of the tick."""
+
+
+E = TypeVar("E", bound=Execution)
+
+
+@final
+class ProgramRuns:
+    """The last program of each arm.
+
+    Only the thread of the tick may ``start`` one and ``look``.
+    """
+
+    def __init__(self) -> None:
+        self._last: dict[str, Execution] = {}
+        self._active: tuple[Execution, ...] = ()
+        self._count = 0
+
+    @property
+    def states(self) -> tuple[ProgramRun, ...]:
+        """The last program of each arm that ran one."""
+        return tuple(run.status for run in tuple(self._last.values()))
+
+    def start(self, arm: str, make: Callable[[int], E]) -> E:
+        """Start the program that ``make`` returns for its number.
+
+        Raises:
+            ControlError: If a program of this arm still runs.
+        """
+        last = self._last.get(arm)
+        if last is not None and last.status.state not in ENDED:
+            raise ControlError(
+                f"the program '{last.status.program}' of the arm '{arm}' still runs; "
+                "stop it first"
+            )
+        self._count += 1
+        made = make(self._count)
+        self._last = {**self._last, arm: made}
+        self._active = (*self._active, made)
+        return made
+
+    def find(self, arm: str | None) -> Execution:
+        """Return the program that runs on an arm; the only one, without a name.
+
+        Raises:
+            ControlError: If none runs, or several without a name.
+        """
+        running = {run.status.arm: run for run in self._active}
+        if arm is None and len(running) == 1:
+            return next(iter(running.values()))
+        if arm is None and running:
+            names = ", ".join(running)
+            raise ControlError(f"several programs run: say which arm's, of {names}")
+        if arm not in running:
+            where = "" if arm is None else f" on the arm '{arm}'"
+            raise ControlError(f"no program runs{where}")
+        return running[arm]
+
+    def cancel(self, goal: Goal) -> bool:
+        """Stop the program of a goal; return whether it is one of a program."""
+        run = next((run for run in self._last.values() if run.goal is goal), None)
+        if run is not None:
+            run.stop("it was stopped")
+        return run is not None
+
+    def look(self, snapshot: Snapshot) -> None:
+        """Let every program go on after a snapshot."""
+        for run in self._active:
+            run.look(snapshot)
+            if run.status.state in ENDED:
+                self._active = tuple(item for item in self._active if item is not run)

@@ -1,0 +1,36 @@
+"""``tool0 replay FILE --simulate`` repeats a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import tool0
+from tool0.cli import main
+
+pytest.importorskip("mcap", reason="the extra 'record' is not installed")
+
+
+def test_it_says_whether_a_recording_repeats(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from tool0.recording.requests import StartRecording, StopRecording
+
+    file = tmp_path / "motion.mcap"
+    with tool0.bringup(realtime=False) as robot:
+        robot.channel.call(StartRecording(file=str(file)))
+        robot.move_joints({"elbow_joint": 1.0})
+        robot.run(0.2)
+        robot.channel.call(StopRecording())
+    assert main(["replay", str(file), "--simulate"]) == 0
+    assert "identical: 26 frames, 0.20 s, 1 requests" in capsys.readouterr().out
+
+
+def test_a_file_that_is_none_is_an_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "text.mcap"
+    file.write_text("no recording at all")
+    assert main(["replay", str(file), "--simulate"]) == 2
+    assert "is no MCAP file" in capsys.readouterr().err

@@ -1,0 +1,195 @@
+"""Exported programs are executed: they do the same as the program itself."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from served import serving
+from taught_pick import taught_pick
+from ur_address import free_host
+
+import tool0
+from tool0 import (
+    CommentStep,
+    GripperStep,
+    LoopStep,
+    MoveJointStep,
+    MoveLinearStep,
+    PlaceObjectStep,
+    Program,
+    SetOutputStep,
+    ToolPose,
+    UntilStep,
+    WaitStep,
+)
+from tool0.scene import Pose
+
+TIMEOUT = 60.0
+"""[wall s]"""
+EVERY_STEP = Program(
+    name='every "step"\n\\',
+    arm="arm",
+    tool=ToolPose(xyz=(0.0, 0.0, 0.14)),
+    steps=(
+        CommentStep(text='a "comment"\nin two lines'),
+        MoveJointStep(named_pose="home", blend=0.01),
+        CommentStep(text="between two moves"),
+        MoveLinearStep(pose=ToolPose(xyz=(0.45, 0.1, 0.06), rpy=(3.14, 0.0, 0.0))),
+        LoopStep(
+            times=2,
+            steps=(
+                GripperStep(opening=0.03, speed=0.1, force=30.0),
+                LoopStep(while_input=2, steps=(WaitStep(duration=0.01),)),
+                WaitStep(input=3, level=False, duration=1.0),
+            ),
+        ),
+        PlaceObjectStep(name="cube", xyz=(0.6, 0.2, 0.0025)),
+        GripperStep(opening="closed"),
+        UntilStep(direction=(0.0, 0.0, -1.0), distance=0.2, speed=0.02),
+        UntilStep(
+            direction=(0.0, 0.0, 1.0),
+            frame="tool",
+            distance=0.01,
+            force=500.0,
+            must_touch=False,
+        ),
+        SetOutputStep(output=9),
+        LoopStep(steps=(WaitStep(duration=0.05),)),
+    ),
+)
+
+
+@pytest.fixture(scope="module")
+def bringup() -> Iterator[tool0.Robot]:
+    with (
+        tool0.bringup(arm="ur5e", scene="table_and_bin", realtime=False) as robot,
+        serving(robot),
+    ):
+        yield robot
+
+
+@pytest.fixture
+def robot(bringup: tool0.Robot) -> tool0.Robot:
+    bringup.reset()
+    bringup.run(0.02)
+    return bringup
+
+
+@contextmanager
+def time_passing(robot: tool0.Robot) -> Iterator[None]:
+    has_ended = threading.Event()
+
+    def run() -> None:
+        while not has_ended.is_set():
+            robot.run(0.2)
+
+    clock = threading.Thread(target=run)
+    clock.start()
+    try:
+        yield
+    finally:
+        has_ended.set()
+        clock.join()
+
+
+def is_in_bin(robot: tool0.Robot) -> bool:
+    box = tool0.find_bin(robot.scene.objects, "bin")
+    return box.holds(robot.scene.pose("cube"))
+
+
+def python(script: Path) -> subprocess.Popen[str]:
+    command = [sys.executable, "-W", "error", str(script)]
+    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+
+
+def test_the_python_script_picks(robot: tool0.Robot, tmp_path: Path) -> None:
+    script = tmp_path / "pick.py"
+    script.write_text(robot.programs.export(taught_pick(robot), "python"))
+    with time_passing(robot):
+        done = python(script)
+        assert done.communicate(timeout=TIMEOUT)[1] == ""
+    assert done.returncode == 0
+    assert is_in_bin(robot)
+
+
+def test_the_python_script_executes_every_kind_of_step(
+    robot: tool0.Robot, tmp_path: Path
+) -> None:
+    box = robot.arm.control_box
+    box.set_digital_output(9, False)
+    script = tmp_path / "all.py"
+    script.write_text(robot.programs.export(EVERY_STEP, "python"))
+    with time_passing(robot):
+        running = python(script)
+        assert robot.channel.wait_until(lambda: box.state.digital_outputs[9], TIMEOUT)
+        running.terminate()
+        running.communicate(timeout=TIMEOUT)
+
+
+def test_the_urscript_is_checked_without_an_error(robot: tool0.Robot) -> None:
+    pytest.importorskip("lark")
+    from tool0.interfaces.ur.urscript.program import compile_program
+
+    text = robot.programs.export(EVERY_STEP, "urscript")
+    assert compile_program(text).name.startswith("program_every")
+    assert "# 'cube' is placed in the simulation only" in text
+
+
+def test_the_urscript_picks(robot: tool0.Robot) -> None:
+    steps = (*taught_pick(robot).steps, SetOutputStep(output=9))
+    with time_passing(robot):
+        run_urscript(robot, Program(name="pick", steps=steps))
+    assert is_in_bin(robot)
+
+
+def test_the_urscript_searches_until_contact() -> None:
+    # In real time: the script runs in a process of its own, which reacts in its time.
+    start = ToolPose(xyz=(0.45, 0.1, 0.0), rpy=(3.14, 0.0, 0.0))
+    program = Program(
+        name="search",
+        tool=ToolPose(xyz=(0.0, 0.0, 0.155)),
+        steps=(
+            MoveJointStep(pose=start, speed=2.0, acceleration=4.0),
+            UntilStep(direction=(0.0, 0.0, -1.0), distance=0.05, speed=0.02),
+            SetOutputStep(output=9),
+        ),
+    )
+    with tool0.bringup(arm="ur5e", scene="table_and_bin") as robot:
+        run_urscript(robot, program)
+        height = robot.arm.pose(tool=Pose(xyz=program.tool.xyz)).position[2]
+        assert -0.03 < height < -0.005  # the table's top is at -0.02 m
+
+
+def run_urscript(robot: tool0.Robot, program: Program) -> None:
+    """Let tool0's own control box run a program until it sets output 9."""
+    pytest.importorskip("lark")
+    box = robot.arm.control_box
+    box.set_digital_output(9, False)
+    text = robot.programs.export(program, "urscript")
+    host = free_host()
+    with tool0.UrController(robot, tool0.UrOptions(host=host)) as controller:
+        controller.wait()
+        with socket.create_connection((host, 30002), timeout=TIMEOUT) as port:
+            port.sendall(text.encode())
+            while not box.state.digital_outputs[9]:
+                assert port.recv(65536)
+                assert not box.state.protective_stop
+
+
+def test_yaml_is_the_file_of_the_program(robot: tool0.Robot, tmp_path: Path) -> None:
+    file = tmp_path / "every.yaml"
+    file.write_text(robot.programs.export(EVERY_STEP, "yaml"))
+    assert robot.programs.read(file) == EVERY_STEP
+
+
+def test_a_step_that_is_impossible_cannot_be_exported(robot: tool0.Robot) -> None:
+    wrong = Program(name="wrong", steps=(MoveJointStep(named_pose="hmoe"),))
+    with pytest.raises(tool0.ControlError, match="did you mean 'home'"):
+        robot.programs.export(wrong, "urscript")

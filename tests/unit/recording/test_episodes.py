@@ -1,0 +1,196 @@
+"""Episodes of demonstrations: kept with their outcome, or discarded."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import tool0
+from tool0.errors import ControlError, RecordingError
+from tool0.recording.episodes import (
+    INDEX,
+    CloseEpisodes,
+    EndEpisode,
+    OpenEpisodes,
+    ReadEpisodes,
+    StartEpisode,
+    read_index,
+)
+from tool0.recording.reading import open_recording
+from tool0.recording.requests import StartRecording, StopRecording
+from tool0.recording.resimulation import resimulate
+
+pytest.importorskip("mcap", reason="the extra 'record' is not installed")
+
+
+@pytest.fixture
+def robot() -> Iterator[tool0.Robot]:
+    with tool0.bringup(realtime=False) as robot:
+        yield robot
+
+
+def demonstrate(robot: tool0.Robot, outcome: str, duration: float = 0.2) -> None:
+    robot.channel.call(StartEpisode())
+    robot.move_joints({"elbow_joint": 1.2}, speed=1.0)
+    robot.run(duration)
+    robot.channel.call(EndEpisode(outcome=outcome))  # type: ignore[arg-type]
+
+
+def test_episodes_are_kept_with_their_outcome(
+    robot: tool0.Robot, tmp_path: Path
+) -> None:
+    folder = tmp_path / "lift"
+    call = robot.channel.call
+    assert call(ReadEpisodes()) is None
+    status = call(OpenEpisodes(folder=str(folder), task="lift the cube"))
+    assert (status.episodes, status.is_recording) == (0, False)
+    robot.run(0.1)
+    demonstrate(robot, "success")
+    demonstrate(robot, "discard")
+    demonstrate(robot, "failure", duration=0.1)
+    status = call(ReadEpisodes())
+    assert status is not None
+    assert (status.episodes, status.succeeded) == (2, 1)
+    first, second = read_index(folder)
+    assert (first.episode, first.outcome) == (0, "success")
+    assert (second.episode, second.outcome) == (1, "failure")
+    assert {first.task, second.task} == {"lift the cube"}
+    assert first.duration == pytest.approx(0.2)
+    files = sorted(path.name for path in folder.iterdir())
+    assert files == ["episode_000000.mcap", "episode_000001.mcap", INDEX]
+    for row in (first, second):
+        recording = open_recording(folder / row.file)
+        assert recording.time[0] == 0.0  # after a reset
+        assert recording.duration == pytest.approx(row.duration)
+        assert resimulate(recording).is_identical
+
+
+def test_a_folder_is_continued(robot: tool0.Robot, tmp_path: Path) -> None:
+    call = robot.channel.call
+    opened = OpenEpisodes(folder=str(tmp_path / "lift"), reset=False)
+    call(opened)
+    demonstrate(robot, "success")
+    call(CloseEpisodes())
+    with pytest.raises(ControlError, match="no folder"):
+        call(StartEpisode())
+    assert call(opened).episodes == 1
+    robot.run(0.1)
+    demonstrate(robot, "success")
+    rows = read_index(tmp_path / "lift")
+    assert [row.episode for row in rows] == [0, 1]
+    assert open_recording(tmp_path / "lift" / rows[1].file).time[0] > 0.2
+
+
+def test_what_cannot_be_is_refused(robot: tool0.Robot, tmp_path: Path) -> None:
+    call = robot.channel.call
+    (tmp_path / "photo.png").touch()
+    with pytest.raises(RecordingError, match=r"has other files \(photo\.png\)"):
+        call(OpenEpisodes(folder=str(tmp_path)))
+    call(OpenEpisodes(folder=str(tmp_path / "lift")))
+    with pytest.raises(ControlError, match="no episode"):
+        call(EndEpisode(outcome="success"))
+    call(StartEpisode())
+    with pytest.raises(ControlError, match="is being recorded"):
+        call(StartEpisode())
+    with pytest.raises(ControlError, match="is being recorded"):
+        call(OpenEpisodes(folder=str(tmp_path / "other")))
+    call(CloseEpisodes())
+    assert [path.name for path in (tmp_path / "lift").iterdir()] == [INDEX]
+    call(StartRecording(file=str(tmp_path / "other.mcap")))
+    call(OpenEpisodes(folder=str(tmp_path / "lift")))
+    with pytest.raises(ControlError, match="in progress"):
+        call(StartEpisode())
+    call(StopRecording())
+
+
+def test_a_reset_within_an_episode_discards_it(
+    robot: tool0.Robot, tmp_path: Path
+) -> None:
+    call = robot.channel.call
+    call(OpenEpisodes(folder=str(tmp_path / "lift")))
+    call(StartEpisode())
+    robot.run(0.1)
+    robot.reset()
+    robot.run(0.1)
+    with pytest.raises(RecordingError, match="robot was reset"):
+        call(EndEpisode(outcome="success"))
+    assert [path.name for path in (tmp_path / "lift").iterdir()] == [INDEX]
+    demonstrate(robot, "success")
+    assert len(read_index(tmp_path / "lift")) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"), [("{}\n", "line 1"), (None, "no folder of episodes")]
+)
+def test_a_wrong_index_is_an_error(
+    tmp_path: Path, text: str | None, problem: str
+) -> None:
+    if text is not None:
+        (tmp_path / INDEX).write_text(text)
+    with pytest.raises(RecordingError, match=problem):
+        read_index(tmp_path)
+
+
+# ---- as a data set ------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A success and a failure."""
+    folder = tmp_path_factory.mktemp("demonstrations") / "lift"
+    with tool0.bringup(realtime=False) as robot:
+        robot.channel.call(OpenEpisodes(folder=str(folder), task="lift the cube"))
+        demonstrate(robot, "success", duration=0.4)
+        demonstrate(robot, "failure")
+    return folder
+
+
+def test_they_become_a_lerobot_data_set(folder: Path, tmp_path: Path) -> None:
+    pytest.importorskip("gymnasium", reason="the extra 'collect' is not installed")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    import json
+
+    from tool0.collect.demonstrations import export_lerobot
+
+    target = tmp_path / "lerobot"
+    manifest = export_lerobot(folder, target, rate=25.0)
+    assert (manifest.n_episodes, manifest.n_succeeded) == (2, 1)
+    info = json.loads((target / "meta/info.json").read_text())
+    assert (info["fps"], info["total_episodes"]) == (25, 2)
+    assert info["total_frames"] == 10 + 5
+    tasks = json.loads((target / "meta/tasks.jsonl").read_text())
+    assert tasks["task"] == "lift the cube"
+    table = parquet.read_table(target / "data/chunk-000/episode_000000.parquet")
+    recording = open_recording(folder / "episode_000000.mcap")
+    elbow = recording.joint_names.index("elbow_joint")
+    state, action = table["observation.state"].to_pylist(), table["action"].to_pylist()
+    assert len(action[0]) == 7  # six joints and the gripper's
+    for k in range(10):
+        frame = 5 * k  # of 125 Hz
+        column = action[k].index(
+            pytest.approx(recording.desired_position[frame + 5, elbow])
+        )
+        assert state[k][column] == pytest.approx(recording.position[frame, elbow])
+    assert table["next.success"].to_pylist() == [False] * 9 + [True]
+
+
+def test_failures_can_be_left_out(folder: Path, tmp_path: Path) -> None:
+    pytest.importorskip("gymnasium", reason="the extra 'collect' is not installed")
+    pytest.importorskip("pyarrow")
+    from tool0.collect.demonstrations import export_lerobot
+    from tool0.errors import CollectError, ConfigError
+
+    manifest = export_lerobot(folder, tmp_path / "good", only_successes=True)
+    assert manifest.n_episodes == manifest.n_succeeded == 1
+    with pytest.raises(ConfigError, match="choose another"):
+        export_lerobot(folder, tmp_path / "good", only_successes=True)
+    with pytest.raises(ConfigError, match="rate 30 Hz"):
+        export_lerobot(folder, tmp_path / "odd", rate=30.0)
+    empty = tmp_path / "empty"
+    shutil.copytree(folder, empty)
+    (empty / INDEX).write_text("")
+    with pytest.raises(CollectError, match="no episodes"):
+        export_lerobot(empty, tmp_path / "none")

@@ -1,0 +1,56 @@
+/** Recording to a file: a button, and how long and how large the recording is. */
+import { sendRequest } from "../connection";
+import { t } from "../i18n";
+import type { RecordingInfo } from "../protocol";
+import { status } from "../store";
+import { IconButton } from "../ui/button";
+import { RecordIcon, StopIcon } from "../ui/icons";
+
+export function RecordButton() {
+  const recording = status.value?.recording ?? null;
+  if (recording?.is_recording !== true) {
+    return (
+      <span class="recording" title={outcome(recording)}>
+        <IconButton
+          label={t("recording.start")}
+          data-testid="record-start"
+          onClick={() => void sendRequest("start_recording")}
+        >
+          <RecordIcon />
+        </IconButton>
+      </span>
+    );
+  }
+  return (
+    <span
+      class="recording is-recording"
+      title={t("recording.file", { file: recording.file })}
+    >
+      <IconButton
+        label={t("recording.stop")}
+        data-testid="record-stop"
+        onClick={() => void sendRequest("stop_recording")}
+      >
+        <StopIcon />
+      </IconButton>
+      <span class="recording-progress" data-testid="record-progress">
+        {progress(recording)}
+      </span>
+    </span>
+  );
+}
+
+function progress({ seconds, size }: RecordingInfo): string {
+  const rest = String(seconds % 60).padStart(2, "0");
+  return t("recording.progress", {
+    time: `${String(Math.floor(seconds / 60))}:${rest}`,
+    size: (size / 1e6).toFixed(1),
+  });
+}
+
+function outcome(last: RecordingInfo | null): string | undefined {
+  if (last === null) return undefined;
+  return last.error === null
+    ? t("recording.done", { file: last.file })
+    : t("recording.failed", { reason: last.error });
+}

@@ -1,0 +1,229 @@
+/** The pose of tool0 as numbers: they follow it, and typed ones are a target. */
+import { signal } from "@preact/signals";
+import { useRef } from "preact/hooks";
+import { mayMove } from "../../driving";
+import { t } from "../../i18n";
+import {
+  compose,
+  fromRotationVector,
+  fromRpy,
+  toRotationVector,
+  toRpy,
+} from "../../kinematics";
+import type { Pose } from "../../kinematics";
+import { useLive } from "../../live";
+import { view } from "../../store";
+import {
+  aimTool,
+  choosePosture,
+  chosenBranch,
+  forgetTarget,
+  go,
+  nameOf,
+  posture,
+  postures,
+  target,
+  unreachable,
+  WAYS,
+  way,
+} from "../../tool-target";
+import { framePose, inFrame, toolPose } from "../../tool";
+import { Button, IconButton } from "../../ui/button";
+import { Segmented } from "../../ui/choice";
+import { UndoIcon } from "../../ui/icons";
+import { recall, remember } from "../../ui/memory";
+import { fixed, NumberField } from "../../ui/number-field";
+import { Select } from "../../ui/select";
+import { angleUnit, MILLIMETRES, unitOf } from "../../units";
+import type { Vector } from "../../urdf";
+
+const FRAMES = ["base", "world"] as const;
+const ROTATIONS = ["rpy", "vector"] as const;
+const poseFrame = signal(recall("pose-frame", FRAMES) ?? "base");
+const rotation = signal(recall("pose-rotation", ROTATIONS) ?? "rpy");
+/** The range that the server accepts [m]. */
+const FARTHEST = 1000;
+const NAMES = {
+  rpy: ["roll", "pitch", "yaw"],
+  vector: ["rx", "ry", "rz"],
+} as const;
+
+/** Return position [m] and rotation [rad] of a pose of the root, as they are shown. */
+function numbersOf(pose: Pose): readonly number[] {
+  const { p, R } = inFrame(pose, poseFrame.value);
+  return [...p, ...(rotation.value === "rpy" ? toRpy(R) : toRotationVector(R))];
+}
+
+/** Return the pose in the root of such numbers. */
+function poseOfNumbers(numbers: readonly number[]): Pose {
+  const [x = 0, y = 0, z = 0, a = 0, b = 0, c = 0] = numbers;
+  const angles: Vector = [a, b, c];
+  const R = rotation.value === "rpy" ? fromRpy(angles) : fromRotationVector(angles);
+  return compose(framePose(poseFrame.value), { p: [x, y, z], R });
+}
+
+export function PosePanel() {
+  const wanted = target.value;
+  const angle = unitOf("revolute", angleUnit.value);
+  const units = [MILLIMETRES, MILLIMETRES, MILLIMETRES, angle, angle, angle];
+  const labels = ["x", "y", "z", ...NAMES[rotation.value]];
+  const fields = useRef<(HTMLInputElement | null)[]>([]);
+  const isSimulated = view.value?.mode === "simulation";
+  const numbers = numbersOf(wanted ?? toolPose());
+
+  useLive(() => {
+    if (target.peek() !== null) return;
+    numbersOf(toolPose()).forEach((value, index) => {
+      const [field, unit] = [fields.current[index], units[index]];
+      if (!field || !unit || document.activeElement === field) return;
+      if (field.ariaInvalid === "true") return;
+      field.value = fixed(value * unit.factor, unit.digits);
+      field.setAttribute("aria-valuenow", String(value * unit.factor));
+    });
+  });
+
+  return (
+    <>
+      <div class="row">
+        <Segmented
+          label={t("tool.poseFrame")}
+          value={poseFrame.value}
+          choices={FRAMES.map((value) => ({
+            value,
+            label: t(`tool.frame.${value}`),
+            testId: `pose-frame-${value}`,
+          }))}
+          onChange={(value) => {
+            poseFrame.value = value;
+            remember("pose-frame", value);
+          }}
+        />
+        <Segmented
+          label={t("tool.rotation")}
+          value={rotation.value}
+          choices={ROTATIONS.map((value) => ({
+            value,
+            label: t(`tool.rotation.${value}`),
+            testId: `pose-rotation-${value}`,
+          }))}
+          onChange={(value) => {
+            rotation.value = value;
+            remember("pose-rotation", value);
+          }}
+        />
+        {wanted !== null && (
+          <IconButton
+            label={t("tool.forget")}
+            data-testid="tool-forget"
+            onClick={forgetTarget}
+          >
+            <UndoIcon />
+          </IconButton>
+        )}
+      </div>
+      <div
+        class={`tool-pose ${wanted === null ? "" : "aimed"}`}
+        role="group"
+        aria-label={t(wanted === null ? "tool.pose" : "tool.target")}
+        data-testid="tool-pose"
+      >
+        {labels.map((label, index) => {
+          const unit = units[index] ?? MILLIMETRES;
+          const limit = index < 3 ? FARTHEST : 2 * Math.PI;
+          return (
+            <label key={label}>
+              <span class="caption">{label}</span>
+              <NumberField
+                label={`${t("tool.title")} ${label}`}
+                unit={unit.symbol}
+                digits={unit.digits}
+                min={-limit * unit.factor}
+                max={limit * unit.factor}
+                step={unit.step}
+                value={(numbers[index] ?? 0) * unit.factor}
+                disabled={!isSimulated}
+                input={{
+                  get current() {
+                    return fields.current[index] ?? null;
+                  },
+                  set current(field) {
+                    fields.current[index] = field;
+                  },
+                }}
+                data-testid={`tool-${String(index)}`}
+                onCommit={(shown) => {
+                  const now = [...numbersOf(target.peek() ?? toolPose())];
+                  now[index] = shown / unit.factor;
+                  aimTool(poseOfNumbers(now));
+                }}
+              />
+            </label>
+          );
+        })}
+      </div>
+      {isSimulated && <Target />}
+    </>
+  );
+}
+
+/** How to go to the target, and the posture in which it is reached. */
+function Target() {
+  const isAimed = target.value !== null;
+  const found = postures.value;
+  const why = isAimed ? unreachable.value : null;
+  return (
+    <>
+      <div class="row">
+        <Segmented
+          label={t("tool.way")}
+          value={way.value}
+          choices={WAYS.map((value) => ({
+            value,
+            label: t(`tool.way.${value}`),
+            testId: `tool-way-${value}`,
+          }))}
+          onChange={(value) => {
+            way.value = value;
+            remember("tool-way", value);
+          }}
+        />
+        <Button
+          class="grow"
+          kind="primary"
+          disabled={!isAimed || why !== null || !mayMove.value}
+          data-testid="tool-go"
+          onClick={() => void go()}
+        >
+          {t("tool.go")}
+        </Button>
+      </div>
+      {isAimed && found.length > 0 && way.value === "joint" && (
+        <Select
+          class="grow"
+          label={t("tool.posture")}
+          value={chosenBranch.value === null ? "" : nameOf(posture.value?.branch ?? {})}
+          data-testid="tool-posture"
+          options={[
+            { value: "", label: t("tool.nearest", { count: found.length }) },
+            ...found.map(({ branch }) => ({
+              value: nameOf(branch),
+              label: [
+                t(`tool.shoulder.${branch.shoulder ?? "left"}`),
+                t(`tool.elbow.${branch.elbow ?? "up"}`),
+                t(`tool.wrist.${branch.wrist ?? "no_flip"}`),
+              ].join(" · "),
+            })),
+          ]}
+          onChange={(value) => {
+            choosePosture(value === "" ? null : value);
+          }}
+        />
+      )}
+      {why !== null && (
+        <p class="refusal" role="alert" data-testid="tool-unreachable">
+          {why}
+        </p>
+      )}
+    </>
+  );
+}

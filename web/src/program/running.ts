@@ -1,0 +1,51 @@
+/** Running the program, and how far it is. */
+import { computed, signal } from "@preact/signals";
+import { connection } from "../connection";
+import { endGuiding } from "../guiding";
+import type { ErrorInfo, Program, ProgramRun } from "../protocol";
+import { robots, selected } from "../robots";
+import { status } from "../store";
+import { check, checkProgram } from "./checking";
+import { program } from "./editor";
+
+/** Why the last request was refused. */
+export const refusal = signal<string | null>(null);
+
+/** The last program of the shown arm. */
+export const run = computed<ProgramRun | null>(() => {
+  const all = status.value?.programs ?? [];
+  const arm = selected.value?.name;
+  return all.find((one) => arm === undefined || one.arm === arm) ?? null;
+});
+export const isRunning = computed(
+  () => run.value?.state === "running" || run.value?.state === "paused",
+);
+
+/** Return the program as requests have it: of several arms, it names its own. */
+export function requested(): Program {
+  const now = program.peek();
+  if ((now.arm ?? null) !== null || robots.peek().length === 0) return now;
+  return { ...now, arm: selected.peek()?.name ?? null };
+}
+
+/** Run the program, or let it wait before its first step. */
+export async function start(paused = false): Promise<void> {
+  await endGuiding();
+  const problem = await connection.request("run_program", {
+    program: requested(),
+    paused,
+  });
+  refusal.value = null;
+  if (problem === null) return;
+  // which steps are wrong, if that is why
+  const isFine = await checkProgram(requested());
+  if (isFine || check.peek() === null) refusal.value = problem.message;
+}
+
+type Control = "pause_run" | "resume_run" | "step_run" | "stop_run";
+
+export async function control(method: Control): Promise<void> {
+  const arm = run.peek()?.arm ?? null;
+  const problem: ErrorInfo | null = await connection.request(method, { arm });
+  refusal.value = problem?.message ?? null;
+}

@@ -1,0 +1,66 @@
+/** The arm that the controls move, and where its tool is. */
+import { computed, signal } from "@preact/signals";
+import { frames } from "./frames";
+import { IDENTITY, inverse, compose, linkPose } from "./kinematics";
+import type { Pose } from "./kinematics";
+import { model } from "./model";
+import type { Frame, RobotPartsInfo } from "./protocol";
+import { selected } from "./robots";
+import { jointIndex, view } from "./store";
+import type { UrdfModel } from "./urdf";
+import { recall } from "./ui/memory";
+
+export const TOOL_FRAMES = ["base", "world", "tool"] as const;
+/** `world` is the robot's root, `base` the frame of UR's controller. */
+export type ToolFrame = (typeof TOOL_FRAMES)[number];
+
+/** The axes along which the tool is jogged and dragged. */
+export const toolFrame = signal<ToolFrame>(recall("tool-frame", TOOL_FRAMES) ?? "base");
+
+/** The selected arm, or the only one; null without any. */
+export const arm = computed<RobotPartsInfo | null>(
+  () => selected.value ?? view.value?.robot.robots[0] ?? null,
+);
+
+/** Return the link in whose axes the arm takes velocities: UR's `base`, or what carries the arm. */
+export function baseLink(urdf: UrdfModel, { prefix, tip }: RobotPartsInfo): string {
+  if (urdf.links.has(`${prefix}base`)) return `${prefix}base`;
+  let link = tip;
+  for (let turning = 0; turning < 6;) {
+    const joint = urdf.parentJoint.get(link);
+    if (!joint) return urdf.root;
+    if (joint.type !== "fixed") turning += 1;
+    link = joint.parent;
+  }
+  return link;
+}
+
+/** Return the pose of a link in the root: measured, or as its joints are commanded. */
+export function poseOf(link: string, frame = frames.latest, commanded = false): Pose {
+  const urdf = model.value;
+  if (!urdf || !frame) return IDENTITY;
+  return linkPose(urdf, link, (joint) => positionOf(frame, joint, commanded));
+}
+
+function positionOf(frame: Frame, joint: string, commanded: boolean) {
+  const index = jointIndex.value.get(joint) ?? -1;
+  const desired = commanded ? frame.desired[index] : null;
+  return desired ?? frame.position[index];
+}
+
+/** Return the pose of tool0 in the root. */
+export function toolPose(frame = frames.latest): Pose {
+  return poseOf(arm.value?.tip ?? "", frame);
+}
+
+/** Return the pose of a frame in the root. */
+export function framePose(frame: ToolFrame, now = frames.latest): Pose {
+  const [urdf, robot] = [model.value, arm.value];
+  if (frame === "world" || !urdf || !robot) return IDENTITY;
+  return poseOf(frame === "tool" ? robot.tip : baseLink(urdf, robot), now);
+}
+
+/** Return a pose of the root in another frame. */
+export function inFrame(pose: Pose, frame: ToolFrame): Pose {
+  return compose(inverse(framePose(frame)), pose);
+}
