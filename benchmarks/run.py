@@ -22,6 +22,7 @@ from benchmarks import (
     grip,
     gym,
     kinematics,
+    page,
     panel,
     panel_cameras,
     process,
@@ -274,6 +275,13 @@ def _panel_figures() -> Iterator[Figure]:
     yield Figure("the same, of what can be rendered", share, 0.5, 0.8)
     more = images.late_with - images.late_without
     yield Figure("more ticks late per 10 s, 1 camera", more, 2000.0, 200.0)
+    if page.chromium() is None:
+        print("no Chromium is installed, so the page is not measured")
+        return
+    found = page.page_figures()
+    yield Figure("page: controls can be used after [s]", found.controls, 1.0, 0.5)
+    yield Figure("page: scene is complete after [s]", found.scene, 2.0, 1.0)
+    yield Figure("page: frames/s, simple mode, software GL", found.rate, 20.0, 30.0)
 
 
 def main() -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -64,6 +65,25 @@ def locked(file: Path, *, wait: bool = True) -> Iterator[None]:
 
             fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
         yield
+
+
+def replace_text(file: Path, text: str) -> None:
+    """Write a file so that no reader, and no crash, sees half of it.
+
+    Raises:
+        OSError: If it cannot be written; the old file is as it was.
+    """
+    descriptor, name = tempfile.mkstemp(dir=file.parent, prefix=".new-")
+    new = Path(name)
+    try:
+        with os.fdopen(descriptor, "wb") as handle:
+            handle.write(text.encode())
+            handle.flush()
+            os.fsync(handle.fileno())
+        new.replace(file)
+    except BaseException:
+        new.unlink(missing_ok=True)
+        raise
 
 
 def require_writable(path: Path) -> None:

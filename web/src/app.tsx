@@ -25,7 +25,7 @@ import { Tabs } from "./ui/choice";
 import { ChevronDownIcon, ChevronUpIcon, PlotIcon } from "./ui/icons";
 import { Lazy } from "./ui/lazy";
 import { useMedia } from "./ui/media";
-import { recall, remember } from "./ui/memory";
+import { rememberedFlag } from "./ui/memory";
 import { Splitter } from "./ui/splitter";
 
 const TABS = [
@@ -60,7 +60,7 @@ const PANELS = {
 };
 
 const tab = signal<Tab>("motion");
-const plotsOpen = signal(recall("plots", ["open", "closed"]) === "open");
+const plotsOpen = rememberedFlag("plots", ["closed", "open"]);
 
 const loadScene = () => import("./scene");
 const loadTimeline = () => import("./timeline");
@@ -147,7 +147,6 @@ function PlotsDrawer() {
         data-testid="plots-toggle"
         onClick={() => {
           plotsOpen.value = !isOpen;
-          remember("plots", isOpen ? "closed" : "open");
         }}
       >
         <PlotIcon />

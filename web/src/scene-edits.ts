@@ -28,7 +28,11 @@ const ASIDE = 1.2;
 
 const done = signal<readonly Edit[]>([]);
 const undone = signal<readonly Edit[]>([]);
-export const canUndo = computed(() => done.value.length > 0);
+/** Edits that wait for their answer. */
+const pending = signal(0);
+/** Ends with the last of them. */
+let last: Promise<unknown> = Promise.resolve();
+export const canUndo = computed(() => pending.value > 0 || done.value.length > 0);
 export const canRedo = computed(() => undone.value.length > 0);
 
 // another server, or another robot: the objects are others
@@ -44,29 +48,45 @@ async function carryOut(calls: readonly Call[]): Promise<ErrorInfo | null> {
   return problems.find((problem) => problem !== null) ?? null;
 }
 
-async function perform(edit: Edit): Promise<ErrorInfo | null> {
-  const problem = await carryOut(edit.redo);
-  if (problem === null) {
-    done.value = [...done.value, edit].slice(-MOST);
-    undone.value = [];
-  }
-  return problem;
+/** Begin when what was begun before has ended, so that an undo knows what it undoes. */
+function inOrder<T>(begin: () => Promise<T>): Promise<T> {
+  pending.value += 1;
+  const result = last.then(begin).finally(() => {
+    pending.value -= 1;
+  });
+  last = result.catch(() => undefined);
+  return result;
+}
+
+function perform(edit: Edit): Promise<ErrorInfo | null> {
+  return inOrder(async () => {
+    const problem = await carryOut(edit.redo);
+    if (problem === null) {
+      done.value = [...done.value, edit].slice(-MOST);
+      undone.value = [];
+    }
+    return problem;
+  });
 }
 
 /** Undo the last edit; one that cannot be undone is reported, and forgotten. */
-export async function undo(): Promise<void> {
-  const edit = done.value.at(-1);
-  if (!edit) return;
-  done.value = done.value.slice(0, -1);
-  if (await succeeds(edit.undo)) undone.value = [...undone.value, edit];
+export function undo(): Promise<void> {
+  return inOrder(async () => {
+    const edit = done.value.at(-1);
+    if (!edit) return;
+    done.value = done.value.slice(0, -1);
+    if (await succeeds(edit.undo)) undone.value = [...undone.value, edit];
+  });
 }
 
 /** Do again what was undone last. */
-export async function redo(): Promise<void> {
-  const edit = undone.value.at(-1);
-  if (!edit) return;
-  undone.value = undone.value.slice(0, -1);
-  if (await succeeds(edit.redo)) done.value = [...done.value, edit];
+export function redo(): Promise<void> {
+  return inOrder(async () => {
+    const edit = undone.value.at(-1);
+    if (!edit) return;
+    undone.value = undone.value.slice(0, -1);
+    if (await succeeds(edit.redo)) done.value = [...done.value, edit];
+  });
 }
 
 async function succeeds(calls: readonly Call[]): Promise<boolean> {

@@ -10,7 +10,7 @@ import type { Branch } from "./protocol";
 import { plannedPose } from "./scene/planned-pose";
 import { view } from "./store";
 import { arm } from "./tool";
-import { recall } from "./ui/memory";
+import { remembered } from "./ui/memory";
 
 export interface Posture {
   readonly positions: Readonly<Record<string, number>>;
@@ -26,10 +26,10 @@ const FASTEST = 0.5;
 
 /** When the robot follows the gizmo. */
 export const MOVES = ["release", "live"] as const;
-export const gizmoMoves = signal(recall("gizmo-moves", MOVES) ?? "release");
+export const gizmoMoves = remembered("gizmo-moves", MOVES, "release");
 /** How it goes there. */
 export const WAYS = ["joint", "linear"] as const;
-export const way = signal(recall("tool-way", WAYS) ?? "joint");
+export const way = remembered("tool-way", WAYS, "joint");
 export const showGizmo = signal(false);
 
 /** In the root; null: the fields and the gizmo follow the tool. */

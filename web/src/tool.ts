@@ -8,14 +8,14 @@ import type { Frame, RobotPartsInfo } from "./protocol";
 import { selected } from "./robots";
 import { jointIndex, view } from "./store";
 import type { UrdfModel } from "./urdf";
-import { recall } from "./ui/memory";
+import { remembered } from "./ui/memory";
 
 export const TOOL_FRAMES = ["base", "world", "tool"] as const;
 /** `world` is the robot's root, `base` the frame of UR's controller. */
 export type ToolFrame = (typeof TOOL_FRAMES)[number];
 
 /** The axes along which the tool is jogged and dragged. */
-export const toolFrame = signal<ToolFrame>(recall("tool-frame", TOOL_FRAMES) ?? "base");
+export const toolFrame = remembered("tool-frame", TOOL_FRAMES, "base");
 
 /** The selected arm, or the only one; null without any. */
 export const arm = computed<RobotPartsInfo | null>(

@@ -1,14 +1,11 @@
 /** SI everywhere; on the screen degrees and millimetres are an option. */
-import { effect, signal } from "@preact/signals";
 import type { JointInfo } from "./protocol";
-import { recall, remember } from "./ui/memory";
+import { remembered } from "./ui/memory";
 
-export type AngleUnit = "rad" | "deg";
+const ANGLE_UNITS = ["rad", "deg"] as const;
+export type AngleUnit = (typeof ANGLE_UNITS)[number];
 
-export const angleUnit = signal<AngleUnit>(recall("angle", ["rad", "deg"]) ?? "rad");
-effect(() => {
-  remember("angle", angleUnit.value);
-});
+export const angleUnit = remembered<AngleUnit>("angle", ANGLE_UNITS, "rad");
 
 /** How values of a joint are shown: `shown = factor * value`. */
 export interface Unit {

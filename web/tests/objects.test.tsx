@@ -119,6 +119,16 @@ describe("the objects", () => {
     expect(server().sentOf("remove_object")).toHaveLength(2);
   });
 
+  it("come back by an undo that was quicker than the answer", async () => {
+    press("object-remove-cube");
+    await settle();
+    press("objects-undo");
+    await settle();
+    expect(server().sentOf("add_object")).toEqual([]);
+    await answered("remove_object");
+    expect(server().sentOf("add_object")).toMatchObject([{ name: "cube" }]);
+  });
+
   it("return to where they were by undo", async () => {
     press("object-move-cube");
     await settle();

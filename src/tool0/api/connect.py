@@ -29,9 +29,7 @@ from tool0.api.address import (
 )
 from tool0.api.robot import Robot
 from tool0.control.goal import Goal
-from tool0.description.catalogue import Part
-from tool0.description.robot import CatalogueRobot, RobotDescription
-from tool0.description.urdf import read_model
+from tool0.description.robot import RobotDescription
 from tool0.description.xml_source import parse_text
 from tool0.errors import Tool0Error, TransportError
 from tool0.requests import codec
@@ -43,6 +41,7 @@ from tool0.requests.state import (
     Step,
     Subscribe,
     Unsubscribe,
+    described_by,
 )
 from tool0.requests.table import Request, checked, method_name
 from tool0.requests.updates import LogMessage, UpdateMessage
@@ -123,22 +122,7 @@ class SocketChannel:
     def description(self) -> RobotDescription:
         """The robot, read from the URDF that the bring-up sends."""
         info = self.call(ReadDescription())
-        return RobotDescription(
-            model=read_model(document := parse_text(info.urdf)),
-            source=Path(info.source),
-            robots=tuple(
-                CatalogueRobot(
-                    name=robot.name,
-                    arm=Part(kind="arm", folder=Path(robot.arm)),
-                    gripper=None
-                    if robot.gripper is None
-                    else Part(kind="gripper", folder=Path(robot.gripper)),
-                    prefix=robot.prefix,
-                )
-                for robot in info.robots
-            ),
-            _document=document,
-        )
+        return described_by(info, parse_text(info.urdf))
 
     @property
     def snapshot(self) -> Snapshot:

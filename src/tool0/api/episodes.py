@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal, final
+from typing import final
 
 from tool0.api.channel import Channel
 from tool0.recording import episodes as requests
-from tool0.recording.episodes import EpisodesStatus
+from tool0.recording.episodes import EpisodeEnd, EpisodesStatus
 
 
 @final
@@ -48,7 +48,7 @@ class EpisodesHandle:
         """
         return self._channel.call(requests.StartEpisode())
 
-    def end(self, outcome: Literal["success", "failure", "discard"]) -> EpisodesStatus:
+    def end(self, outcome: EpisodeEnd) -> EpisodesStatus:
         """End the episode: keep it with its outcome, or discard it.
 
         Raises:

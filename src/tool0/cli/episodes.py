@@ -6,7 +6,7 @@ import contextlib
 import os
 import select
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
@@ -16,7 +16,7 @@ from tool0.errors import ControlError, Tool0Error
 
 if TYPE_CHECKING:
     from tool0.api.robot import Robot
-    from tool0.recording.episodes import EpisodesStatus
+    from tool0.recording.episodes import EpisodeEnd, EpisodesStatus
 
 HELP: Final = """\
   Space  start an episode          y  success    n  failure    x  discard
@@ -35,7 +35,11 @@ _TWISTS: Final = {
     "f": (0.0, 0.0, -1.0),
 }
 """Direction in the base."""
-_OUTCOMES: Final = {"y": "success", "n": "failure", "x": "discard"}
+_OUTCOMES: Final[Mapping[str, EpisodeEnd]] = {
+    "y": "success",
+    "n": "failure",
+    "x": "discard",
+}
 _PERIOD: Final = 0.25
 """Wall time between looks at the episode [s]."""
 
@@ -80,7 +84,7 @@ class _Session:
             if key == " ":
                 channel.call(StartEpisode())
             elif key in _OUTCOMES:
-                channel.call(EndEpisode(outcome=_OUTCOMES[key]))  # type: ignore[arg-type]
+                channel.call(EndEpisode(outcome=_OUTCOMES[key]))
             elif key in _TWISTS:
                 self._jog(_TWISTS[key])
             elif key in ("o", "c"):

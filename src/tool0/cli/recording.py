@@ -130,10 +130,14 @@ _FORMATS: Final[Mapping[str, Literal["parquet", "mp4"]]] = {
 """By the end of the file's name; others are csv."""
 
 
+_VIDEO_SIZE: Final = 960, 720
+"""Of a video, if no other is asked for [pixels]."""
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class VideoOptions:
-    """How a recording becomes a video; for tables they mean nothing."""
+    """How a recording becomes a video; tables need none of it."""
 
     camera: str = "scene"
     """A camera of the robot or its scene."""
@@ -141,10 +145,10 @@ class VideoOptions:
     """Look from here instead, in the robot's root [m]."""
     at: Annotated[tuple[float, float, float], Option(metavar="X Y Z")] = (0.0, 0.0, 0.3)
     """What the eye looks at [m]."""
-    width: int = 960
-    """Width of the images [pixels]."""
-    height: int = 720
-    """Height of the images [pixels]."""
+    width: int | None = None
+    """Width of the images [pixels]: 960, or the camera's own for lerobot."""
+    height: int | None = None
+    """Height of the images [pixels]: 720, or the camera's own for lerobot."""
     fps: float = 30.0
     """Images per second."""
     speed: float = 1.0
@@ -170,8 +174,8 @@ class VideoOptions:
             recording,
             target,
             free or self.camera,
-            width=self.width,
-            height=self.height,
+            width=self.width or _VIDEO_SIZE[0],
+            height=self.height or _VIDEO_SIZE[1],
             fps=self.fps,
             speed=self.speed,
             start=self.start,
@@ -189,6 +193,7 @@ def export(
     overwrite: bool = False,
     rate: float = 25.0,
     only_successes: bool = False,
+    cameras: Annotated[tuple[str, ...], Option(metavar="NAME ...")] = (),
     video: VideoOptions = VideoOptions(),  # frozen
 ) -> None:
     """Write a recording as a table, a video or a data set.
@@ -204,12 +209,21 @@ def export(
         overwrite: Replace a file that exists.
         rate: Frames per simulated second of a LeRobot data set [Hz].
         only_successes: Leave out demonstrations that failed.
+        cameras: Cameras whose images each frame of a LeRobot data set has.
     """
     if format == "lerobot":
         from tool0.collect.demonstrations import export_lerobot
 
         folder = output or file.with_name(f"{file.name}_lerobot")
-        found = export_lerobot(file, folder, rate=rate, only_successes=only_successes)
+        found = export_lerobot(
+            file,
+            folder,
+            rate=rate,
+            only_successes=only_successes,
+            cameras=cameras,
+            width=video.width,
+            height=video.height,
+        )
         print(f"{folder}: {found.n_episodes} episodes, {found.n_frames} frames")
         return
     from tool0.recording.reading import open_recording

@@ -2,12 +2,13 @@
 
 The state is the position of each driven joint, then its velocity.  The action is the
 position that is commanded at the next frame; joints of a stream have no recorded
-setpoint, and theirs is where they are then.
+setpoint, and theirs is where they are then.  Images are rendered from the snapshots.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from tool0.collect.settings import Settings
 from tool0.errors import CollectError, ConfigError
 from tool0.recording.episodes import EpisodeRow, read_index
 from tool0.recording.reading import RecordingFile, open_recording
+from tool0.recording.video import cameras_of
 
 
 def export_lerobot(
@@ -27,6 +29,9 @@ def export_lerobot(
     *,
     rate: float = 25.0,
     only_successes: bool = False,
+    cameras: Sequence[str] = (),
+    width: int | None = None,
+    height: int | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Manifest:
     """Write the episodes of a folder as a LeRobot data set of version 2.1.
@@ -36,12 +41,16 @@ def export_lerobot(
         target: A new folder.
         rate: Frames per simulated second [Hz], a divisor of the recordings' rate.
         only_successes: Leave out the episodes that failed.
+        cameras: Cameras of the robot or its scene whose images each frame has.
+        width: Of these [pixels]; the camera's own, if left out.
+        height: Likewise.
         progress: Called with the episodes done and their total.
 
     Raises:
         RecordingError: If the folder has no index, or a file is damaged.
         ConfigError: If the target has other files, or the rate does not fit.
         CollectError: If there are no episodes, or they have different tasks or joints.
+        RenderError: If there is no OpenGL, or no such camera.
     """
     rows = [
         row
@@ -58,7 +67,13 @@ def export_lerobot(
         )
     settings = Settings(
         task=tasks.pop() or folder.name,
-        options={"rate": rate, "only_successes": only_successes},
+        options={
+            "rate": rate,
+            "only_successes": only_successes,
+            "cameras": list(cameras),
+            "width": width,
+            "height": height,
+        },
         seed=0,
         policy="demonstrations",
         digest=None,
@@ -74,7 +89,9 @@ def export_lerobot(
             if joints not in (None, driven):
                 raise CollectError(f"{row.file} is of another robot than the first")
             joints = driven
-            episode = episode_of(recording, row, rate)
+            episode = episode_of(
+                recording, row, rate, cameras=cameras, width=width, height=height
+            )
             dataset.add([parquet.encoded(episode, index, "lerobot")])
             progress(index + 1, len(rows))
         return dataset.manifest
@@ -86,12 +103,21 @@ def driven_joints(recording: RecordingFile) -> tuple[str, ...]:
     return tuple(name for name in recording.joint_names if name in driven)
 
 
-def episode_of(recording: RecordingFile, row: EpisodeRow, rate: float) -> Episode:
+def episode_of(
+    recording: RecordingFile,
+    row: EpisodeRow,
+    rate: float,
+    *,
+    cameras: Sequence[str] = (),
+    width: int | None = None,
+    height: int | None = None,
+) -> Episode:
     """Return one episode with ``rate`` frames per simulated second [Hz].
 
     Raises:
         ConfigError: If the recording does not have whole frames at that rate.
         CollectError: If it is too short.
+        RenderError: If there is no OpenGL, or no such camera.
     """
     period = recording.info.control_period
     ticks = round(1.0 / (rate * period))
@@ -118,13 +144,41 @@ def episode_of(recording: RecordingFile, row: EpisodeRow, rate: float) -> Episod
     rewards[-1] = float(success)
     return Episode(
         seed=row.episode,
-        observations={"position": position[:n], "velocity": velocity[:n]},
+        observations={
+            "position": position[:n],
+            "velocity": velocity[:n],
+            **_images(recording, frames[:n], cameras, width, height),
+        },
         actions=actions,
         rewards=rewards,
         terminated=True,
         success=success,
         rate=rate,
     )
+
+
+def _images(
+    recording: RecordingFile,
+    frames: Array,
+    names: Sequence[str],
+    width: int | None,
+    height: int | None,
+) -> dict[str, Array]:
+    """Return the images of each camera, shape (n_frames, height, width, 3), uint8."""
+    if not names:
+        return {}
+    cameras, snapshots = cameras_of(recording), recording.snapshots()
+    try:
+        found: dict[str, Array] = {}
+        for name in names:
+            own = cameras[name]
+            sized = replace(own, width=width or own.width, height=height or own.height)
+            found[name] = np.stack(
+                [cameras.render(sized, snapshots[frame]).rgb for frame in frames]
+            )
+        return found
+    finally:
+        cameras.close()
 
 
 def _frames_every(recording: RecordingFile, ticks: int) -> Array:

@@ -123,21 +123,38 @@ def _is_image(values: Array) -> bool:
 
 def _statistics(values: Array) -> dict[str, list[Any]]:
     """Return what LeRobot normalises by: of each number, or of each colour in 0 … 1."""
-    axis: Any = 0
-    if pictures := _is_image(values):
-        values, axis = values.transpose(0, 3, 1, 2) / 255.0, (0, 2, 3)
-
-    def shaped(result: Array) -> list[Any]:
-        numbers = np.atleast_1d(result)
-        found: list[Any] = numbers.tolist()
-        return [[[number]] for number in found] if pictures else found
-
+    if _is_image(values):
+        return _image_statistics(values)
+    found = {
+        "min": values.min(0),
+        "max": values.max(0),
+        "mean": values.mean(0),
+        "std": values.std(0),
+    }
     return {
-        "min": shaped(values.min(axis)),
-        "max": shaped(values.max(axis)),
-        "mean": shaped(values.mean(axis)),
-        "std": shaped(values.std(axis)),
+        **{name: np.atleast_1d(value).tolist() for name, value in found.items()},
         "count": [len(values)],
+    }
+
+
+def _image_statistics(images: Array) -> dict[str, list[Any]]:
+    """Return the same of each colour, from how often each of its 256 values occurs."""
+    levels = np.arange(256) / 255.0
+    counts = np.zeros((3, 256), np.int64)
+    for image in images:
+        for channel in range(3):
+            counts[channel] += np.bincount(image[..., channel].ravel(), minlength=256)
+    mean = counts @ levels / counts.sum(axis=1)
+    spread = np.square(levels - mean[:, None])
+    found = {
+        "min": [levels[row.nonzero()[0][0]] for row in counts],
+        "max": [levels[row.nonzero()[0][-1]] for row in counts],
+        "mean": mean,
+        "std": np.sqrt((counts * spread).sum(axis=1) / counts.sum(axis=1)),
+    }
+    return {
+        **{name: [[[float(v)]] for v in value] for name, value in found.items()},
+        "count": [len(images)],
     }
 
 

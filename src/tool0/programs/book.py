@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,7 +14,7 @@ from tool0.errors import ConfigError, ControlError, SourceLocation, did_you_mean
 from tool0.programs.files import parse_program, program_text, read_program
 from tool0.programs.model import Program, walk
 from tool0.programs.run import SavedProgram
-from tool0.user_data import data_folder
+from tool0.user_data import data_folder, replace_text
 
 LONGEST_NAME: Final = 60
 """Characters of a program's name."""
@@ -80,7 +78,7 @@ class ProgramBook:
         parse_program(text)  # what is written can be read
         with self._explained("write"):
             self.folder.mkdir(parents=True, exist_ok=True)
-            _replace(file, text)
+            replace_text(file, text)
 
     def rename(self, name: str, new_name: str) -> None:
         """Give a saved program another name.
@@ -136,17 +134,3 @@ def _info(file: Path) -> SavedProgram:
     except ConfigError as error:
         return SavedProgram(name=name, n_steps=0, error=str(error))
     return SavedProgram(name=name, n_steps=len(list(walk(program.steps))))
-
-
-def _replace(file: Path, text: str) -> None:
-    descriptor, name = tempfile.mkstemp(dir=file.parent, prefix=".new-")
-    new = Path(name)
-    try:
-        with os.fdopen(descriptor, "wb") as handle:
-            handle.write(text.encode())
-            handle.flush()
-            os.fsync(handle.fileno())
-        new.replace(file)
-    except BaseException:
-        new.unlink(missing_ok=True)
-        raise

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 INDEX: Final = "episodes.jsonl"
 Outcome = Literal["success", "failure"]
+EpisodeEnd = Literal[Outcome, "discard"]
 FolderName = Annotated[str, Meta(min_length=1, max_length=4000)]
 
 
@@ -90,7 +91,7 @@ class StartEpisode(Request[EpisodesStatus], frozen=True):
 class EndEpisode(Request[EpisodesStatus], frozen=True):
     """End the episode: keep it with its outcome, or discard it."""
 
-    outcome: Literal["success", "failure", "discard"]
+    outcome: EpisodeEnd
 
 
 class ReadEpisodes(Request[EpisodesStatus | None], frozen=True):
@@ -203,7 +204,7 @@ class Episodes:
             self._wall_start = time.time()
             return self._status()
 
-    def end(self, outcome: Literal["success", "failure", "discard"]) -> EpisodesStatus:
+    def end(self, outcome: EpisodeEnd) -> EpisodesStatus:
         """End the episode, and add it to the index unless it is discarded.
 
         Raises:

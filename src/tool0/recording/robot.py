@@ -11,17 +11,15 @@ from typing import final
 
 import msgspec
 
-from tool0.description.catalogue import Part
 from tool0.description.model import ParallelGripper
 from tool0.description.parts import find_arms, find_grippers, flange_names
-from tool0.description.robot import CatalogueRobot, RobotDescription
+from tool0.description.robot import RobotDescription
 from tool0.description.scene import SceneObject
-from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.errors import RecordingError, Tool0Error
 from tool0.recording.frames import wrench_topics
 from tool0.requests.objects import ObjectInfo, object_of, with_meshes
-from tool0.requests.state import DescriptionInfo
+from tool0.requests.state import DescriptionInfo, described_by
 
 
 @final
@@ -59,27 +57,11 @@ class RecordedRobot:
             for mesh in document.getElementsByTagName("mesh"):
                 file = self._file(mesh.getAttribute("filename"))
                 mesh.setAttribute("filename", file)
-            model = read_model(document)
+            return described_by(self._info, document)
         except (Tool0Error, OSError) as error:
             raise RecordingError(
                 f"{self._source}: the robot cannot be read: {error}"
             ) from error
-        return RobotDescription(
-            model=model,
-            source=Path(self._info.source),
-            robots=tuple(
-                CatalogueRobot(
-                    name=robot.name,
-                    arm=Part(kind="arm", folder=Path(robot.arm)),
-                    gripper=None
-                    if robot.gripper is None
-                    else Part(kind="gripper", folder=Path(robot.gripper)),
-                    prefix=robot.prefix,
-                )
-                for robot in self._info.robots
-            ),
-            _document=document,
-        )
 
     @cached_property
     def wrench_topics(self) -> Mapping[str, tuple[str, str]]:

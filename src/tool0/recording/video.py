@@ -19,6 +19,16 @@ if TYPE_CHECKING:
 MAX_SPEED: Final = 1000.0
 
 
+def cameras_of(recording: RecordingFile) -> Cameras:
+    """Return the recorded robot's cameras, for images of its snapshots."""
+    return Cameras(
+        recording.description.model,
+        {item.name: item for item in recording.bringup.cameras},
+        recording.simulation.ground,
+        lambda: recording.snapshots()[-1],
+    )
+
+
 def write_video(
     recording: RecordingFile,
     path: Path,
@@ -67,14 +77,8 @@ def write_video(
             f"{recording.path} has nothing from {first:g} to {last:g} s; it lasts from "
             f"{times[0]:g} to {times[-1]:g} s"
         )
-    snapshots = recording.snapshots()
     n_images = int((last - first) / speed * fps + 1e-9) + 1
-    cameras = Cameras(
-        recording.description.model,
-        {item.name: item for item in recording.bringup.cameras},
-        recording.simulation.ground,
-        lambda: snapshots[-1],
-    )
+    snapshots, cameras = recording.snapshots(), cameras_of(recording)
     seen = cameras[camera] if isinstance(camera, str) else camera
     sized = replace(seen, width=width, height=height)
     try:

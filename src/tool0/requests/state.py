@@ -5,18 +5,28 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 from msgspec import Meta, Struct, field
 
+from tool0.description.catalogue import Part
 from tool0.description.forward_kinematics import link_pose
 from tool0.description.packages import BUNDLED
-from tool0.description.robot import load_description
+from tool0.description.robot import (
+    CatalogueRobot,
+    RobotDescription,
+    load_description,
+)
 from tool0.description.transform import Transform
+from tool0.description.urdf import read_model
 from tool0.errors import ControlError
 from tool0.requests.table import JointPositions, Name, Request, handles
 from tool0.runtime.simulation import MAX_SNAPSHOT_RATE, MIN_SNAPSHOT_RATE, Simulation
 from tool0.sensing.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from xml.dom.minidom import Document
 
 
 class LimitsInfo(Struct, frozen=True, kw_only=True):
@@ -92,6 +102,35 @@ class DescriptionInfo(Struct, frozen=True, kw_only=True):
     """The robots of a cell with namespaces; otherwise none."""
     packages: dict[str, str]
     """``file://`` URIs of the ROS packages inside tool0, which the URDF refers to."""
+
+
+def described_by(info: DescriptionInfo, document: Document) -> RobotDescription:
+    """Return the robot in another process, or of another time.
+
+    Args:
+        info: What the bring-up said.
+        document: Its URDF, which may have other paths of meshes.
+
+    Raises:
+        ModelError: If the document is no robot.
+    """
+    robots = tuple(
+        CatalogueRobot(
+            name=robot.name,
+            arm=Part(kind="arm", folder=Path(robot.arm)),
+            gripper=None
+            if robot.gripper is None
+            else Part(kind="gripper", folder=Path(robot.gripper)),
+            prefix=robot.prefix,
+        )
+        for robot in info.robots
+    )
+    return RobotDescription(
+        model=read_model(document),
+        source=Path(info.source),
+        robots=robots,
+        _document=document,
+    )
 
 
 class ReadDescription(Request[DescriptionInfo], frozen=True):

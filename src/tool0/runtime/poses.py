@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -24,7 +22,7 @@ from tool0.errors import (
     SourceLocation,
     did_you_mean,
 )
-from tool0.user_data import data_folder, locked
+from tool0.user_data import data_folder, locked, replace_text
 
 DEFAULT_POSE = "home"
 LONGEST_NAME = 60
@@ -190,7 +188,7 @@ class PoseBook:
             with locked(self.file.with_suffix(".lock")):
                 poses = dict(self._read())
                 yield poses
-                _replace(self.file, poses)
+                replace_text(self.file, _text(poses))
         except OSError as error:
             raise self._failure("write", error) from None
 
@@ -201,22 +199,11 @@ class PoseBook:
         )
 
 
-def _replace(file: Path, poses: Mapping[str, Positions]) -> None:
+def _text(poses: Mapping[str, Positions]) -> str:
     import yaml
 
     plain = {name: dict(positions) for name, positions in poses.items()}
-    text = _HEADER + yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)
-    descriptor, name = tempfile.mkstemp(dir=file.parent, prefix=".new-")
-    new = Path(name)
-    try:
-        with os.fdopen(descriptor, "wb") as handle:
-            handle.write(text.encode())
-            handle.flush()
-            os.fsync(handle.fileno())
-        new.replace(file)
-    except BaseException:
-        new.unlink(missing_ok=True)
-        raise
+    return _HEADER + yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)
 
 
 def _parse(file: Path) -> dict[str, Positions]:

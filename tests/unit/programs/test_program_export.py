@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from served import serving
-from taught_pick import taught_pick
+from taught_programs import taught_pick
 from ur_address import free_host
 
 import tool0

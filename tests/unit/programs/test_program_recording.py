@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from taught_pick import taught_pick
+from taught_programs import taught_pick
 
 import tool0
 

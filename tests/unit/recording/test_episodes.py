@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from promised import require_gl
 
 import tool0
 from tool0.errors import ControlError, RecordingError
@@ -22,6 +25,8 @@ from tool0.recording.episodes import (
 from tool0.recording.reading import open_recording
 from tool0.recording.requests import StartRecording, StopRecording
 from tool0.recording.resimulation import resimulate
+from tool0.recording.video import cameras_of
+from tool0.sensing.cameras import encode_png
 
 pytest.importorskip("mcap", reason="the extra 'record' is not installed")
 
@@ -175,6 +180,37 @@ def test_they_become_a_lerobot_data_set(folder: Path, tmp_path: Path) -> None:
         )
         assert state[k][column] == pytest.approx(recording.position[frame, elbow])
     assert table["next.success"].to_pylist() == [False] * 9 + [True]
+
+
+def test_frames_can_have_images(folder: Path, tmp_path: Path) -> None:
+    pytest.importorskip("gymnasium", reason="the extra 'collect' is not installed")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    require_gl()
+    import json
+
+    from tool0.collect.demonstrations import export_lerobot
+
+    size = {"width": 64, "height": 48}
+    export_lerobot(folder, tmp_path / "seen", cameras=["wrist", "scene"], **size)
+    info = json.loads((tmp_path / "seen/meta/info.json").read_text())
+    feature = info["features"]["observation.images.wrist"]
+    assert (feature["dtype"], feature["shape"]) == ("image", [48, 64, 3])
+    table = parquet.read_table(tmp_path / "seen/data/chunk-000/episode_000000.parquet")
+    cells = table["observation.images.scene"].to_pylist()
+    recording = open_recording(folder / "episode_000000.mcap")
+    cameras = cameras_of(recording)
+    camera, snapshots = replace(cameras["scene"], **size), recording.snapshots()
+    images = [cameras.render(camera, snapshots[5 * k]).rgb for k in range(10)]
+    cameras.close()
+    assert [cell["bytes"] for cell in cells] == [encode_png(image) for image in images]
+    assert (images[0] != images[-1]).any()  # the arm has moved
+    stats = json.loads(
+        (tmp_path / "seen/meta/episodes_stats.jsonl").read_text().splitlines()[0]
+    )["stats"]["observation.images.scene"]
+    colours = np.array(images) / 255.0
+    for name in ("min", "max", "mean", "std"):
+        expected = getattr(colours, name)((0, 1, 2))
+        assert np.ravel(stats[name]) == pytest.approx(expected)
 
 
 def test_failures_can_be_left_out(folder: Path, tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from taught_pick import TOOL, taught_pick
+from taught_programs import at, search, taught_pick
 
 import tool0
 from tool0 import (
@@ -25,11 +25,8 @@ from tool0 import (
     WaitStep,
 )
 
-DOWN = (math.pi, 0.0, 0.0)
 TIMEOUT = 60.0
 """[simulated s]"""
-TABLE = -0.02
-"""Height of the table's top [m]."""
 
 
 @pytest.fixture(scope="module")
@@ -43,15 +40,6 @@ def robot(bringup: tool0.Robot) -> tool0.Robot:
     bringup.reset()
     bringup.run(0.02)  # what a failed test left running ends
     return bringup
-
-
-def at(x: float, y: float, z: float) -> ToolPose:
-    return ToolPose(xyz=(x, y, z), rpy=DOWN)
-
-
-def pads() -> ToolPose:
-    """Return the middle between the pads as a program's tool."""
-    return ToolPose(xyz=TOOL.xyz)
 
 
 def there_and_back() -> Program:
@@ -254,48 +242,6 @@ def test_something_else_ends_a_program_with_a_reason(
     robot.run(0.1)
     assert "eff_joint_traj_controller" in running(robot)
     assert robot.run_program(there_and_back()).wait(TIMEOUT).state == "succeeded"
-
-
-def search(**changes: object) -> Program:
-    """Return a program that feels for the table, and goes up again."""
-    until = {"direction": (0.0, 0.0, -1.0), "distance": 0.1, "speed": 0.03} | changes
-    return Program(
-        name="search",
-        tool=pads(),
-        steps=(
-            GripperStep(opening="closed"),
-            MoveJointStep(pose=at(0.5, 0.0, 0.05), speed=2.0, acceleration=4.0),
-            UntilStep(**until),  # type: ignore[arg-type]
-            SetOutputStep(output=5),
-            MoveLinearStep(pose=at(0.5, 0.1, 0.06)),
-        ),
-    )
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [{}, {"force": 8.0}, {"frame": "tool", "direction": (0.0, 0.0, 2.0)}],
-    ids=["contact", "force", "tool frame"],
-)
-def test_a_search_stops_at_the_table_and_goes_on_from_there(
-    robot: tool0.Robot, changes: dict[str, object]
-) -> None:
-    robot.arm.control_box.set_digital_output(5, False)
-    handle = robot.run_program(search(**changes))
-    wait_until(robot, lambda: robot.arm.control_box.state.digital_outputs[5])
-    lowest = robot.arm.pose(tool=TOOL).position[2]
-    forces = [
-        math.hypot(*contact.force)
-        for contact in robot.contacts()
-        if "table" in {contact.first, contact.second}
-    ]
-    assert TABLE < lowest < TABLE + 0.03
-    assert len(forces) >= 1
-    assert max(forces) < 60.0
-    assert handle.wait(TIMEOUT).state == "succeeded"
-    assert robot.arm.pose(tool=TOOL).position == pytest.approx(
-        (0.5, 0.1, 0.06), abs=2e-3
-    )
 
 
 def test_a_held_cube_is_felt_at_the_table(robot: tool0.Robot) -> None:

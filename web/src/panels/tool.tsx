@@ -1,5 +1,4 @@
 /** The tool on the motion tab: it can be folded; what is inside is loaded on demand. */
-import { signal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { t } from "../i18n";
 import { hasArm } from "../jog";
@@ -7,10 +6,10 @@ import { useLive } from "../live";
 import { arm, inFrame, toolPose } from "../tool";
 import { ChevronDownIcon, ChevronUpIcon } from "../ui/icons";
 import { Lazy } from "../ui/lazy";
-import { recall, remember } from "../ui/memory";
+import { rememberedFlag } from "../ui/memory";
 import { fixed } from "../ui/number-field";
 
-const isOpen = signal(recall("tool", ["open", "closed"]) === "open");
+const isOpen = rememberedFlag("tool", ["closed", "open"]);
 const load = () => import("./tool/index");
 
 export function ToolSection() {
@@ -26,7 +25,6 @@ export function ToolSection() {
             data-testid="tool-toggle"
             onClick={() => {
               isOpen.value = !isOpen.value;
-              remember("tool", isOpen.value ? "open" : "closed");
             }}
           >
             {t("tool.title")} <code class="muted">{arm.value.tip}</code>

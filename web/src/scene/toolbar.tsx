@@ -9,7 +9,7 @@ import { selected } from "../robots";
 import { showCollision, showGhost, shownFrames, status } from "../store";
 import { IconButton } from "../ui/button";
 import { EyeIcon } from "../ui/icons";
-import { Toggle } from "../ui/toggle";
+import { SignalToggle, Toggle } from "../ui/toggle";
 import { type View, VIEWS } from "./framing";
 import { FitIcon, VIEW_ICONS } from "./icons";
 import { chooseQuality, quality } from "./quality";
@@ -57,32 +57,23 @@ function Options({ viewer }: { viewer: Viewer }) {
       <CameraToggles />
       <p class="scene-heading">{t("scene.show")}</p>
       {status.value && (
-        <Toggle
+        <SignalToggle
           label={t("scene.ghost")}
-          checked={showGhost.value}
+          of={showGhost}
           data-testid="scene-ghost"
-          onChange={(shown) => {
-            showGhost.value = shown;
-          }}
         />
       )}
-      <Toggle
+      <SignalToggle
         label={t("scene.collision")}
-        checked={showCollision.value}
+        of={showCollision}
         data-testid="scene-collision"
-        onChange={(shown) => {
-          showCollision.value = shown;
-        }}
       />
       {SHOWN.map(([name, key]) => (
-        <Toggle
+        <SignalToggle
           key={name}
           label={t(key)}
-          checked={overlays[name].value}
+          of={overlays[name]}
           data-testid={`scene-show-${name}`}
-          onChange={(shown) => {
-            overlays[name].value = shown;
-          }}
         />
       ))}
       <Toggle

@@ -1,4 +1,5 @@
 /** One of few: as a segmented control, or as tabs. Arrow keys move, as ARIA asks. */
+import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 
 export interface Choice<T extends string> {
@@ -66,6 +67,34 @@ export function Segmented<T extends string>(props: ChoiceProps<T>) {
         </button>
       ))}
     </div>
+  );
+}
+
+interface SignalChoiceProps<T extends string> {
+  label: string;
+  of: Signal<T>;
+  among: readonly T[];
+  name: (value: T) => string;
+  /** Each choice has this test id, with its value appended. */
+  testId: string;
+}
+
+/** Chooses a signal's value. */
+export function SignalChoice<T extends string>(props: SignalChoiceProps<T>) {
+  const { label, of, among, name, testId } = props;
+  return (
+    <Segmented
+      label={label}
+      value={of.value}
+      choices={among.map((value) => ({
+        value,
+        label: name(value),
+        testId: `${testId}-${value}`,
+      }))}
+      onChange={(value) => {
+        of.value = value;
+      }}
+    />
   );
 }
 

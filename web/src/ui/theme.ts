@@ -1,6 +1,6 @@
 /** Light or dark: the system's setting, until the user chooses. */
 import { computed, effect, signal } from "@preact/signals";
-import { recall, remember } from "./memory";
+import { remembered } from "./memory";
 
 export type Theme = "system" | "light" | "dark";
 
@@ -12,7 +12,7 @@ dark.addEventListener("change", (event) => {
 });
 
 /** The user's choice. */
-export const theme = signal<Theme>(recall("theme", THEMES) ?? "system");
+export const theme = remembered("theme", THEMES, "system");
 /** The current theme.  Canvases are redrawn with the tokens' new values when it changes. */
 export const shownTheme = computed<"light" | "dark">(() => {
   if (theme.value !== "system") return theme.value;
@@ -21,9 +21,6 @@ export const shownTheme = computed<"light" | "dark">(() => {
 
 effect(() => {
   document.documentElement.dataset.theme = shownTheme.value;
-});
-effect(() => {
-  remember("theme", theme.value);
 });
 
 /** Return the value of a design token now, such as `token("--accent")`. */

@@ -1,3 +1,5 @@
+import type { Signal } from "@preact/signals";
+
 interface ToggleProps {
   label: string;
   checked: boolean;
@@ -21,5 +23,24 @@ export function Toggle({ label, checked, onChange, ...rest }: ToggleProps) {
       <span class="knob" />
       {label}
     </button>
+  );
+}
+
+interface SignalToggleProps {
+  label: string;
+  of: Signal<boolean>;
+  "data-testid": string;
+}
+
+/** Switches a signal. */
+export function SignalToggle({ of, ...rest }: SignalToggleProps) {
+  return (
+    <Toggle
+      checked={of.value}
+      onChange={(on) => {
+        of.value = on;
+      }}
+      {...rest}
+    />
   );
 }

@@ -24,11 +24,10 @@ import {
 } from "../../jogging/spacemouse";
 import { gizmoMoves, MOVES, showGizmo } from "../../tool-target";
 import { TOOL_FRAMES, toolFrame } from "../../tool";
-import { Segmented } from "../../ui/choice";
-import { remember } from "../../ui/memory";
+import { SignalChoice } from "../../ui/choice";
 import { Select } from "../../ui/select";
 import { Slider } from "../../ui/slider";
-import { Toggle } from "../../ui/toggle";
+import { SignalToggle, Toggle } from "../../ui/toggle";
 import { MILLIMETRES, unitOf, angleUnit } from "../../units";
 import { fixed } from "../../ui/number-field";
 
@@ -41,18 +40,12 @@ export function JogPanel() {
   return (
     <div class="jog" role="group" aria-label={t("jog.title")}>
       <div class="row">
-        <Segmented
+        <SignalChoice
           label={t("jog.frame")}
-          value={toolFrame.value}
-          choices={TOOL_FRAMES.map((value) => ({
-            value,
-            label: t(`tool.frame.${value}`),
-            testId: `jog-frame-${value}`,
-          }))}
-          onChange={(value) => {
-            toolFrame.value = value;
-            remember("tool-frame", value);
-          }}
+          of={toolFrame}
+          among={TOOL_FRAMES}
+          name={(value) => t(`tool.frame.${value}`)}
+          testId="jog-frame"
         />
         <StepSelect />
       </div>
@@ -168,44 +161,25 @@ function Devices() {
   return (
     <>
       <div class="row wrap">
-        <Toggle
-          label={t("jog.gizmo")}
-          checked={showGizmo.value}
-          data-testid="tool-gizmo"
-          onChange={(shown) => {
-            showGizmo.value = shown;
-          }}
-        />
+        <SignalToggle label={t("jog.gizmo")} of={showGizmo} data-testid="tool-gizmo" />
         {showGizmo.value && (
-          <Segmented
+          <SignalChoice
             label={t("jog.gizmoMoves")}
-            value={gizmoMoves.value}
-            choices={MOVES.map((value) => ({
-              value,
-              label: t(`jog.gizmo.${value}`),
-              testId: `gizmo-${value}`,
-            }))}
-            onChange={(value) => {
-              gizmoMoves.value = value;
-              remember("gizmo-moves", value);
-            }}
+            of={gizmoMoves}
+            among={MOVES}
+            name={(value) => t(`jog.gizmo.${value}`)}
+            testId="gizmo"
           />
         )}
-        <Toggle
+        <SignalToggle
           label={t("jog.keyboard")}
-          checked={usesKeys.value}
+          of={usesKeys}
           data-testid="jog-keyboard"
-          onChange={(used) => {
-            usesKeys.value = used;
-          }}
         />
-        <Toggle
+        <SignalToggle
           label={t("jog.gamepad")}
-          checked={usesGamepad.value}
+          of={usesGamepad}
           data-testid="jog-gamepad"
-          onChange={(used) => {
-            usesGamepad.value = used;
-          }}
         />
         {hasHid() && (
           <Toggle

@@ -29,9 +29,9 @@ import {
 } from "../../tool-target";
 import { framePose, inFrame, toolPose } from "../../tool";
 import { Button, IconButton } from "../../ui/button";
-import { Segmented } from "../../ui/choice";
+import { SignalChoice } from "../../ui/choice";
 import { UndoIcon } from "../../ui/icons";
-import { recall, remember } from "../../ui/memory";
+import { remembered } from "../../ui/memory";
 import { fixed, NumberField } from "../../ui/number-field";
 import { Select } from "../../ui/select";
 import { angleUnit, MILLIMETRES, unitOf } from "../../units";
@@ -39,8 +39,8 @@ import type { Vector } from "../../urdf";
 
 const FRAMES = ["base", "world"] as const;
 const ROTATIONS = ["rpy", "vector"] as const;
-const poseFrame = signal(recall("pose-frame", FRAMES) ?? "base");
-const rotation = signal(recall("pose-rotation", ROTATIONS) ?? "rpy");
+const poseFrame = remembered("pose-frame", FRAMES, "base");
+const rotation = remembered("pose-rotation", ROTATIONS, "rpy");
 /** The range that the server accepts [m]. */
 const FARTHEST = 1000;
 const NAMES = {
@@ -85,31 +85,19 @@ export function PosePanel() {
   return (
     <>
       <div class="row">
-        <Segmented
+        <SignalChoice
           label={t("tool.poseFrame")}
-          value={poseFrame.value}
-          choices={FRAMES.map((value) => ({
-            value,
-            label: t(`tool.frame.${value}`),
-            testId: `pose-frame-${value}`,
-          }))}
-          onChange={(value) => {
-            poseFrame.value = value;
-            remember("pose-frame", value);
-          }}
+          of={poseFrame}
+          among={FRAMES}
+          name={(value) => t(`tool.frame.${value}`)}
+          testId="pose-frame"
         />
-        <Segmented
+        <SignalChoice
           label={t("tool.rotation")}
-          value={rotation.value}
-          choices={ROTATIONS.map((value) => ({
-            value,
-            label: t(`tool.rotation.${value}`),
-            testId: `pose-rotation-${value}`,
-          }))}
-          onChange={(value) => {
-            rotation.value = value;
-            remember("pose-rotation", value);
-          }}
+          of={rotation}
+          among={ROTATIONS}
+          name={(value) => t(`tool.rotation.${value}`)}
+          testId="pose-rotation"
         />
         {wanted !== null && (
           <IconButton
@@ -174,18 +162,12 @@ function Target() {
   return (
     <>
       <div class="row">
-        <Segmented
+        <SignalChoice
           label={t("tool.way")}
-          value={way.value}
-          choices={WAYS.map((value) => ({
-            value,
-            label: t(`tool.way.${value}`),
-            testId: `tool-way-${value}`,
-          }))}
-          onChange={(value) => {
-            way.value = value;
-            remember("tool-way", value);
-          }}
+          of={way}
+          among={WAYS}
+          name={(value) => t(`tool.way.${value}`)}
+          testId="tool-way"
         />
         <Button
           class="grow"

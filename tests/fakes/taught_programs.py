@@ -1,4 +1,4 @@
-"""A pick as people teach it: ten waypoints of joint positions."""
+"""Programs as people teach them: a pick by ten waypoints, and a search."""
 
 from __future__ import annotations
 
@@ -6,11 +6,21 @@ import math
 from collections.abc import Mapping
 
 import tool0
-from tool0 import GripperStep, MoveJointStep, MoveLinearStep, Program
+from tool0 import (
+    GripperStep,
+    MoveJointStep,
+    MoveLinearStep,
+    Program,
+    SetOutputStep,
+    ToolPose,
+    UntilStep,
+)
 from tool0.scene import Pose
 
 TOOL = Pose(xyz=(0.0, 0.0, 0.1418))
 """The middle between the pads in the flange, 45 mm apart [m]."""
+TABLE = -0.02
+"""Height of the table's top [m]."""
 FAST = 2.0
 """Of the joints [rad/s]."""
 
@@ -57,5 +67,29 @@ def taught_pick(robot: tool0.Robot, name: str = "pick") -> Program:
             GripperStep(opening=0.07),
             line(bx, by, z + 0.22, blend=0.02),
             MoveJointStep(named_pose="home", speed=FAST, acceleration=4.0),
+        ),
+    )
+
+
+def at(x: float, y: float, z: float) -> ToolPose:
+    """Return a pose that looks down [m]."""
+    return ToolPose(xyz=(x, y, z), rpy=(math.pi, 0.0, 0.0))
+
+
+def search(**changes: object) -> Program:
+    """Return a program that feels for the table, and goes up again.
+
+    When it has found it, it sets output 5.
+    """
+    until = {"direction": (0.0, 0.0, -1.0), "distance": 0.1, "speed": 0.03} | changes
+    return Program(
+        name="search",
+        tool=ToolPose(xyz=TOOL.xyz),
+        steps=(
+            GripperStep(opening="closed"),
+            MoveJointStep(pose=at(0.5, 0.0, 0.05), speed=2.0, acceleration=4.0),
+            UntilStep(**until),  # type: ignore[arg-type]
+            SetOutputStep(output=5),
+            MoveLinearStep(pose=at(0.5, 0.1, 0.06)),
         ),
     )
