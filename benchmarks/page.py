@@ -20,19 +20,24 @@ _FLAGS: Final = (
     "--no-sandbox",  # of containers that run as root
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
+    "--disable-gpu-compositing",  # as where there is no GPU
 )
 _CONTROLS: Final = "[data-testid=connection][data-state=open]"
 _SCENE: Final = "[data-testid=scene][data-ready=true]"
 _COUNT: Final = """
     window.drawn = 0;
-    let last = null;
+    let isNew = false;
     const draw = WebGL2RenderingContext.prototype.drawElements;
     WebGL2RenderingContext.prototype.drawElements = function (...all) {
-        const now = document.timeline.currentTime;
-        if (now !== last) window.drawn += 1;
-        last = now;
+        isNew = true;
         return draw.apply(this, all);
     };
+    const count = () => {
+        if (isNew) window.drawn += 1;
+        isNew = false;
+        requestAnimationFrame(count);
+    };
+    requestAnimationFrame(count);
 """
 """Counts the frames in which something is drawn."""
 _WAIT: Final = """
@@ -100,7 +105,7 @@ def _drawn_per_second(browser: Browser, robot: tool0.Robot, url: str) -> float:
     page.add_init_script(_COUNT)
     page.goto(f"{url}{'&' if '?' in url else '?'}quality=low")
     page.locator(_SCENE).wait_for()
-    robot.move_joints({"shoulder_pan_joint": 3.0}, speed=0.4)
+    robot.move_joints({"shoulder_pan_joint": 3.0}, speed=0.1)
     page.wait_for_timeout(500.0)
     before = page.evaluate("[performance.now(), window.drawn]")
     page.wait_for_timeout(1000.0 * WATCHED)

@@ -20,6 +20,7 @@ _FLAGS: Final = (
     "--no-sandbox",  # CI's containers run as root
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
+    "--disable-gpu-compositing",  # as where there is no GPU
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",

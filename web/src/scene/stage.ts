@@ -17,6 +17,12 @@ import type { Quality } from "./quality";
 
 /** Without a GPU, a picture that has stood still for so long is drawn finely [ms]. */
 const STILL_MS = 250;
+/** Pixels to a CSS pixel of what moves without a GPU: fewer where frames come too slowly. */
+const COARSE = [1, 0.75, 0.5] as const;
+/** Between two drawings of what moves, this is too slow [ms]. */
+const SLOW_MS = 45;
+/** After so many of them more than quick ones, it is drawn with fewer pixels. */
+const PATIENCE = 8;
 
 export interface Colours {
   grid: string;
@@ -46,6 +52,10 @@ export class Stage {
   private readonly contact: ContactShadow | undefined;
   private size = { width: 1, height: 1 };
   private refinement: ReturnType<typeof setTimeout> | undefined;
+  /** Which of `COARSE`. */
+  private coarseness = 0;
+  private nSlow = 0;
+  private drawnAt = -Infinity;
 
   /**
    * @param ground its height [m], or null for none
@@ -101,15 +111,28 @@ export class Stage {
   }
 
   draw(): void {
-    if (this.quality === "low") {
-      clearTimeout(this.refinement);
-      if (this.renderer.getPixelRatio() !== 1) this.sharpen(1);
-      this.refinement = setTimeout(() => {
-        this.sharpen(2);
-        this.render(true);
-      }, STILL_MS);
-    }
+    if (this.quality === "low") this.coarsen();
     this.render();
+  }
+
+  /** Choose how finely to draw what moves, and refine it when it stands still. */
+  private coarsen(): void {
+    const now = performance.now();
+    const gap = now - this.drawnAt;
+    this.drawnAt = now;
+    if (gap < STILL_MS) this.nSlow = Math.max(0, this.nSlow + (gap > SLOW_MS ? 1 : -1));
+    if (this.nSlow > PATIENCE && this.coarseness < COARSE.length - 1) {
+      this.coarseness += 1;
+      this.nSlow = 0;
+    }
+    const ratio = COARSE[this.coarseness] ?? 1;
+    if (this.renderer.getPixelRatio() !== ratio) this.sharpen(ratio);
+    clearTimeout(this.refinement);
+    this.refinement = setTimeout(() => {
+      this.coarseness = Math.max(0, this.coarseness - 1);
+      this.sharpen(2);
+      this.render(true);
+    }, STILL_MS);
   }
 
   /** Return what is seen as a PNG, on the background of the page. */

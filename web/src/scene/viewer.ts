@@ -39,7 +39,7 @@ import { aimTool, dragTool } from "../tool-target";
 /** What moved by less than this since it was drawn is not drawn again [rad | m]: a tenth of a pixel. */
 const UNSEEN = 5e-5;
 /** Between drawings without a GPU, which also has to serve the rest of the page [ms]. */
-const SLOW_INTERVAL_MS = 50;
+const SLOW_INTERVAL_MS = 33;
 
 interface Loaded {
   readonly robot: Robot;
