@@ -50,8 +50,9 @@ async function carryOut(calls: readonly Call[]): Promise<ErrorInfo | null> {
 
 /** Begin when what was begun before has ended, so that an undo knows what it undoes. */
 function inOrder<T>(begin: () => Promise<T>): Promise<T> {
+  const begun = pending.value > 0 ? last.then(begin) : begin();
   pending.value += 1;
-  const result = last.then(begin).finally(() => {
+  const result = begun.finally(() => {
     pending.value -= 1;
   });
   last = result.catch(() => undefined);

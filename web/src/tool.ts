@@ -1,5 +1,5 @@
 /** The arm that the controls move, and where its tool is. */
-import { computed, signal } from "@preact/signals";
+import { computed } from "@preact/signals";
 import { frames } from "./frames";
 import { IDENTITY, inverse, compose, linkPose } from "./kinematics";
 import type { Pose } from "./kinematics";

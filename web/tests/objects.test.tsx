@@ -177,7 +177,7 @@ describe("the objects", () => {
     type("object-size-0", "50");
     await settle();
     press("object-add");
-    await settle();
+    await answered("add_object");
     press("object-kind-cylinder");
     await settle();
     type("object-radius", "25");

@@ -1,5 +1,4 @@
 /** The pose of tool0 as numbers: they follow it, and typed ones are a target. */
-import { signal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { mayMove } from "../../driving";
 import { t } from "../../i18n";
