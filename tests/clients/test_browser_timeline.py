@@ -30,7 +30,7 @@ def share(tab: Tab, part: float) -> tuple[float, float]:
 
 def clock(tab: Tab) -> float:
     """Return the time that is shown [s]."""
-    return float(tab.get("timeline-time").inner_text().split()[0])
+    return float((tab.get("timeline-time").text_content() or "").split()[0])
 
 
 def position(tab: Tab) -> float:

@@ -42,6 +42,7 @@ function Bar({ now, renewed }: { now: Player; renewed: number }) {
       aria-label={t("timeline.title")}
       data-testid="timeline"
       data-past={shown.isPast.value}
+      data-live={now.isLive && !shown.isPast.value}
     >
       <div class="timeline-buttons">
         <IconButton
