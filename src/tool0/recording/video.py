@@ -15,17 +15,25 @@ from tool0.sensing.video import VideoWriter
 if TYPE_CHECKING:
     from tool0.description.camera import Camera
     from tool0.recording.reading import RecordingFile
+    from tool0.sensing.snapshot import Snapshot
 
 MAX_SPEED: Final = 1000.0
 
 
-def cameras_of(recording: RecordingFile) -> Cameras:
-    """Return the recorded robot's cameras, for images of its snapshots."""
+def cameras_of(
+    recording: RecordingFile, newest: Callable[[], Snapshot] | None = None
+) -> Cameras:
+    """Return the recorded robot's cameras, for images of its snapshots.
+
+    Args:
+        recording: The recording.
+        newest: Returns the snapshot to show where none is given; by default the last.
+    """
     return Cameras(
         recording.description.model,
         {item.name: item for item in recording.bringup.cameras},
         recording.simulation.ground,
-        lambda: recording.snapshots()[-1],
+        newest or (lambda: recording.snapshots()[-1]),
     )
 
 

@@ -36,11 +36,11 @@ from tool0.interfaces.panel.simulation_view import (
     with_forces,
 )
 from tool0.recording.signals import Signals, thinned
+from tool0.recording.video import cameras_of
 from tool0.requests.replay import LoopReplay, ReadReplay, ReplaySamples, SeekReplay
 from tool0.requests.state import LimitsInfo, Pause, Reset, Resume, SetSpeed, Step
 from tool0.requests.table import Request, method_name
 from tool0.runtime.notifications import Notification
-from tool0.sensing.cameras import Cameras
 from tool0.sensing.grasp import WINDOW, judge
 
 if TYPE_CHECKING:
@@ -96,12 +96,7 @@ class Replay:
                 signals=list(self._signals),
             ),
         )
-        self.cameras = Cameras(
-            description.model,
-            {camera.name: camera for camera in recording.bringup.cameras},
-            recording.simulation.ground,
-            lambda: self._snapshots[self._index()],
-        )
+        self.cameras = cameras_of(recording, lambda: self._snapshots[self._index()])
         self._arms = [robot.name for robot in self.info.robot.robots]
         self._has_contacts = self._has_wrenches = False
         self._shown = -1
