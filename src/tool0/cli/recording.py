@@ -114,8 +114,8 @@ def log(
     from tool0.recording.tables import log_lines
 
     recording = open_recording(file)
-    for line in log_lines(recording, severity=severity, requests=requests):
-        print(line)
+    lines = list(log_lines(recording, severity=severity, requests=requests))
+    print("\n".join(lines) or f"nothing to report in {recording.duration:.2f} s")
     if not recording.is_complete:
         print(
             f"tool0: warning: {file} was cut off after {recording.duration:.2f} s",

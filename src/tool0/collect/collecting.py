@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import logging
 import math
@@ -20,7 +19,7 @@ from tool0.collect.executor import Executor, Finished
 from tool0.collect.packets import unpacked
 from tool0.collect.policy import Policy, located
 from tool0.collect.rollout import environment_spec
-from tool0.collect.settings import Format, Settings
+from tool0.collect.settings import Format, Settings, require_extra
 from tool0.collect.worker import Chunk
 from tool0.errors import CollectError, ConfigError, did_you_mean
 
@@ -90,7 +89,7 @@ def collect(
         CollectError: If a worker or the policy fails, or the disk is full.
         TransportError: If the Ray cluster cannot be reached.
     """
-    _require("gymnasium", "pyarrow")
+    require_extra()
     _check(episodes=episodes, copies=copies)
     if workers is not None:
         _check(workers=workers)
@@ -121,15 +120,6 @@ def collect(
             f"{where}: {error.strerror or error}; the episodes so far are kept, and "
             "the same call continues"
         ) from error
-
-
-def _require(*modules: str) -> None:
-    for name in modules:
-        if importlib.util.find_spec(name) is None:
-            raise ConfigError(
-                f"collecting needs {name}, which is not installed; run "
-                "pip install 'tool0[collect]'"
-            )
 
 
 def _check(**counts: int) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from tool0.collect import parquet
 from tool0.collect.dataset import Manifest, opened
 from tool0.collect.rollout import Array, Episode
-from tool0.collect.settings import Settings
+from tool0.collect.settings import Settings, require_extra
 from tool0.errors import CollectError, ConfigError
 from tool0.recording.episodes import EpisodeRow, read_index
 from tool0.recording.reading import RecordingFile, open_recording
@@ -48,10 +48,12 @@ def export_lerobot(
 
     Raises:
         RecordingError: If the folder has no index, or a file is damaged.
-        ConfigError: If the target has other files, or the rate does not fit.
+        ConfigError: If the target has other files, the rate does not fit, or the extra
+            ``collect`` is not installed.
         CollectError: If there are no episodes, or they have different tasks or joints.
         RenderError: If there is no OpenGL, or no such camera.
     """
+    require_extra()
     rows = [
         row
         for row in read_index(folder)

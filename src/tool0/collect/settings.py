@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -10,6 +11,8 @@ from functools import cache
 from typing import Any, Final, Literal, final
 
 import numpy as np
+
+from tool0.errors import ConfigError
 
 Format = Literal["parquet", "lerobot"]
 """Columns and further files of a data set."""
@@ -61,6 +64,16 @@ def episode_seed(base: int, index: int) -> int:
     """Return the seed of an episode, below 2**63, from these two numbers alone."""
     state = np.random.SeedSequence([base, index]).generate_state(1, np.uint64)
     return int(state[0]) >> 1
+
+
+def require_extra() -> None:
+    """Raise ConfigError if a library of the extra ``collect`` is not installed."""
+    for name in ("gymnasium", "pyarrow"):
+        if importlib.util.find_spec(name) is None:
+            raise ConfigError(
+                f"a data set needs {name}, which is not installed; run "
+                "pip install 'tool0[collect]'"
+            )
 
 
 @cache

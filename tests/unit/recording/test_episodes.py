@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -211,6 +212,18 @@ def test_frames_can_have_images(folder: Path, tmp_path: Path) -> None:
     for name in ("min", "max", "mean", "std"):
         expected = getattr(colours, name)((0, 1, 2))
         assert np.ravel(stats[name]) == pytest.approx(expected)
+
+
+def test_an_export_names_the_extra_that_is_missing(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from tool0.collect.demonstrations import export_lerobot
+    from tool0.errors import ConfigError
+
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(ConfigError, match=r"pip install 'tool0\[collect\]'"):
+        export_lerobot(folder, tmp_path / "none")
+    assert not (tmp_path / "none").exists()
 
 
 def test_failures_can_be_left_out(folder: Path, tmp_path: Path) -> None:
