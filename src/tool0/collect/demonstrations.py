@@ -184,10 +184,13 @@ def _images(
 
 
 def _frames_every(recording: RecordingFile, ticks: int) -> Array:
-    """Return the frames ``ticks`` after each other, from the first one on."""
-    after = recording.tick - recording.tick[0]
-    found = np.flatnonzero(after % ticks == 0)
-    _, first = np.unique(after[found], return_index=True)
+    """Return the frames at multiples of ``ticks``, up to the first that is missing.
+
+    The very first snapshot is often between those that come at a regular rate.
+    """
+    tick = recording.tick
+    found = np.flatnonzero(tick % ticks == 0)
+    _, first = np.unique(tick[found], return_index=True)
     chosen = found[first]
-    gaps = np.flatnonzero(np.diff(after[chosen]) != ticks)
+    gaps = np.flatnonzero(np.diff(tick[chosen]) != ticks)
     return chosen[: gaps[0] + 1] if len(gaps) else chosen

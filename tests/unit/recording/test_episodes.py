@@ -214,6 +214,22 @@ def test_frames_can_have_images(folder: Path, tmp_path: Path) -> None:
         assert np.ravel(stats[name]) == pytest.approx(expected)
 
 
+def test_an_episode_that_starts_between_snapshots_is_exported(tmp_path: Path) -> None:
+    pytest.importorskip("gymnasium", reason="the extra 'collect' is not installed")
+    pytest.importorskip("pyarrow")
+    from tool0.collect.demonstrations import episode_of
+
+    with tool0.bringup(realtime=False) as robot:
+        call = robot.channel.call
+        call(OpenEpisodes(folder=str(tmp_path), reset=False))
+        robot.run(0.013)
+        demonstrate(robot, "success", duration=0.4)
+    (row,) = read_index(tmp_path)
+    recording = open_recording(tmp_path / row.file)
+    assert recording.tick[0] == 13
+    assert episode_of(recording, row, 25.0).n_frames == 9  # from 0.04 to 0.36 s
+
+
 def test_an_export_names_the_extra_that_is_missing(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
