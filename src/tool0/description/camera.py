@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, final
 
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import RobotModel
-from tool0.description.parts import find_arms, flange_names
+from tool0.description.parts import base_of, find_arms, flange_names
 from tool0.description.transform import (
     Pose,
     Transform,
@@ -185,10 +185,14 @@ def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
     """Return where a camera sees all arms from, and what it looks at [m]."""
     poses = link_poses(model)
     views = []
-    for arm in find_arms(model).values():
+    for name, arm in find_arms(model).items():
         length = sum(math.hypot(*joint.origin.xyz) for joint in arm.joints)
         scale = round(length / _ARM_LENGTH, 2)
-        T_root_base = poses[arm.joints[0].parent]
+        # A UR's first joint is in a frame whose x points backwards.
+        T_root_base = Transform(
+            position=poses[arm.joints[0].parent].position,
+            rotation=poses[base_of(model, name)].rotation,
+        )
         x, y, z = (value * scale for value in _WORKSPACE)
         views.append((T_root_base.apply((x, y, z)), scale))
     if not views:

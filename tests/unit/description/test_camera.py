@@ -95,6 +95,11 @@ def test_robots_with_one_flange_have_a_camera_on_it(skew_model: RobotModel) -> N
     assert (scene.name, scene.link) == ("scene", None)
 
 
+def test_the_scene_is_seen_from_in_front_of_the_arm() -> None:
+    *_, scene = default_cameras(assemble().model)
+    assert scene.pose.xyz == pytest.approx((1.35, -0.95, 0.85))  # it reaches along x
+
+
 def test_of_two_groups_the_later_one_counts() -> None:
     first, second, other = Camera(name="a"), Camera(name="a", width=8), Camera(name="b")
     assert merged([first, other], [second]) == {"a": second, "b": other}
