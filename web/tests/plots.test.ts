@@ -7,7 +7,13 @@ import { placesOf } from "../src/plots/image";
 import { parseLayout } from "../src/plots/layout";
 import { HistorySource } from "../src/plots/live";
 import { matches } from "../src/plots/picker";
-import { freeColour, limitsNear, rangeOf, scaleOf } from "../src/plots/quantities";
+import {
+  freeColour,
+  limitsNear,
+  rangeOf,
+  scaleOf,
+  tickText,
+} from "../src/plots/quantities";
 import { thinned } from "../src/plots/thinning";
 import type { Frame, GripperInfo, ViewInfo } from "../src/protocol";
 import { frame, joint, status, view } from "./fixtures";
@@ -313,17 +319,37 @@ describe("axes", () => {
     expect(limitsNear(150, [-10, 76])).toEqual([150]);
     expect(limitsNear(150, [-76, 76])).toEqual([150, -150]);
     expect(limitsNear(undefined, [1e9])).toEqual([]);
-    expect(rangeOf(-10, 76, [150])[1]).toBeGreaterThan(150);
+    expect(rangeOf(-10, 76, 2, [150])[1]).toBeGreaterThan(150);
   });
 
   test("a flat line is not drawn on the edge", () => {
     for (const value of [0, 3, -2]) {
-      const [low, high] = rangeOf(value, value);
+      const [low, high] = rangeOf(value, value, 3);
       expect(low).toBeLessThan(value);
       expect(high).toBeGreaterThan(value);
     }
-    const [low, high] = rangeOf(null, null);
+    const [low, high] = rangeOf(null, null, 3);
     expect(high).toBeGreaterThan(low);
+  });
+
+  test("noise is not enlarged beyond what is shown in numbers", () => {
+    const [low, high] = rangeOf(1.0, 1.0001, 3);
+    expect(high - low).toBeGreaterThan(0.01);
+    expect(rangeOf(1.0, 1.1, 3)[1]).toBeCloseTo(1.106);
+  });
+
+  test("neighbouring ticks have different texts", () => {
+    expect([0, 0.0005, 0.001].map((tick) => tickText(tick, 0.0005))).toEqual([
+      "0",
+      "0.0005",
+      "0.001",
+    ]);
+    expect([-0, 0.25, 0.5].map((tick) => tickText(tick, 0.25))).toEqual([
+      "0",
+      "0.25",
+      "0.5",
+    ]);
+    expect([0, 20, 40].map((tick) => tickText(tick, 20))).toEqual(["0", "20", "40"]);
   });
 
   test("units follow the quantity and the user", () => {

@@ -3,7 +3,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { token } from "../ui/theme";
 import { handleGestures } from "./gestures";
-import { COLOURS, limitsNear, rangeOf, type Scale } from "./quantities";
+import { COLOURS, limitsNear, rangeOf, type Scale, tickText } from "./quantities";
 import { cursors, visible } from "./range";
 import type { SignalInfo, SignalSource } from "./signals";
 
@@ -84,7 +84,9 @@ export class Chart {
         },
         scales: {
           x: { time: false, range: () => visible() },
-          ...Object.fromEntries(units.map((unit) => [unit, this.scaleOf(unit)])),
+          ...Object.fromEntries(
+            lines.map(({ scale }) => [scale.symbol, this.scaleOf(scale)]),
+          ),
         },
         axes: [
           { ...axis(), values: (_plot, ticks) => ticks.map(timeText), size: 26 },
@@ -165,9 +167,10 @@ export class Chart {
     return row.map((value) => (value === null ? null : factor * value));
   }
 
-  private scaleOf(unit: string): uPlot.Scale {
+  private scaleOf({ symbol, digits }: Scale): uPlot.Scale {
     return {
-      range: (_plot, least, most) => rangeOf(least, most, this.limits.get(unit)),
+      range: (_plot, least, most) =>
+        rangeOf(least, most, digits, this.limits.get(symbol)),
     };
   }
 
@@ -181,6 +184,8 @@ export class Chart {
       labelFont: `11px ${token("--font")}`,
       labelSize: AXIS.label,
       size: AXIS.values,
+      values: (_plot, ticks, _axis, _space, apart) =>
+        ticks.map((tick) => tickText(tick, apart)),
       grid: { show: index === 0, stroke: token("--plot-grid"), width: 1 },
     };
   }

@@ -36,13 +36,13 @@ const key = computed(() => {
 /** What the user chose during this visit, by key. */
 const chosen = signal<ReadonlyMap<string, Layout>>(new Map());
 
-/** The joints of the first trajectory controller that runs, or the first three. */
+/** The joints of the trajectory controller that has most, running or not, or the first three. */
 const usualNames = computed(() => {
-  const running = status.value?.controllers.find(
-    (one) => one.is_running && one.role === "trajectory" && isOurController(one),
-  );
+  const [controller] = (status.value?.controllers ?? [])
+    .filter((one) => one.role === "trajectory" && isOurController(one))
+    .sort((a, b) => b.joints.length - a.joints.length);
   const ours = joints.value.map(({ name }) => name).filter(isOurs);
-  const names = running?.joints ?? ours.slice(0, 3);
+  const names = controller?.joints ?? ours.slice(0, 3);
   // as text, since it is then the same as long as it says the same
   return names.slice(0, COLOURS).join("\n");
 });

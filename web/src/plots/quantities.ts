@@ -47,18 +47,31 @@ export function siUnit(kind: Kind): string {
   return SI[kind];
 }
 
-/** Return the range of an axis: the values and `also`, with a margin. */
+/**
+ * Return the range of an axis: the values and `also`, with a margin.  Differences below
+ * what the last of `digits` shows are not enlarged.
+ */
 export function rangeOf(
   least: number | null,
   most: number | null,
+  digits: number,
   also: readonly number[] = [],
 ): [number, number] {
   const low = Math.min(least ?? 0, ...also);
   const high = Math.max(most ?? 0, ...also);
-  const air = 0.06 * (high - low);
-  if (air > 1e-9) return [low - air, high + air];
-  const around = Math.max(0.01, 0.05 * Math.abs(high));
+  const finest = 10 ** -digits;
+  if (high - low > finest) {
+    const air = 0.06 * (high - low);
+    return [low - air, high + air];
+  }
+  const around = Math.max(5 * finest, 0.05 * Math.abs(high));
   return [low - around, high + around];
+}
+
+/** Return the text of a tick, with the digits that ticks `apart` from each other need. */
+export function tickText(tick: number, apart: number): string {
+  const digits = 1 - Math.floor(Math.log10(apart));
+  return String(Number(tick.toFixed(Math.max(0, digits))));
 }
 
 /**
