@@ -60,8 +60,10 @@ def click_chart(tab: Tab, part: float) -> None:
 
 def visible(tab: Tab) -> tuple[float, float]:
     """Return the range of time that the first pane shows [s]."""
-    chart = tab.get(CHART)
-    start, end = (chart.get_attribute(f"data-{name}") for name in ("from", "to"))
+    # in one step: dragging moves both ends
+    start, end = tab.get(CHART).evaluate(
+        "chart => [chart.dataset.from, chart.dataset.to]"
+    )
     return number(start), number(end)
 
 
