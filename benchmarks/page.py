@@ -22,7 +22,7 @@ _FLAGS: Final = (
     "--enable-unsafe-swiftshader",
     "--disable-gpu-compositing",  # as where there is no GPU
 )
-_CONTROLS: Final = "[data-testid=connection][data-state=open]"
+_CONTROLS: Final = "[data-testid=enable-toggle]:not([disabled])"
 _SCENE: Final = "[data-testid=scene][data-ready=true]"
 _COUNT: Final = """
     window.drawn = 0;
