@@ -13,13 +13,14 @@ from tool0_ros2.kinematics import Joint, read_joints
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """The last message also reaches those who subscribe later."""
 PUBLISHER = "robot_state_publisher"
+STATIC_FRAMES = "/tf_static"
 
 
 class RobotPart:
     """``/robot_description``, ``/tf`` and ``/tf_static``.
 
     The frames are published while a joint_state_broadcaster is active, as a
-    robot_state_publisher would; not while one runs itself.
+    robot_state_publisher would; not while one does so itself.
     """
 
     def __init__(self, context: Context, urdf: str, tf_rate: float) -> None:
@@ -64,9 +65,16 @@ class RobotPart:
         self._context.node.destroy_publisher(self._description)
 
     def look_for_publisher(self) -> None:
-        """Stop publishing frames while a robot_state_publisher runs, or go on."""
+        """Stop publishing frames while a robot_state_publisher does, or go on.
+
+        A node alone tells nothing: the graph of rmw_fastrtps may list one forever
+        whose process has ended.  Its publishers do disappear.
+        """
         node, root = self._context.node, self._context.names.root or "/"
-        is_there = (PUBLISHER, root) in node.get_node_names_and_namespaces()
+        is_there = any(
+            (item.node_name, item.node_namespace) == (PUBLISHER, root)
+            for item in node.get_publishers_info_by_topic(STATIC_FRAMES)
+        )
         if is_there and self._frames is not None:
             node.get_logger().info(f"a {PUBLISHER} runs: it publishes the frames")
             self._stop()
@@ -75,7 +83,7 @@ class RobotPart:
 
     def _start(self) -> None:
         node = self._context.node
-        self._static = node.create_publisher(TFMessage, "/tf_static", LATCHED)
+        self._static = node.create_publisher(TFMessage, STATIC_FRAMES, LATCHED)
         fixed = list(map(self._transform, self._fixed))
         if self._root and self._context.names.tf_prefix:
             fixed.append(self._place_in_cell())
