@@ -40,7 +40,7 @@ def main() -> None:
         Screen(options.width, options.height) as screen,
         _home(options.width, options.height),
     ):
-        os.environ["DISPLAY"] = screen.name
+        os.environ.update(screen.environment)
         simulation = tool0.SimulationConfig(
             engine="gazebo", engine_options={"gui": True}, scene=SCENE, realtime=False
         )

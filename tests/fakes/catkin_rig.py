@@ -160,11 +160,6 @@ def _write_program(path: Path, text: str) -> None:
     path.chmod(0o755)
 
 
-def exported(environment: Mapping[str, str]) -> list[str]:
-    """Return the words by which ``env`` sets these variables."""
-    return [f"{name}={value}" for name, value in environment.items()]
-
-
 def sourced(catkin: Catkin, setup: Path) -> dict[str, str]:
     """Return the variables that a shell has after ``source setup.bash``."""
     text = catkin.out("bash", "-c", f"source '{setup}' && env -0")

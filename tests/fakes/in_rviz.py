@@ -65,10 +65,14 @@ def start_rviz(
     )
     file.write_text(text, encoding="utf-8")
     return ros.spawn(
-        *("env", f"HOME={home}", f"XDG_RUNTIME_DIR={home}", f"DISPLAY={screen.name}"),
-        "LIBGL_ALWAYS_SOFTWARE=1",
         *("rviz", "--display-config", str(file), "--splash-screen", ""),
+        **variables(screen, home),
     )
+
+
+def variables(screen: Screen, home: Path) -> dict[str, str]:
+    """Return what RViz needs on the screen; it keeps its settings in ``home``."""
+    return {"HOME": str(home), "XDG_RUNTIME_DIR": str(home), **screen.environment}
 
 
 def view(pixels: Pixels) -> Pixels:

@@ -196,9 +196,13 @@ class Ros:
         """Run a script of rospy in the system's Python."""
         return self.run(system_python(), "-c", program, *arguments, timeout=timeout)
 
-    def spawn(self, *command: str) -> ChildProcess:
-        """Start a program that ends with the roscore at the latest."""
-        child = ChildProcess(command, environment=self.tools, grace=_GRACE)
+    def spawn(self, *command: str, **variables: str) -> ChildProcess:
+        """Start a program that ends with the roscore at the latest.
+
+        ``variables`` are set in its environment.
+        """
+        environment = {**self.tools, **variables}
+        child = ChildProcess(command, environment=environment, grace=_GRACE)
         self._started.append(child)
         return child
 

@@ -39,7 +39,8 @@ def screen(monkeypatch: pytest.MonkeyPatch) -> Iterator[Screen]:
     if find_xvfb() is None:
         absent("gazebo", "no Xvfb is installed")
     with Screen(960, 600) as screen:
-        monkeypatch.setenv("DISPLAY", screen.name)
+        for name, value in screen.environment.items():
+            monkeypatch.setenv(name, value)
         yield screen
 
 

@@ -15,8 +15,8 @@ from xml.etree import ElementTree as ET
 
 import pytest
 import yaml
-from catkin_rig import Catkin, exported, require_catkin, sourced
-from in_rviz import black, blue, view
+from catkin_rig import Catkin, require_catkin, sourced
+from in_rviz import black, blue, variables, view
 from promised import absent, require_engine, require_ros
 from ros import TIMEOUT, Ros
 from screen import Pixels, Screen, find_xvfb
@@ -426,10 +426,9 @@ def test_the_view_shows_the_robot(
 ) -> None:
     """Launched for real, but for the window of sliders: its Qt is not here."""
     launch = own_ros.spawn(  # without the simulated time of others
-        "env",
-        *exported({k: catkin.environment[k] for k in ("PATH", "ROS_PACKAGE_PATH")}),
-        *(f"HOME={tmp_path}", f"XDG_RUNTIME_DIR={tmp_path}", f"DISPLAY={screen.name}"),
-        *("LIBGL_ALWAYS_SOFTWARE=1", "roslaunch", *VIEW, "gui:=false"),
+        *("roslaunch", *VIEW, "gui:=false"),
+        **{k: catkin.environment[k] for k in ("PATH", "ROS_PACKAGE_PATH")},
+        **variables(screen, tmp_path),
     )
 
     def shows_the_robot(pixels: Pixels) -> bool:
