@@ -134,8 +134,8 @@ def episode_of(
             f"{row.file} has no two frames {1.0 / rate:g} s apart: it is too short, or "
             f"was not recorded at a multiple of {rate:g} Hz"
         )
-    names = recording.joint_names
-    columns = [names.index(name) for name in driven_joints(recording)]
+    joints = driven_joints(recording)
+    columns = [recording.joint_names.index(name) for name in joints]
     position = recording.position[:, columns][frames]
     velocity = recording.velocity[:, columns][frames]
     commanded = recording.desired_position[:, columns][frames]
@@ -156,6 +156,11 @@ def episode_of(
         terminated=True,
         success=success,
         rate=rate,
+        names={
+            "position": [f"{name}.position" for name in joints],
+            "velocity": [f"{name}.velocity" for name in joints],
+            "action": [f"{name}.position" for name in joints],
+        },
     )
 
 

@@ -28,7 +28,8 @@ def encoded(episode: Episode, index: int, form: Format) -> tuple[dict[str, Any],
 
     A file of a LeRobot data set counts its frames from 0, see ``placed``.
     """
-    frames = _lerobot(episode) if form == "lerobot" else _columns(episode)
+    is_lerobot = form == "lerobot"
+    frames = _lerobot(episode) if is_lerobot else _columns(episode)
     row: dict[str, Any] = {
         "episode_index": index,
         "seed": episode.seed,
@@ -43,10 +44,12 @@ def encoded(episode: Episode, index: int, form: Format) -> tuple[dict[str, Any],
         "frame_index": np.arange(n),
         "episode_index": np.full(n, index),
     }
-    if form == "lerobot":
+    metadata = {}
+    if is_lerobot:
         frames |= {"index": np.arange(n), "task_index": np.zeros(n, np.int64)}
         row["stats"] = {name: _statistics(values) for name, values in frames.items()}
-    return row, _file(_table(frames, form, episode.rate))
+        metadata = _metadata(frames, _number_names(episode), episode.rate)
+    return row, _file(_table(frames, metadata))
 
 
 def placed(
@@ -94,11 +97,7 @@ def _columns(episode: Episode) -> dict[str, Array]:
 def _lerobot(episode: Episode) -> dict[str, Array]:
     names = sorted(episode.observations)
     images = [name for name in names if _is_image(episode.observations[name])]
-    state = [
-        episode.observations[name].reshape(episode.n_frames, -1)
-        for name in names
-        if name not in images
-    ]
+    state = [_numbers(episode, name) for name in names if name not in images]
     ends = np.arange(episode.n_frames) == episode.n_frames - 1
     return {
         "observation.state": _narrow(np.hstack(state)),
@@ -108,6 +107,23 @@ def _lerobot(episode: Episode) -> dict[str, Array]:
         "next.done": ends,
         "next.success": ends & episode.success,
     }
+
+
+def _numbers(episode: Episode, name: str) -> Array:
+    """Return an observation, shape (n_frames, n)."""
+    return episode.observations[name].reshape(episode.n_frames, -1)
+
+
+def _number_names(episode: Episode) -> dict[str, list[str]]:
+    """Return column → names of its numbers; nothing for an episode without names."""
+    if not episode.names:
+        return {}
+    state: list[str] = []
+    for name in sorted(episode.observations):
+        if not _is_image(episode.observations[name]):
+            numbers = range(_numbers(episode, name).shape[1])
+            state += episode.names.get(name, [f"{name}.{k}" for k in numbers])
+    return {"observation.state": state, "action": list(episode.names["action"])}
 
 
 def _narrow(values: Array) -> Array:
@@ -161,19 +177,22 @@ def _image_statistics(images: Array) -> dict[str, list[Any]]:
 # ---- files ---------------------------------------------------------------------------
 
 
-def _table(frames: Mapping[str, Array], form: Format, rate: float) -> Table:
+def _metadata(
+    frames: Mapping[str, Array], names: Mapping[str, list[str]], rate: float
+) -> dict[bytes, bytes]:
+    """Return what a file of a LeRobot data set says of itself."""
+    found = {name: _feature(values, names.get(name)) for name, values in frames.items()}
+    hub = {name: _hub_feature(feature) for name, feature in found.items()}
+    fps = int(rate) if rate.is_integer() else rate
+    return {
+        _DESCRIPTION: json.dumps({"fps": fps, "features": found}).encode(),
+        b"huggingface": json.dumps({"info": {"features": hub}}).encode(),
+    }
+
+
+def _table(frames: Mapping[str, Array], metadata: Mapping[bytes, bytes]) -> Table:
     import pyarrow as pa
 
-    metadata = {}
-    if form == "lerobot":
-        found = {name: _feature(values) for name, values in frames.items()}
-        hub = {name: _hub_feature(feature) for name, feature in found.items()}
-        metadata = {
-            _DESCRIPTION: json.dumps(
-                {"fps": int(rate) if rate.is_integer() else rate, "features": found}
-            ).encode(),
-            b"huggingface": json.dumps({"info": {"features": hub}}).encode(),
-        }
     arrays = {name: _array(values) for name, values in frames.items()}
     return pa.table(arrays, metadata=metadata)
 
@@ -203,13 +222,17 @@ def _file(table: Table) -> bytes:
     return file
 
 
-def _feature(values: Array) -> dict[str, Any]:
-    """Return the description of a column as ``meta/info.json`` has it."""
+def _feature(values: Array, names: list[str] | None) -> dict[str, Any]:
+    """Return the description of a column as ``meta/info.json`` has it.
+
+    Numbers without ``names`` are counted from 0.
+    """
     if _is_image(values):
-        names: list[str] | None = ["height", "width", "channel"]
+        names = ["height", "width", "channel"]
         return {"dtype": "image", "shape": list(values.shape[1:]), "names": names}
     shape = list(values.shape[1:]) or [1]
-    names = [str(k) for k in range(shape[0])] if values.ndim == 2 else None
+    if names is None and values.ndim == 2:
+        names = [str(k) for k in range(shape[0])]
     return {"dtype": str(values.dtype), "shape": shape, "names": names}
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, final
 
@@ -40,6 +40,9 @@ class Episode:
     success: bool
     rate: float
     """Actions per simulated second [Hz]."""
+    names: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    """Name of an observation, or ``action`` → names of its numbers, where they have
+    any."""
 
     @property
     def n_frames(self) -> int:

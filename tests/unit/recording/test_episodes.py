@@ -174,12 +174,19 @@ def test_they_become_a_lerobot_data_set(folder: Path, tmp_path: Path) -> None:
     elbow = recording.joint_names.index("elbow_joint")
     state, action = table["observation.state"].to_pylist(), table["action"].to_pylist()
     assert len(action[0]) == 7  # six joints and the gripper's
+    features = info["features"]
+    now, then = (
+        features[name]["names"].index("elbow_joint.position")
+        for name in ("observation.state", "action")
+    )
+    velocity = features["observation.state"]["names"].index("elbow_joint.velocity")
     for k in range(10):
         frame = 5 * k  # of 125 Hz
-        column = action[k].index(
-            pytest.approx(recording.desired_position[frame + 5, elbow])
-        )
-        assert state[k][column] == pytest.approx(recording.position[frame, elbow])
+        goal = recording.desired_position[frame + 5, elbow]
+        assert action[k][then] == pytest.approx(goal)
+        assert state[k][now] == pytest.approx(recording.position[frame, elbow])
+        measured = recording.velocity[frame, elbow]
+        assert state[k][velocity] == pytest.approx(measured)
     assert table["next.success"].to_pylist() == [False] * 9 + [True]
 
 
