@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from pathlib import Path
+from signal import Signals
 from string import Template
 
 import numpy as np
@@ -14,6 +17,8 @@ from tool0.installation.child_process import ChildProcess
 
 Mask = NDArray[np.bool_]
 
+_STARTS = 3
+_CRASHES = (Signals.SIGABRT, Signals.SIGSEGV)
 BACKGROUND = (215, 220, 226)
 """Red, green, blue of what is behind everything."""
 _CONFIGURATION = Template("""\
@@ -68,6 +73,45 @@ def start_rviz(
         *("rviz", "--display-config", str(file), "--splash-screen", ""),
         **variables(screen, home),
     )
+
+
+def shown(
+    start: Callable[[], ChildProcess],
+    screen: Screen,
+    shows: Callable[[Pixels], bool],
+    patience: float,
+) -> tuple[ChildProcess, Pixels]:
+    """Start RViz, and return it with the first picture that ``shows`` is true of.
+
+    If RViz crashes before, it is started again.  OGRE 1.12 makes a window on one
+    connection to the X server, and at once draws in it on another.  Where the server
+    takes the second first, Mesa 22.3 asks for the size of no window, takes what is in
+    memory for the answer, and writes beyond its pictures: on a busy machine, that ends
+    1 to 3 of 100 starts.
+    """
+    for _ in range(_STARTS):
+        program = start()
+
+        def is_over(pixels: Pixels, program: ChildProcess = program) -> bool:
+            return shows(pixels) or program.exit_status is not None
+
+        pixels = screen.wait_for(is_over, patience)
+        if pixels is not None and shows(pixels):
+            return program, pixels
+        if not _has_crashed(program):
+            break
+        program.close()
+    raise AssertionError(f"not shown within {patience:g} s\n{program.last_output(60)}")
+
+
+def _has_crashed(program: ChildProcess) -> bool:
+    """Return whether RViz died of a signal, itself or below roslaunch."""
+    status = program.exit_status
+    if status is None:
+        return False
+    codes = "|".join(f"-{signal:d}" for signal in _CRASHES)
+    told = re.search(rf"exit code ({codes}), cmd \S+/rviz ", program.last_output(60))
+    return status in {-signal for signal in _CRASHES} or told is not None
 
 
 def variables(screen: Screen, home: Path) -> dict[str, str]:

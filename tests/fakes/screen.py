@@ -47,10 +47,7 @@ class Screen:
         self.environment: Mapping[str, str] = {
             "DISPLAY": name,
             "LIBGL_ALWAYS_SOFTWARE": "1",
-            "LP_NUM_THREADS": "0",
         }
-        """Mesa draws, in the program's own thread: with threads, 1 % of RViz's starts
-        ended in a corrupted heap (Mesa 22.3.6)."""
 
     def pixels(self) -> Pixels:
         """Return what is on the screen, shape (height, width, 3), red first."""

@@ -16,7 +16,7 @@ from xml.etree import ElementTree as ET
 import pytest
 import yaml
 from catkin_rig import Catkin, require_catkin, sourced
-from in_rviz import black, blue, variables, view
+from in_rviz import black, blue, shown, variables, view
 from promised import absent, require_engine, require_ros
 from ros import TIMEOUT, Ros
 from screen import Pixels, Screen, find_xvfb
@@ -26,6 +26,7 @@ from tool0.control.default_controllers import controllers_yaml
 from tool0.description.robot import assemble, named_poses
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
+from tool0.installation.child_process import ChildProcess
 from tool0.installation.gazebo.installation import find_installation
 from tool0.installation.robot_packages import PACKAGES
 
@@ -425,17 +426,19 @@ def test_the_view_shows_the_robot(
     catkin: Catkin, own_ros: Ros, screen: Screen, tmp_path: Path
 ) -> None:
     """Launched for real, but for the window of sliders: its Qt is not here."""
-    launch = own_ros.spawn(  # without the simulated time of others
-        *("roslaunch", *VIEW, "gui:=false"),
-        **{k: catkin.environment[k] for k in ("PATH", "ROS_PACKAGE_PATH")},
-        **variables(screen, tmp_path),
-    )
+
+    def start() -> ChildProcess:
+        return own_ros.spawn(  # without the simulated time of others
+            *("roslaunch", *VIEW, "gui:=false"),
+            **{k: catkin.environment[k] for k in ("PATH", "ROS_PACKAGE_PATH")},
+            **variables(screen, tmp_path),
+        )
 
     def shows_the_robot(pixels: Pixels) -> bool:
         world = view(pixels)
         return bool(blue(world).sum() > 400 and black(world).sum() > 600)
 
-    assert screen.wait_for(shows_the_robot, TIMEOUT) is not None, launch.last_output()
+    launch, _ = shown(start, screen, shows_the_robot, TIMEOUT)
     launch.close()
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from in_rviz import black, blue, start_rviz, view
+from in_rviz import black, blue, shown, start_rviz, view
 from promised import absent, require_ros
 from ros import TIMEOUT, Bringup, Ros
 from screen import Pixels, Screen, find_xvfb
@@ -37,9 +37,12 @@ def shows_the_robot(pixels: Pixels) -> bool:
 def test_it_shows_the_robot_moving(
     screen: Screen, ros: Ros, bringup: Bringup, tmp_path: Path
 ) -> None:
-    rviz = start_rviz(ros, screen, tmp_path, size=SIZE)
-    before = screen.wait_for(shows_the_robot, TIMEOUT)
-    assert before is not None, rviz.last_output()
+    rviz, before = shown(
+        lambda: start_rviz(ros, screen, tmp_path, size=SIZE),
+        screen,
+        shows_the_robot,
+        TIMEOUT,
+    )
 
     ros.run(
         *("rostopic", "pub", "--once", "/eff_joint_traj_controller/command"),
