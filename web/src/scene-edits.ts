@@ -59,8 +59,9 @@ function inOrder<T>(begin: () => Promise<T>): Promise<T> {
   return result;
 }
 
-function perform(edit: Edit): Promise<ErrorInfo | null> {
+function perform(make: () => Edit): Promise<ErrorInfo | null> {
   return inOrder(async () => {
+    const edit = make();
     const problem = await carryOut(edit.redo);
     if (problem === null) {
       done.value = [...done.value, edit].slice(-MOST);
@@ -100,17 +101,21 @@ async function succeeds(calls: readonly Call[]): Promise<boolean> {
 
 /** Add an object; return why it was refused. */
 export function addObject(params: AddObject): Promise<ErrorInfo | null> {
+  return perform(() => adding(params));
+}
+
+function adding(params: AddObject): Edit {
   const undo: Call = { method: "remove_object", params: { name: params.name } };
-  return perform({ redo: [{ method: "add_object", params }], undo: [undo] });
+  return { redo: [{ method: "add_object", params }], undo: [undo] };
 }
 
 /** Place an object; return why it was refused. */
 export function placeObject(name: string, to: Target): Promise<ErrorInfo | null> {
   const from = targetOf(name);
-  return perform({
+  return perform(() => ({
     redo: [placing(name, to)],
     undo: from ? [placing(name, from)] : [],
-  });
+  }));
 }
 
 /** Remove objects, and report a refusal. */
@@ -123,16 +128,19 @@ export async function removeObjects(objects: readonly ViewObject[]): Promise<voi
     method: "add_object",
     params: copyOf(object),
   }));
-  reportRefusal(await perform({ redo, undo }));
+  reportRefusal(await perform(() => ({ redo, undo })));
 }
 
 /** Add a copy beside an object, select it, and report a refusal. */
 export async function duplicateObject(object: ViewObject): Promise<void> {
   const copy = copyOf(object);
-  const name = freeName(object.name.replace(/ \d+$/, ""));
+  let { name } = object;
   const [x = 0, y = 0, z = 0] = copy.xyz ?? [];
   const xyz: [number, number, number] = [x, y + ASIDE * widthOf(object.shape), z];
-  const problem = await addObject({ ...copy, name, xyz });
+  const problem = await perform(() => {
+    name = freeName(object.name.replace(/ \d+$/, ""), addedNames());
+    return adding({ ...copy, name, xyz });
+  });
   reportRefusal(problem);
   if (problem === null) select({ kind: "object", name });
 }
@@ -197,9 +205,18 @@ function widthOf(shape: ShapeInfo): number {
   return 2 * Math.max(0.05, ...reaches);
 }
 
-/** Return a name that no object has: `box`, `box 2`, …. */
-export function freeName(wanted: string): string {
-  const taken = new Set(scene.value?.objects.map((object) => object.name));
+/** Return the names of what was added here; the scene may not show all of it yet. */
+function addedNames(): string[] {
+  return done
+    .peek()
+    .flatMap(({ redo }) => redo)
+    .flatMap(({ method, params }) => (method === "add_object" ? [params.name] : []));
+}
+
+/** Return a name that no object has, and no other: `box`, `box 2`, …. */
+export function freeName(wanted: string, others: readonly string[] = []): string {
+  const names = scene.value?.objects.map((object) => object.name) ?? [];
+  const taken = new Set([...names, ...others]);
   if (!taken.has(wanted)) return wanted;
   let number = 2;
   while (taken.has(`${wanted} ${String(number)}`)) number += 1;

@@ -1,4 +1,4 @@
-import { beforeEach, describe, expect, it } from "vitest";
+import { beforeEach, describe, expect, it, vi } from "vitest";
 import { disable, enable, endReason, isDriving, watchDriving } from "../src/driving";
 import { frames, shown } from "../src/frames";
 import type { Frame, Notice } from "../src/protocol";
@@ -124,6 +124,16 @@ describe("scrolling back", () => {
     past.goLive();
     expect(shown.latest?.time).toBe(10.1);
     expect(shown.isPast.value).toBe(false);
+  });
+
+  it("rests when it has played to the present", async () => {
+    past.seek(9.9);
+    past.play(true);
+    await vi.advanceTimersByTimeAsync(1000);
+    expect(shown.isPast.value).toBe(false);
+    const asked = vi.spyOn(globalThis, "requestAnimationFrame");
+    await vi.advanceTimersByTimeAsync(1000);
+    expect(asked).not.toHaveBeenCalled();
   });
 
   it("is at the present at the end of the line", () => {

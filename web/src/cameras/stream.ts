@@ -85,11 +85,13 @@ export class CameraStream {
 
 function pause(duration: number, signal: AbortSignal): Promise<void> {
   return new Promise((resolve) => {
-    const timer = setTimeout(resolve, Math.max(0, duration));
-    signal.addEventListener("abort", () => {
+    const end = () => {
       clearTimeout(timer);
+      signal.removeEventListener("abort", end);
       resolve();
-    });
+    };
+    const timer = setTimeout(end, Math.max(0, duration));
+    signal.addEventListener("abort", end);
   });
 }
 
@@ -99,6 +101,7 @@ function visibility(signal: AbortSignal): Promise<void> {
   return new Promise((resolve) => {
     const end = () => {
       document.removeEventListener("visibilitychange", end);
+      signal.removeEventListener("abort", end);
       resolve();
     };
     document.addEventListener("visibilitychange", end);

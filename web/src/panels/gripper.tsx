@@ -63,7 +63,10 @@ export function GripperPanel({ gripper, isNamed }: GripperPanelProps) {
         opening: opening / 1000,
         ...(isReal && { speed, force }),
       })
-      .then(setProblem);
+      .then((refused) => {
+        setProblem(refused);
+        if (refused) setSent(null);
+      });
   };
   const disabled = !mayMove.value;
   const isReal = view.value?.mode === "simulation";

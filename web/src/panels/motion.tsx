@@ -1,3 +1,4 @@
+import type { GripperInfo } from "../protocol";
 import { isOurs } from "../robots";
 import { view } from "../store";
 import { GripperPanel } from "./gripper";
@@ -6,6 +7,12 @@ import { RecordedPanel } from "./recorded";
 import { ToolSection } from "./tool";
 import { TrajectoryPanel } from "./trajectory";
 import { ViewPanel } from "./view";
+
+/** Another gripper of the same name begins with settings of its own. */
+function keyOf(gripper: GripperInfo): string {
+  const { name, max_opening, max_speed, max_force } = gripper;
+  return [name, max_opening, max_speed, max_force].join(" ");
+}
 
 export function MotionPanel() {
   const now = view.value;
@@ -19,7 +26,7 @@ export function MotionPanel() {
         .filter(({ joint }) => isOurs(joint))
         .map((gripper, _, ours) => (
           <GripperPanel
-            key={gripper.name}
+            key={keyOf(gripper)}
             gripper={gripper}
             isNamed={ours.length > 1}
           />

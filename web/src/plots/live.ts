@@ -1,11 +1,12 @@
 /** The running robot as a source of signals; it keeps the last minutes. */
-import { computed, effect, type ReadonlySignal } from "@preact/signals";
+import { computed, effect, type ReadonlySignal, untracked } from "@preact/signals";
 import { need as needForces } from "../forces";
 import { frames, shown } from "../frames";
 import { model } from "../model";
 import { scene, status, view } from "../store";
 import { type LiveSignal, signalsOf } from "./catalogue";
 import { History, type Moment } from "./history";
+import { follow, removeCursors } from "./range";
 import { type Samples, type SignalSource, source } from "./signals";
 import { thinned } from "./thinning";
 
@@ -147,6 +148,10 @@ const names = computed(() =>
 );
 effect(() => {
   if (names.value === undefined) return;
+  untracked(() => {
+    follow();
+    removeCursors();
+  });
   live.clear();
   for (const { frame } of frames.last) live.push(moment(frame));
 });

@@ -26,7 +26,14 @@ export const remarks = computed(() => {
   return found;
 });
 
+/** Grows when a check is begun, or what it is of changes. */
+let generation = 0;
+/** Grows when nothing more is to be seen of a plan. */
+let hidings = 0;
+
 export function forgetCheck(): void {
+  generation += 1;
+  isChecking.value = false;
   check.value = null;
   checkFailure.value = null;
   hidePreview();
@@ -35,7 +42,10 @@ export function forgetCheck(): void {
 /** Plan the program on the server; show its path.  Return whether it can be executed. */
 export async function checkProgram(program: Program): Promise<boolean> {
   isChecking.value = true;
+  const ours = ++generation;
+  const before = hidings;
   const answer = await connection.ask("check_program", { program });
+  if (ours !== generation) return false; // the program has changed
   isChecking.value = false;
   if (answer.problem) {
     check.value = null;
@@ -44,13 +54,14 @@ export async function checkProgram(program: Program): Promise<boolean> {
   }
   check.value = answer.result;
   checkFailure.value = null;
-  plannedPath.value = answer.result.motion.points;
+  if (before === hidings) plannedPath.value = answer.result.motion.points;
   return answer.result.problems.length === 0;
 }
 
 // ---- the preview --------------------------------------------------------------------
 
 export function hidePreview(): void {
+  hidings += 1;
   plannedPath.value = null;
   plannedPose.value = null;
 }

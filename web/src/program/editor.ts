@@ -1,8 +1,8 @@
 /** The program that the user edits, with undo; a draft stays between visits. */
 import { batch, computed, effect, signal } from "@preact/signals";
 import type { Program } from "../protocol";
-import { recallText, remember } from "../ui/memory";
 import { forgetCheck } from "./checking";
+import { readDraft, writeDraft } from "./draft";
 import {
   inserted,
   isLoop,
@@ -19,7 +19,6 @@ import {
   type Way,
 } from "./steps";
 
-const DRAFT = "program";
 const MOST_UNDONE = 200;
 
 /** What undo brings back. */
@@ -29,7 +28,7 @@ interface Edition {
 }
 
 export const EMPTY: Program = { name: "program", steps: [] };
-export const program = signal<Program>(readDraft());
+export const program = signal<Program>(readDraft() ?? EMPTY);
 /** The step that is edited. */
 export const selection = signal<Path | null>(null);
 const past = signal<readonly Edition[]>([]);
@@ -49,18 +48,8 @@ export const isChanged = computed(
 );
 
 effect(() => {
-  remember(DRAFT, JSON.stringify(program.value));
+  writeDraft(program.value);
 });
-
-function readDraft(): Program {
-  try {
-    const draft = JSON.parse(recallText(DRAFT) ?? "") as Partial<Program> | null;
-    const isOne = typeof draft?.name === "string" && Array.isArray(draft.steps);
-    return isOne ? (draft as Program) : EMPTY;
-  } catch {
-    return EMPTY;
-  }
-}
 
 /** Take an edited program; what was found of the one before is out of date. */
 function edit(changed: Program, selected: Path | null = selection.peek()): void {
@@ -107,9 +96,9 @@ export function open(other: Program, isSaved: boolean): void {
   saved.value = isSaved ? other : null;
 }
 
-/** Note that the program was saved as it is. */
-export function noteSaved(): void {
-  saved.value = program.peek();
+/** Note that a program was saved; what was edited since then is not. */
+export function noteSaved(one: Program): void {
+  saved.value = one;
 }
 
 export function rename(name: string): void {

@@ -5,7 +5,7 @@ import { t } from "../i18n";
 import { report } from "../notices";
 import type { ErrorInfo, ExportProgram, SavedProgram } from "../protocol";
 import { save as saveFile } from "../ui/download";
-import { noteSaved, open, program, rename } from "./editor";
+import { isChanged, noteSaved, open, program, rename } from "./editor";
 import { requested } from "./running";
 
 export const savedPrograms = signal<readonly SavedProgram[]>([]);
@@ -28,12 +28,12 @@ export async function refresh(): Promise<void> {
 }
 
 export async function save(): Promise<void> {
-  const { name } = program.peek();
+  const saving = program.peek();
   if (!isDone(await connection.request("save_program", { program: requested() }))) {
     return;
   }
-  noteSaved();
-  report("info", t("program.saved", { name }));
+  noteSaved(saving);
+  report("info", t("program.saved", { name: saving.name }));
   await refresh();
 }
 
@@ -51,8 +51,9 @@ export async function renameSaved(name: string, newName: string): Promise<void> 
   });
   if (!isDone(problem)) return;
   if (program.peek().name === name) {
+    const wasSaved = !isChanged.peek();
     rename(newName);
-    noteSaved();
+    if (wasSaved) noteSaved(program.peek());
   }
   await refresh();
 }

@@ -7,6 +7,7 @@ import { robots, selected } from "../robots";
 import { status } from "../store";
 import { check, checkProgram } from "./checking";
 import { program } from "./editor";
+import type { Path } from "./steps";
 
 /** Why the last request was refused. */
 export const refusal = signal<string | null>(null);
@@ -21,6 +22,17 @@ export const isRunning = computed(
   () => run.value?.state === "running" || run.value?.state === "paused",
 );
 
+/** What `start` sent last, as it was edited then. */
+const started = signal<Program | null>(null);
+
+/** The path of the step that is executed now, if it is one of the shown program. */
+export const runningStep = computed<Path | null>(() => {
+  const now = run.value;
+  if (!isRunning.value || now?.program !== program.value.name) return null;
+  const isShown = started.value === null || started.value === program.value;
+  return isShown ? (now.step ?? null) : null;
+});
+
 /** Return the program as requests have it: of several arms, it names its own. */
 export function requested(): Program {
   const now = program.peek();
@@ -31,12 +43,16 @@ export function requested(): Program {
 /** Run the program, or let it wait before its first step. */
 export async function start(paused = false): Promise<void> {
   await endGuiding();
+  const starting = program.peek();
   const problem = await connection.request("run_program", {
     program: requested(),
     paused,
   });
   refusal.value = null;
-  if (problem === null) return;
+  if (problem === null) {
+    started.value = starting;
+    return;
+  }
   // which steps are wrong, if that is why
   const isFine = await checkProgram(requested());
   if (isFine || check.peek() === null) refusal.value = problem.message;

@@ -114,7 +114,8 @@ export class Past implements Player {
     this.playedAt = now;
     const at = this.position() + passed * this.speed.peek();
     this.seek(at);
-    if (this.isPlaying.peek()) this.request = requestAnimationFrame(this.step);
+    if (shown.isPast.peek() && this.isPlaying.peek())
+      this.request = requestAnimationFrame(this.step);
   };
 
   private forget(): void {

@@ -1,5 +1,5 @@
 /** The signals of a recording: its server reads them, and thins them where they are dense. */
-import { computed, effect } from "@preact/signals";
+import { computed, effect, untracked } from "@preact/signals";
 import { connection } from "../connection";
 import { shown } from "../frames";
 import { model } from "../model";
@@ -41,6 +41,8 @@ export class RecordedSource implements SignalSource {
   /** By the signals that were read together. */
   private readonly fetched = new Map<string, Fetched>();
   private readonly fetching = new Set<string>();
+  /** Grows with every recording. */
+  private generation = 0;
 
   span(): readonly [number, number] | null {
     const replay = view.peek()?.replay;
@@ -84,6 +86,14 @@ export class RecordedSource implements SignalSource {
     return this;
   }
 
+  /** Forget what was fetched: it may be another recording. */
+  clear(): void {
+    this.generation += 1;
+    this.fetched.clear();
+    this.fetching.clear();
+    this.announce();
+  }
+
   /** Fetch a range and some more; the listeners then read again. */
   private async fetch(
     key: string,
@@ -94,6 +104,7 @@ export class RecordedSource implements SignalSource {
   ): Promise<void> {
     if (this.fetching.has(key) || ids.length === 0) return;
     this.fetching.add(key);
+    const { generation } = this;
     const more = MARGIN * (to - from);
     const range = { from: from - more, to: to + more };
     const samples = await this.ask(
@@ -102,9 +113,14 @@ export class RecordedSource implements SignalSource {
       range.to,
       Math.ceil((1 + 2 * MARGIN) * points),
     );
+    if (generation !== this.generation) return;
     this.fetching.delete(key);
     if (!samples) return;
     this.fetched.set(key, { ...range, samples });
+    this.announce();
+  }
+
+  private announce(): void {
     for (const listener of this.listeners) listener();
   }
 
@@ -162,4 +178,7 @@ const recorded = new RecordedSource();
 
 effect(() => {
   source.value = view.value?.mode === "replay" ? recorded : live;
+  untracked(() => {
+    recorded.clear();
+  });
 });

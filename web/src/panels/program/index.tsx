@@ -4,6 +4,7 @@ import { t } from "../../i18n";
 import { watchKeys } from "../../program/keys";
 import { hidePreview } from "../../program/checking";
 import { refresh } from "../../program/files";
+import { view } from "../../store";
 import { AddBar } from "./add-bar";
 import { Files } from "./files";
 import { RunBar } from "./run-bar";
@@ -12,10 +13,11 @@ import { StepList } from "./step-list";
 import "./program.css";
 
 export default function ProgramPanel() {
+  useEffect(() => hidePreview, []);
+  const connected = view.value;
   useEffect(() => {
     void refresh();
-    return hidePreview;
-  }, []);
+  }, [connected]);
   return (
     <div class="program-panel" onKeyDown={watchKeys}>
       <Files />

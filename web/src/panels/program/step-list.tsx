@@ -11,7 +11,7 @@ import {
   wrap,
 } from "../../program/editor";
 import { onListKey } from "../../program/keys";
-import { isRunning, run } from "../../program/running";
+import { runningStep } from "../../program/running";
 import { isLoop, pathText, type Row, samePath } from "../../program/steps";
 import { detailOf, titleOf } from "../../program/words";
 import { IconButton } from "../../ui/button";
@@ -125,7 +125,7 @@ function StepRow({ row, isFocusable }: { row: Row; isFocusable: boolean }) {
   const text = pathText(path);
   const remark = remarks.value.get(text);
   const isSelected = selection.value !== null && samePath(selection.value, path);
-  const isNow = isRunning.value && samePath(run.value?.step ?? [], path);
+  const isNow = runningStep.value !== null && samePath(runningStep.value, path);
   const target = drop.value;
   const Icon = KIND_ICONS[step.kind];
   return (
