@@ -103,6 +103,28 @@ def test_the_tool_is_jogged_by_buttons_keys_and_gamepad(
     stops(robot)
 
 
+def test_a_finger_that_slides_off_a_button_stops_the_tool(
+    tab: Tab, robot: tool0.Robot
+) -> None:
+    opens_the_tool(tab)
+    button = tab.get("jog-z-minus")
+    button.scroll_into_view_if_needed()
+    comes_to_rest(robot)
+    place = button.bounding_box()
+    assert place is not None
+    x, y = place["x"] + place["width"] / 2, place["y"] + place["height"] / 2
+    fingers = tab.page.context.new_cdp_session(tab.page)
+
+    def touch(kind: str, *points: dict[str, float]) -> None:
+        fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    touch("touchStart", {"x": x, "y": y})
+    moves_on(robot, 2, -0.005)
+    touch("touchMove", {"x": x - 200.0, "y": y + 100.0})
+    stops(robot)
+    touch("touchEnd")
+
+
 def test_a_step_is_as_long_as_chosen(tab: Tab, robot: tool0.Robot) -> None:
     opens_the_tool(tab)
     comes_to_rest(robot)

@@ -1,5 +1,5 @@
 /** Jogging: velocities of the tool while buttons, keys or sticks are held. */
-import { effect, signal } from "@preact/signals";
+import { effect, signal, untracked } from "@preact/signals";
 import { connection, refusals } from "./connection";
 import { isDriving } from "./driving";
 import { frames } from "./frames";
@@ -50,9 +50,13 @@ export const jogStep = signal<number | null>(null);
 export const hasArm = signal(false);
 
 const held = new Map<string, Direction>();
+/** What was held when it was refused: it has to be released first. */
+const blocked = new Set<string>();
 let steps: Direction[] = [];
 let phase: "free" | "taking" | "taken" = "free";
 let takenArm: string | null = null;
+/** Grows when the arm is taken or given back. */
+let generation = 0;
 let pump: ReturnType<typeof setInterval> | undefined;
 let linger: ReturnType<typeof setTimeout> | undefined;
 /** Share of the speed that is reached. */
@@ -74,17 +78,34 @@ export function mayJog(): boolean {
   );
 }
 
-/** Move as long as `source` holds this direction; zeros release it. */
+/**
+ * Move as long as `source` holds this direction; zeros release it.
+ *
+ * What is held while nothing may move does not begin to move later by itself.
+ */
 export function hold(source: string, direction: Direction): void {
-  if (!mayJog() || !direction.some((share) => share !== 0)) {
+  if (!direction.some((share) => share !== 0)) {
     release(source);
-    return;
+  } else if (!mayJog()) {
+    drop(source);
+    blocked.add(source);
+  } else if (!blocked.has(source)) {
+    held.set(source, direction);
+    begin();
   }
-  held.set(source, direction);
-  begin();
 }
 
 export function release(source: string): void {
+  blocked.delete(source);
+  drop(source);
+}
+
+/** Let what is held be released before it moves again. */
+function block(): void {
+  for (const source of held.keys()) blocked.add(source);
+}
+
+function drop(source: string): void {
   if (held.delete(source) && held.size === 0 && steps.length === 0) rest();
 }
 
@@ -109,6 +130,7 @@ export async function letGo(): Promise<void> {
   clearTimeout(linger);
   if (phase === "free") return;
   phase = "free";
+  generation += 1;
   hasArm.value = false;
   await connection.request("return_arm", { arm: takenArm });
 }
@@ -122,9 +144,12 @@ function begin(): void {
 async function take(): Promise<void> {
   phase = "taking";
   takenArm = arm.value?.name ?? null;
+  const ours = ++generation;
   const problem = await connection.request("take_arm", { arm: takenArm, by: "panel" });
+  if (ours !== generation) return; // it is given back, or another one is taken
   if (problem !== null) {
     phase = "free";
+    block();
     held.clear();
     steps = [];
     report("error", problem.message);
@@ -245,7 +270,13 @@ export function watchJog(): () => void {
       if (!mayJog()) void letGo();
     }),
     effect(() => {
-      if (refusals.value > 0) void letGo();
+      if (refusals.value === 0) return;
+      block();
+      void letGo();
+    }),
+    effect(() => {
+      const name = arm.value?.name ?? null;
+      if (phase !== "free" && name !== takenArm) untracked(() => void letGo());
     }),
     () => {
       window.removeEventListener("blur", stop);

@@ -122,9 +122,7 @@ async function solveOnce(pose: Pose): Promise<void> {
 export async function dragTool(is: boolean): Promise<void> {
   isDragged = is;
   if (is) return;
-  // the last target may still wait for its postures
-  await solving;
-  if (isDriving.peek() && unreachable.peek() === null) await go();
+  if (isDriving.peek()) await go();
 }
 
 /** Let the sliders' controller go to the posture. */
@@ -139,8 +137,9 @@ function steer(): boolean {
 
 /** Move the robot to the target. */
 export async function go(): Promise<void> {
+  await solving; // the last target may still wait for its postures
   const pose = target.peek();
-  if (pose === null || !mayMove.peek()) return;
+  if (pose === null || unreachable.peek() !== null || !mayMove.peek()) return;
   await letGo();
   if (way.peek() === "joint" && steer()) return;
   const to = { arm: arm.peek()?.name ?? null, pose: matrixOf(pose) };
@@ -165,6 +164,7 @@ export async function go(): Promise<void> {
 /** Show the posture as a ghost, and forget a target once it is reached; the result ends that. */
 export function watchTarget(): () => void {
   let isShown = false;
+  let ours = arm.peek()?.name;
   const ends = [
     effect(() => {
       const shown = target.value === null ? null : posture.value;
@@ -173,7 +173,11 @@ export function watchTarget(): () => void {
       isShown = shown !== null;
     }),
     effect(() => {
-      if (view.value === null || arm.value === null) forgetTarget();
+      const name = arm.value?.name;
+      if (view.value !== null && name !== undefined && name === ours) return;
+      ours = name;
+      chosenBranch.value = null;
+      forgetTarget();
     }),
     frames.listen(({ time, velocity }) => {
       if (!isCommanded || isDragged) return;

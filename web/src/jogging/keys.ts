@@ -60,7 +60,7 @@ export function watchKeys(): () => void {
     else if (down.delete(event.code)) release(`${SOURCE} ${event.code}`);
   };
   const blur = () => {
-    down.clear();
+    end();
     halt();
   };
   window.addEventListener("keydown", press, { capture: true });

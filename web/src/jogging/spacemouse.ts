@@ -2,6 +2,7 @@
 import { signal } from "@preact/signals";
 import { hold, release } from "../jog";
 import type { Direction } from "../jog";
+import { report } from "../notices";
 
 const SOURCE = "SpaceMouse";
 /** 3Dconnexion, and Logitech, of which its older devices are. */
@@ -65,17 +66,29 @@ let close: (() => void) | null = null;
 
 /** Let the user choose a device, and follow it until `disconnectSpaceMouse`. */
 export async function connectSpaceMouse(): Promise<void> {
-  const [device] = (await hid()?.requestDevice({ filters: FILTERS })) ?? [];
-  if (device === undefined) return;
-  disconnectSpaceMouse();
-  if (!device.opened) await device.open();
+  try {
+    const [device] = (await hid()?.requestDevice({ filters: FILTERS })) ?? [];
+    if (device === undefined) return;
+    disconnectSpaceMouse();
+    if (!device.opened) await device.open();
+    follow(device);
+  } catch (reason) {
+    report("error", String(reason)); // on Linux, the device may need a udev rule
+  }
+}
+
+function follow(device: HidDevice): void {
   let now: Direction = [0, 0, 0, 0, 0, 0];
   let silence: ReturnType<typeof setTimeout> | undefined;
   const read = (event: Event) => {
     const { reportId, data } = event as InputReport;
     now = deflections(reportId, data, now);
-    hold(SOURCE, now);
     clearTimeout(silence);
+    if (document.hidden) {
+      release(SOURCE);
+      return;
+    }
+    hold(SOURCE, now);
     silence = setTimeout(() => {
       now = [0, 0, 0, 0, 0, 0];
       release(SOURCE);

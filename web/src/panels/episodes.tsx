@@ -8,7 +8,7 @@ import { Button } from "../ui/button";
 
 const OUTCOMES = ["success", "failure", "discard"] as const;
 const KEYS = { success: "Shift+y", failure: "Shift+n", discard: "Shift+x" } as const;
-const START = "Shift+e";
+const START = "Shift+r";
 
 function isRecording(): boolean {
   return status.peek()?.episodes?.is_recording === true;

@@ -27,9 +27,13 @@ async function engage(): Promise<void> {
   }
 }
 
-export function engageOnEscape(event: KeyboardEvent): void {
-  if (event.key !== "Escape" || event.repeat || event.isComposing) return;
+/** Stop, as Escape does. */
+export function engageStop(): void {
   if (hasEmergencyStop()) void engage();
+}
+
+export function engageOnEscape(event: KeyboardEvent): void {
+  if (event.key === "Escape" && !event.repeat && !event.isComposing) engageStop();
 }
 
 export function EmergencyStop() {

@@ -1,6 +1,7 @@
 /** Buttons over the picture that concern the whole page: a picture, full screen, help. */
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { t } from "../i18n";
+import { engageStop } from "../panels/estop";
 import { toggleShortcutHelp } from "../panels/shortcut-help";
 import { view } from "../store";
 import { IconButton } from "../ui/button";
@@ -35,12 +36,21 @@ async function takePicture(viewer: Viewer): Promise<void> {
   save(await viewer.picture(), `${name}.png`);
 }
 
-/** The whole page, so that the controls stay within reach. */
+/**
+ * The whole page, so that the controls stay within reach.
+ *
+ * Browsers take Escape for themselves there: whatever leaves it, but for this button,
+ * counts as Escape.
+ */
 function FullScreen() {
   const [isFull, setFull] = useState(document.fullscreenElement !== null);
+  const isLeaving = useRef(false);
   useEffect(() => {
     const update = () => {
-      setFull(document.fullscreenElement !== null);
+      const is = document.fullscreenElement !== null;
+      if (!is && !isLeaving.current) engageStop();
+      isLeaving.current = false;
+      setFull(is);
     };
     document.addEventListener("fullscreenchange", update);
     return () => {
@@ -54,6 +64,7 @@ function FullScreen() {
       aria-pressed={isFull}
       data-testid="full-screen"
       onClick={() => {
+        isLeaving.current = isFull;
         if (isFull) void document.exitFullscreen();
         else void document.documentElement.requestFullscreen();
       }}

@@ -1,6 +1,7 @@
 /** A button that acts after it was held for a second, by pointer or key: never by accident. */
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { uncapture } from "./pointer";
 
 export const HOLD_MS = 1000;
 
@@ -40,6 +41,7 @@ export function HoldButton({ onHeld, ...rest }: HoldButtonProps) {
       type="button"
       class={`button hold ${isHeld ? "held" : ""}`}
       onPointerDown={(event) => {
+        uncapture(event);
         if (event.button === 0) begin();
       }}
       onPointerUp={end}

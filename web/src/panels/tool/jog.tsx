@@ -27,6 +27,7 @@ import { TOOL_FRAMES, toolFrame } from "../../tool";
 import { SignalChoice } from "../../ui/choice";
 import { Select } from "../../ui/select";
 import { Slider } from "../../ui/slider";
+import { uncapture } from "../../ui/pointer";
 import { SignalToggle, Toggle } from "../../ui/toggle";
 import { MILLIMETRES, unitOf, angleUnit } from "../../units";
 import { fixed } from "../../ui/number-field";
@@ -128,12 +129,12 @@ function JogButton({ name, axis, sign }: JogButtonProps) {
       disabled={!mayMove.value}
       data-testid={`jog-${name}-${sign > 0 ? "plus" : "minus"}`}
       onPointerDown={(event) => {
+        uncapture(event);
         if (event.button === 0) press();
       }}
       onPointerUp={end}
       onPointerLeave={end}
       onPointerCancel={end}
-      onLostPointerCapture={end}
       onContextMenu={(event) => {
         event.preventDefault(); // a long touch opens it
       }}

@@ -1,0 +1,102 @@
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import { refusals } from "../src/connection";
+import { enable } from "../src/driving";
+import { hold, letGo, release, watchJog } from "../src/jog";
+import type { RobotPartsInfo } from "../src/protocol";
+import { chosenRobot } from "../src/robots";
+import { FakeSocket, frame, status, view } from "./fixtures";
+import { useFakeServer } from "./setup";
+
+const UP = [0, 0, 1, 0, 0, 0] as const;
+
+function part(name: string): RobotPartsInfo {
+  const prefix = `${name}_`;
+  const tip = `${prefix}tool0`;
+  return { name, title: null, prefix, base: "world", joints: [], gripper: null, tip };
+}
+
+const server = () => FakeSocket.newest;
+const arms = (method: string) =>
+  server()
+    .sentOf(method)
+    .map(({ arm }) => arm);
+
+/** Let the page and the server go on for a while [ms]. */
+const goOn = (duration = 50) => vi.advanceTimersByTimeAsync(duration);
+
+async function answered(method: string): Promise<void> {
+  await goOn(1);
+  server().accept(method);
+  await goOn(1);
+}
+
+describe("jogging", () => {
+  useFakeServer();
+
+  beforeEach(async () => {
+    const now = view();
+    const robots = [part("left"), part("right")];
+    server().say({ ...now, robot: { ...now.robot, robots } });
+    server().say(status());
+    server().say(frame());
+    enable();
+    const end = watchJog();
+    await goOn(1);
+    return () => {
+      release("stick");
+      void letGo();
+      end();
+    };
+  });
+
+  it("ends when another arm is selected", async () => {
+    hold("stick", UP);
+    await answered("take_arm");
+    expect(arms("speed_tool")).toContain("left");
+    chosenRobot.value = "right";
+    await goOn();
+    expect(arms("return_arm")).toEqual(["left"]);
+    const before = arms("speed_tool").length;
+    hold("stick", UP);
+    await answered("take_arm");
+    await goOn();
+    expect(arms("take_arm")).toEqual(["left", "right"]);
+    expect(new Set(arms("speed_tool").slice(before))).toEqual(new Set(["right"]));
+  });
+
+  it("does not begin with an arm that was given back while it was taken", async () => {
+    hold("stick", UP);
+    await goOn(1);
+    chosenRobot.value = "right";
+    await answered("take_arm");
+    await goOn();
+    expect(arms("return_arm")).toEqual(["left"]);
+    expect(arms("speed_tool")).toEqual([]);
+  });
+
+  it("asks once for an arm that is refused, until the stick is released", async () => {
+    hold("stick", UP);
+    await goOn(1);
+    server().refuse("take_arm", "the arm is off");
+    for (let i = 0; i < 10; i++) {
+      await goOn(16);
+      hold("stick", UP);
+    }
+    expect(arms("take_arm")).toHaveLength(1);
+    hold("stick", [0, 0, 0, 0, 0, 0]);
+    hold("stick", UP);
+    await goOn();
+    expect(arms("take_arm")).toHaveLength(2);
+  });
+
+  it("does not go on by itself after a refusal", async () => {
+    hold("stick", UP);
+    await answered("take_arm");
+    refusals.value += 1;
+    await goOn();
+    hold("stick", UP);
+    await goOn();
+    expect(arms("take_arm")).toHaveLength(1);
+    expect(arms("return_arm")).toEqual(["left"]);
+  });
+});
