@@ -51,7 +51,7 @@ export async function startGuiding(): Promise<void> {
   if (arm === undefined || !mayMove.peek()) return;
   if ((await sendRequest("take_arm", { arm, by: TAKEN_BY })) !== null) return;
   if (await giveWay(arm)) guided.value = arm;
-  else await sendRequest("return_arm", { arm });
+  else await sendRequest("return_arm", { arm, by: TAKEN_BY });
 }
 
 async function giveWay(arm: string): Promise<boolean> {
@@ -64,7 +64,7 @@ export async function endGuiding(): Promise<void> {
   const arm = guided.peek();
   if (arm === null) return;
   forget();
-  await sendRequest("return_arm", { arm });
+  await sendRequest("return_arm", { arm, by: TAKEN_BY });
 }
 
 /** Choose what the tool may do, also of an arm that gives way already. */

@@ -24,6 +24,8 @@ export const STEPS = [
   [0.05, Math.PI / 12],
 ] as const;
 
+/** What the arm is moved by. */
+const TAKEN_BY = "panel";
 /** Between two commands [ms]. */
 const INTERVAL_MS = 16;
 /** Validity of a command [s of wall time]: so long the tool moves on if no other follows. */
@@ -132,7 +134,7 @@ export async function letGo(): Promise<void> {
   phase = "free";
   generation += 1;
   hasArm.value = false;
-  await connection.request("return_arm", { arm: takenArm });
+  await connection.request("return_arm", { arm: takenArm, by: TAKEN_BY });
 }
 
 function begin(): void {
@@ -145,7 +147,10 @@ async function take(): Promise<void> {
   phase = "taking";
   takenArm = arm.value?.name ?? null;
   const ours = ++generation;
-  const problem = await connection.request("take_arm", { arm: takenArm, by: "panel" });
+  const problem = await connection.request("take_arm", {
+    arm: takenArm,
+    by: TAKEN_BY,
+  });
   if (ours !== generation) return; // it is given back, or another one is taken
   if (problem !== null) {
     phase = "free";

@@ -19,6 +19,10 @@ from tool0.user_data import data_folder, replace_text
 LONGEST_NAME: Final = 60
 """Characters of a program's name."""
 _SUFFIX: Final = ".yaml"
+_RESERVED: Final = '%/\\<>:"|?*'
+"""Characters that not every file system takes, and the one that stands for them."""
+_LONGEST_FILE: Final = 240
+"""Bytes of a file's name: 255, less what is added while it is written."""
 
 
 @final
@@ -105,7 +109,10 @@ class ProgramBook:
             file.unlink(missing_ok=True)
 
     def _file(self, name: str) -> Path:
-        return self.folder / f"{quote(name, safe=' ')}{_SUFFIX}"
+        file = "".join(map(_quoted, name)) + _SUFFIX
+        if len(file.encode()) > _LONGEST_FILE:
+            raise ControlError(f"the name '{name}' is too long for a file")
+        return self.folder / file
 
     def _existing(self, name: str) -> Path:
         file = self._file(name)
@@ -134,3 +141,10 @@ def _info(file: Path) -> SavedProgram:
     except ConfigError as error:
         return SavedProgram(name=name, n_steps=0, error=str(error))
     return SavedProgram(name=name, n_steps=len(list(walk(program.steps))))
+
+
+def _quoted(character: str) -> str:
+    """Return a character of a name as it is in the name of its file."""
+    if character.isprintable() and character not in _RESERVED:
+        return character
+    return quote(character, safe="", errors="replace")

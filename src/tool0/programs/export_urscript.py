@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 
 from tool0.description.model import FLANGE
+from tool0.errors import ProgramError
 from tool0.kinematics.chain import Array, fixed_transform
 from tool0.kinematics.moves import Move
 from tool0.kinematics.pose import matrix_of, rotation_vector
@@ -26,6 +27,7 @@ from tool0.programs.model import (
     path_text,
     walk,
 )
+from tool0.programs.planning import moves_from, problems_text, static_problems
 from tool0.programs.robot_context import RobotContext
 
 
@@ -35,8 +37,16 @@ def urscript_text(context: RobotContext) -> str:
     Objects are not placed: the script says where it leaves that out.
 
     Raises:
-        ControlError: If a step is impossible.
+        ProgramError: If a step is impossible.
     """
+    steps = dict(walk(context.program.steps))
+    problems = [
+        problem
+        for problem in static_problems(context)
+        if not isinstance(steps.get(problem.step), PlaceObjectStep)
+    ]
+    if problems:
+        raise ProgramError(problems_text(context.program.name, problems))
     return "\n".join(_Writer(context).program()) + "\n"
 
 
@@ -73,10 +83,11 @@ class _Writer:
             if isinstance(step, LoopStep):
                 yield from self._loop(step, path, space)
                 continue
-            for line in self._step(step, path):
+            goes_on = bool(moves_from(steps, number, parents))
+            for line in self._step(step, path, goes_on):
                 yield space + line
 
-    def _step(self, step: Step, path: StepPath) -> Iterator[str]:
+    def _step(self, step: Step, path: StepPath, goes_on: bool) -> Iterator[str]:
         match step:
             case CommentStep():
                 yield f"# {_one_line(step.text)}"
@@ -95,16 +106,20 @@ class _Writer:
             case LoopStep():
                 pass  # by _block
             case _:
-                yield self._move(step)
+                yield self._move(step, goes_on)
 
-    def _move(self, step: MoveStep) -> str:
+    def _move(self, step: MoveStep, goes_on: bool) -> str:
+        """Return a move; it only has a blend if the path ``goes_on``.
+
+        With a blend, URScript executes the next line before the move has ended.
+        """
         move: Move = self._context.move(step)
         if move.q is not None:
             target = "[" + ", ".join(f"{q:.9g}" for q in move.q) + "]"
         else:
             assert move.pose is not None  # one of both
             target = _pose(self._T_base_root @ matrix_of(move.pose))
-        blend = f", r={move.r:.6g}" if move.r else ""
+        blend = f", r={move.r:.6g}" if move.r and goes_on else ""
         return f"{move}({target}, a={move.a:.6g}, v={move.v:.6g}{blend})"
 
     def _grip(self, step: GripperStep, path: StepPath) -> Iterator[str]:

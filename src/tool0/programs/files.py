@@ -64,6 +64,8 @@ def parse_program(text: str, file: Path | None = None) -> ProgramFile:
             + ("an empty file" if root.is_null else root.describe()),
             root.location,
         )
+    for entry in root.leaves():
+        _require_finite(entry)
     try:
         # YAML 1.1 takes 1e-3 for a text.
         program = msgspec.convert(root.plain(), Program, strict=False)
@@ -82,6 +84,16 @@ def program_text(program: Program) -> str:
         _plain(program), sort_keys=False, allow_unicode=True, default_flow_style=None
     )
     return text
+
+
+def _require_finite(entry: YamlEntry) -> None:
+    for item in entry.items:
+        for leaf in item.leaves():
+            _require_finite(leaf)
+    value = entry.scalar
+    if isinstance(value, float) and not math.isfinite(value):
+        where = f"'{entry.key}': " if entry.key else ""
+        raise ConfigError(f"{where}must be finite, got {value}", entry.location)
 
 
 def _note_lines(

@@ -11,6 +11,8 @@ from typing import Annotated, Final, Literal
 
 from msgspec import Meta, Struct, field
 
+from tool0.errors import ControlError
+
 Name = Annotated[str, Meta(min_length=1, max_length=200)]
 Text = Annotated[str, Meta(max_length=1000)]
 Coordinate = Annotated[float, Meta(ge=-1000.0, le=1000.0)]
@@ -33,6 +35,7 @@ MOST_STEPS: Final = 2000
 """Of a program, those within loops included."""
 MOST_NESTED: Final = 10
 """Loops within each other."""
+_DEEPEST: Final = 50
 
 
 class ToolPose(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -208,6 +211,22 @@ def walk(
         yield path, step
         if isinstance(step, LoopStep):
             yield from walk(step.steps, path)
+
+
+def require_shallow(program: Program) -> None:
+    """Raise ControlError if loops are so deep that a program cannot be walked through.
+
+    Of fewer that are still too many, a check says where they are.
+    """
+    steps: Sequence[Step] = program.steps
+    for _ in range(_DEEPEST + 1):
+        loops = [step for step in steps if isinstance(step, LoopStep)]
+        steps = [step for loop in loops for step in loop.steps]
+    if steps:
+        raise ControlError(
+            f"the program '{program.name}' has more than {MOST_NESTED} loops within "
+            "each other"
+        )
 
 
 def path_text(path: Sequence[int]) -> str:

@@ -54,6 +54,9 @@ class TakeArm(_OfArm[None], frozen=True):
 class ReturnArm(_OfArm[None], frozen=True):
     """Stop an arm, and start its controllers again once it is at rest."""
 
+    by: Name | None = None
+    """Only if this program still moves it: nobody else who took it is stopped."""
+
 
 class ExecutePath(_OfArm[int], frozen=True):
     """Follow a path of the joints; the response is its number, from 1 on.
@@ -197,8 +200,9 @@ def _take(simulation: Simulation, request: TakeArm) -> None:
 
 @handles(ReturnArm, in_tick=True)
 def _return(simulation: Simulation, request: ReturnArm) -> None:
-    core = simulation.core
-    core.arm_motions.give_back(request.arm, core.state)
+    core, by = simulation.core, request.by
+    if by is None or core.control_boxes.find(request.arm).taken_by == by:
+        core.arm_motions.give_back(request.arm, core.state)
 
 
 def _path(simulation: Simulation, request: ExecutePath) -> ArmPath:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING, Annotated, Generic, Literal
 
 from msgspec import Meta
 
 from tool0.description.parts import gripper_of
 from tool0.errors import ControlError, ProgramError
-from tool0.programs.model import Program
+from tool0.programs.model import Program, require_shallow
 from tool0.programs.run import ProgramCheck, ProgramRun, SavedProgram
 from tool0.requests.control_box import PauseProgram, PlayProgram
 from tool0.requests.motion import GoalStarted
 from tool0.requests.table import Name, Request, Response, answer, handles
+from tool0.runtime.loop import POLL_PERIOD
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
     from tool0.programs.robot_context import RobotContext
     from tool0.requests.program_run import ProgramExecution
 
+_LONGEST_RETURN = 2.0
+"""Of an arm that is given back while a program is to begin [wall s]."""
 LONGEST_TEXT = 1_000_000
 """Characters of a program's file."""
 
@@ -122,6 +126,7 @@ def _context(simulation: Simulation, program: Program) -> RobotContext:
     """Return what a program finds; ControlError if its arm or gripper is unknown."""
     from tool0.programs.robot_context import RobotContext
 
+    require_shallow(program)
     model, snapshot = simulation.description.model, simulation.snapshot
     chain = simulation.arm(program.arm)
     arm = next(name for name, known in simulation.arms.items() if known is chain)
@@ -149,6 +154,17 @@ def _planned(simulation: Simulation, context: RobotContext) -> ProgramPlan:
         lambda: core.arm_motions.rest(arm, core.state), publishes=False
     )
     return plan_program(context, start)
+
+
+def _wait_for_return(simulation: Simulation, arm: str) -> None:
+    """Wait for an arm that stops in order to be given back, while time passes."""
+    loop, bus, core = simulation.loop, simulation.bus, simulation.core
+    end = time.monotonic() + _LONGEST_RETURN
+    while loop.is_realtime and time.monotonic() < end:
+        is_ending = simulation.program_runs.is_ending(arm)
+        if not (is_ending or core.arm_motions.is_returning(arm)):
+            return
+        bus.newer_than(bus.latest, POLL_PERIOD)
 
 
 @handles(CheckProgram)
@@ -183,6 +199,7 @@ def _run(simulation: Simulation, request: RunProgram) -> GoalStarted:
     if program is None:
         program = simulation.programs.read(str(request.name))
     context = _context(simulation, program)
+    _wait_for_return(simulation, context.arm)
     plan = _planned(simulation, context)
     if plan.problems:
         raise ProgramError(problems_text(program.name, plan.problems))
@@ -223,9 +240,14 @@ handles(StopRun)(
 handles(ReadRuns)(lambda sim, _: sim.program_runs.states)
 handles(ListPrograms)(lambda sim, _: sim.programs.all())
 handles(ReadProgram)(lambda sim, request: sim.programs.read(request.name))
-handles(SaveProgram)(
-    lambda sim, request: sim.programs.save(request.program, overwrite=request.overwrite)
-)
+
+
+@handles(SaveProgram)
+def _save(simulation: Simulation, request: SaveProgram) -> None:
+    require_shallow(request.program)
+    simulation.programs.save(request.program, overwrite=request.overwrite)
+
+
 handles(RenameProgram)(
     lambda sim, request: sim.programs.rename(request.name, request.new_name)
 )

@@ -120,6 +120,11 @@ class ProgramExecution:
 
     # ---- requests: any thread ------------------------------------------------------
 
+    @property
+    def is_stopping(self) -> bool:
+        """Whether it was stopped, and ends as soon as its arm has been given back."""
+        return self._stop is not None
+
     def stop(self, reason: str) -> None:
         """End it at the next snapshot."""
         self._stop = self._stop or _EndedError("stopped", reason)

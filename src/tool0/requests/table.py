@@ -229,7 +229,7 @@ def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
     """
     try:
         return msgspec.convert(plain(value), kind)
-    except (msgspec.ValidationError, ValueError, TypeError, OverflowError) as error:
+    except (ValueError, TypeError, OverflowError, RecursionError) as error:
         raise RequestError(method, f"'{name}': {error}") from None
 
 
@@ -240,8 +240,10 @@ def plain(value: Any, key: object = None) -> Any:
         ValueError: If a number is NaN or infinite; with its ``key`` in a mapping.
     """
     match value:
-        case None | bool() | str() | bytes() | msgspec.Struct():
+        case None | bool() | str() | bytes():
             return value
+        case msgspec.Struct():
+            return _plain_struct(value)
         case Integral():
             return int(value)
         case Real():
@@ -254,6 +256,19 @@ def plain(value: Any, key: object = None) -> Any:
         case Sequence() | Set():
             return [plain(item, key) for item in value]
     return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _plain_struct(value: msgspec.Struct) -> Any:
+    """Return a structure as the mapping that a connection brings."""
+    kind = value.__struct_config__
+    found: dict[str, Any] = {}
+    if kind.tag_field is not None:
+        found[kind.tag_field] = kind.tag
+    for name, encoded in zip(
+        value.__struct_fields__, value.__struct_encode_fields__, strict=True
+    ):
+        found[encoded] = plain(getattr(value, name), encoded)
+    return found
 
 
 @cache

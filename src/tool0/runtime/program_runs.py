@@ -21,6 +21,10 @@ class Execution(Protocol):
     def status(self) -> ProgramRun:
         """What it does."""
 
+    @property
+    def is_stopping(self) -> bool:
+        """Whether it was stopped, and ends as soon as its arm has been given back."""
+
     def stop(self, reason: str) -> None:
         """End it at the next snapshot."""
 
@@ -59,15 +63,21 @@ class ProgramRuns:
         """
         last = self._last.get(arm)
         if last is not None and last.status.state not in ENDED:
-            raise ControlError(
-                f"the program '{last.status.program}' of the arm '{arm}' still runs; "
-                "stop it first"
-            )
+            what = "stops: let time pass"
+            if not last.is_stopping:
+                what = "still runs; stop it first"
+            program = last.status.program
+            raise ControlError(f"the program '{program}' of the arm '{arm}' {what}")
         self._count += 1
         made = make(self._count)
         self._last = {**self._last, arm: made}
         self._active = (*self._active, made)
         return made
+
+    def is_ending(self, arm: str) -> bool:
+        """Return whether the program of an arm was stopped, and has not ended yet."""
+        last = self._last.get(arm)
+        return last is not None and last.status.state not in ENDED and last.is_stopping
 
     def find(self, arm: str | None) -> Execution:
         """Return the program that runs on an arm; the only one, without a name.

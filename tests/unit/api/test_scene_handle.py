@@ -136,7 +136,7 @@ def test_what_cannot_be_is_refused(robot: tool0.Robot) -> None:
             robot.scene.place("cube", (0.0, 0.0, 1.0), **part)
     with pytest.raises(ConfigError):
         robot.scene.add("tool0", BOX)
-    with pytest.raises(ConfigError):
+    with raises_naming(RequestError, "shape"):
         robot.scene.add("x", Box(size=(1.0, 2.0)))  # type: ignore[arg-type]
     with pytest.raises(ControlError, match="needs a shape"):
         robot.scene.add("x")  # type: ignore[call-overload]

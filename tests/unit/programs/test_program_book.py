@@ -54,6 +54,23 @@ def test_an_unknown_program_suggests_a_name(book: ProgramBook) -> None:
         book.read("pik")
 
 
+@pytest.mark.parametrize("name", ["程" * 60, "../..", "100 %", "a/b\\c:d", ".", "è?"])
+def test_any_printable_name_can_be_saved(book: ProgramBook, name: str) -> None:
+    book.save(Program(name=name), overwrite=False)
+    assert [item.name for item in book.all()] == [name]
+    assert book.read(name).name == name
+    (file,) = book.folder.rglob("*")
+    assert file.parent == book.folder
+    book.delete(name)
+
+
+@pytest.mark.parametrize("name", ["🤖" * 60, "x" * 300, "\ud800"])
+def test_a_name_that_no_file_can_have_is_refused(book: ProgramBook, name: str) -> None:
+    for act in (book.read, book.delete, lambda name: book.rename(name, "b")):
+        with pytest.raises(ControlError):
+            act(name)
+
+
 @pytest.mark.parametrize("name", [" a", "a\n", "x" * 61])
 def test_a_name_must_fit_on_a_line(book: ProgramBook, name: str) -> None:
     with pytest.raises(ControlError, match="1 to 60 printable"):

@@ -149,6 +149,26 @@ def test_the_urscript_picks(robot: tool0.Robot) -> None:
     assert is_in_bin(robot)
 
 
+def test_the_urscript_rests_where_a_path_ends(robot: tool0.Robot) -> None:
+    """With a blend, URScript goes on before the move has ended."""
+    down = {"rpy": (3.14, 0.0, 0.0)}
+    steps = (
+        MoveLinearStep(pose=ToolPose(xyz=(0.4, 0.1, 0.3), **down), blend=0.05),
+        CommentStep(text="on the way"),
+        MoveLinearStep(pose=ToolPose(xyz=(0.4, 0.2, 0.3), **down), blend=0.05),
+        SetOutputStep(output=1),
+        LoopStep(
+            times=1,
+            steps=(
+                MoveLinearStep(pose=ToolPose(xyz=(0.4, 0, 0.3), **down), blend=0.1),
+            ),
+        ),
+    )
+    text = robot.programs.export(Program(name="blends", steps=steps), "urscript")
+    moves = [line for line in text.splitlines() if "movel(" in line]
+    assert ["r=" in line for line in moves] == [True, False, False]
+
+
 def test_the_urscript_searches_until_contact() -> None:
     # In real time: the script runs in a process of its own, which reacts in its time.
     start = ToolPose(xyz=(0.45, 0.1, 0.0), rpy=(3.14, 0.0, 0.0))
@@ -193,3 +213,8 @@ def test_a_step_that_is_impossible_cannot_be_exported(robot: tool0.Robot) -> Non
     wrong = Program(name="wrong", steps=(MoveJointStep(named_pose="hmoe"),))
     with pytest.raises(tool0.ControlError, match="did you mean 'home'"):
         robot.programs.export(wrong, "urscript")
+    for step in (WaitStep(), UntilStep(direction=(0, 0, 0), distance=0.1), LoopStep()):
+        with pytest.raises(tool0.ProgramError, match="step 1: "):
+            robot.programs.export(Program(name="wrong", steps=(step,)), "urscript")
+    gone = Program(name="gone", steps=(PlaceObjectStep(name="gone", xyz=(0, 0, 0)),))
+    assert "'gone' is placed" in robot.programs.export(gone, "urscript")

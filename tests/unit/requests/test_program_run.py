@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import random
+import re
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 
@@ -24,6 +25,7 @@ from tool0 import (
     UntilStep,
     WaitStep,
 )
+from tool0.requests.arm_motion import ReturnArm, SpeedJoints, TakeArm
 
 TIMEOUT = 60.0
 """[simulated s]"""
@@ -40,6 +42,56 @@ def robot(bringup: tool0.Robot) -> tool0.Robot:
     bringup.reset()
     bringup.run(0.02)  # what a failed test left running ends
     return bringup
+
+
+@pytest.mark.parametrize(
+    ("step", "problem"),
+    [
+        (WaitStep(duration=math.nan), "'duration' must be finite"),
+        (WaitStep(duration=-1.0), ">= 0.0"),
+        (LoopStep(times=0), ">= 1"),
+        (SetOutputStep(output=99), "<= 17"),
+        (WaitStep(duration="1"), "Expected `float | null`, got `str`"),  # type: ignore[arg-type]
+        (MoveJointStep(joints=[1.0]), "got `array`"),  # type: ignore[arg-type]
+        (ToolPose(xyz=(0.4, 0.0, 0.0)), "Object missing required field `kind`"),
+    ],
+)
+def test_a_program_of_objects_is_checked_like_one_of_a_file(
+    robot: tool0.Robot, step: object, problem: str
+) -> None:
+    program = Program(name="odd", steps=(step,))  # type: ignore[arg-type]
+    for use in (robot.run_program, robot.programs.check, robot.programs.save):
+        with pytest.raises(tool0.Tool0Error, match=re.escape(problem)):
+            use(program)
+
+
+def test_loops_are_not_endlessly_deep(robot: tool0.Robot) -> None:
+    step: CommentStep | LoopStep = CommentStep(text="deep")
+    for _ in range(60):
+        step = LoopStep(times=1, steps=(step,))
+    deep = Program(name="deep", steps=(step,))
+    for use in (robot.run_program, robot.programs.check, robot.programs.save):
+        with pytest.raises(tool0.ControlError, match="more than 10 loops"):
+            use(deep)
+
+
+def test_a_program_that_stops_says_so(robot: tool0.Robot) -> None:
+    on_the_way(robot).stop()
+    with pytest.raises(tool0.ControlError, match="stops: let time pass"):
+        robot.run_program(there_and_back())
+
+
+def test_in_real_time_a_program_waits_for_the_arm() -> None:
+    """One that is given back when hand guiding ends, or a program is stopped."""
+    with tool0.bringup(arm="ur5e", gripper=None) as robot:
+        robot.channel.call(TakeArm(by="hand guiding"))
+        robot.channel.call(SpeedJoints(velocities=(0.5, 0, 0, 0, 0, 0)))
+        robot.run(0.3)
+        robot.channel.call(ReturnArm())
+        handle = robot.run_program(Program(name="a", steps=(WaitStep(duration=9.0),)))
+        handle.stop()
+        again = robot.run_program(Program(name="b", steps=(WaitStep(duration=0.01),)))
+        assert again.wait(TIMEOUT).state == "succeeded"
 
 
 def there_and_back() -> Program:

@@ -2,6 +2,7 @@
 import { computed, signal } from "@preact/signals";
 import { connection } from "../connection";
 import { endGuiding } from "../guiding";
+import { letGo } from "../jog";
 import type { ErrorInfo, Program, ProgramRun } from "../protocol";
 import { robots, selected } from "../robots";
 import { status } from "../store";
@@ -43,6 +44,7 @@ export function requested(): Program {
 /** Run the program, or let it wait before its first step. */
 export async function start(paused = false): Promise<void> {
   await endGuiding();
+  await letGo();
   const starting = program.peek();
   const problem = await connection.request("run_program", {
     program: requested(),

@@ -193,10 +193,18 @@ class Hub:
         await self._setpoints.settle(self.backend.superseded(request))
         if not await self._carry_out(session, ident, request, self._workers):
             return
+        if isinstance(request, TakeArm | ReturnArm):
+            self._note_taken(session, request)
+
+    def _note_taken(self, session: Session, request: TakeArm | ReturnArm) -> None:
+        """Note which peer moves an arm; the request has been carried out."""
+        simulation = self.backend.simulation
+        assert simulation is not None  # otherwise the request is refused
+        arm = request.arm or next(iter(simulation.arms))  # without a name: the only one
+        for other in self.sessions:
+            other.arms.pop(arm, None)
         if isinstance(request, TakeArm):
-            session.arms.add(request.arm)
-        elif isinstance(request, ReturnArm):
-            session.arms.discard(request.arm)
+            session.arms[arm] = request.by
 
     async def _change_streams(
         self,
@@ -228,9 +236,9 @@ class Hub:
 
     def _return_arms(self, session: Session) -> None:
         """Stop the arms that a peer has taken: it moves them no longer."""
-        for arm in session.arms:
+        for arm, by in session.arms.items():
             with contextlib.suppress(RuntimeError):  # the server ends
-                self._workers.submit(self._return_arm, ReturnArm(arm=arm))
+                self._workers.submit(self._return_arm, ReturnArm(arm=arm, by=by))
 
     def _return_arm(self, request: ReturnArm) -> None:
         with contextlib.suppress(Tool0Error):  # the simulation has ended

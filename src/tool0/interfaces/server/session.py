@@ -83,8 +83,8 @@ class Session:
         self._snapshots: deque[bytes] = deque()
         self.missed = 0
         """Snapshots that were dropped since the last one that was queued."""
-        self.arms: set[str | None] = set()
-        """The arms that it has taken, as its requests named them."""
+        self.arms: dict[str, str] = {}
+        """The arms that it has taken, and the program that it named."""
         self._latest: dict[str, bytes] = {}
         self._waiting: asyncio.Queue[tuple[int, Ident, Request[Any]] | None]
         self._waiting = asyncio.Queue()

@@ -86,6 +86,33 @@ def test_every_update_has_the_arms_that_were_asked_for(client: Client) -> None:
         client.channel.call(SubscribeUpdates(arms=("left",)))
 
 
+@pytest.mark.parametrize("names", [("first", "second"), ("panel", "panel")])
+@pytest.mark.parametrize("arm", [None, "arm"])
+def test_a_client_that_ends_stops_nobody_elses_arm(
+    robot: tool0.Robot, client: Client, names: tuple[str, str], arm: str | None
+) -> None:
+    other = Client()
+    other.channel.call(TakeArm(arm="arm", by=names[0]))
+    client.channel.call(TakeArm(arm=arm, by=names[1]))
+    client.channel.call(SpeedJoints(velocities=(0.1, 0, 0, 0, 0, 0)))
+    other.channel.close()
+    robot.run(0.3)
+    assert robot.arm.control_box.state.taken_by == names[1]
+    assert client.channel.call(ReadArmMotion()).mode == "speed"
+
+
+def test_only_who_moves_an_arm_returns_it_by_name(
+    robot: tool0.Robot, client: Client
+) -> None:
+    client.channel.call(TakeArm(by="test"))
+    client.channel.call(ReturnArm(by="another"))
+    robot.run(0.2)
+    assert robot.arm.control_box.state.taken_by == "test"
+    client.channel.call(ReturnArm(by="test"))
+    robot.run(0.2)
+    assert robot.arm.control_box.state.taken_by == ""
+
+
 def test_streamed_targets_are_executed_one_by_one(
     robot: tool0.Robot, client: Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
