@@ -32,7 +32,8 @@ unload = manager("unload_controller", UnloadController)
 rospy.on_shutdown(shut_down)
 names = [name for name in sys.argv[1:] if load(name).ok]
 if switch(names, [], SwitchControllerRequest.STRICT, False, 0.0).ok:
-    rospy.loginfo("Started controllers: %s", ", ".join(names))
+    # Not loginfo, which asks the master: Ctrl-C during that blocks rospy for good.
+    print("Started controllers:", ", ".join(names), flush=True)
 rospy.spin()
 """
 """For machines without the package controller_manager: the calls that its makes."""
