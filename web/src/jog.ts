@@ -276,12 +276,18 @@ export function watchJog(): () => void {
     }),
     effect(() => {
       if (refusals.value === 0) return;
-      block();
-      void letGo();
+      untracked(() => {
+        block();
+        void letGo();
+      });
     }),
     effect(() => {
       const name = arm.value?.name ?? null;
-      if (phase !== "free" && name !== takenArm) untracked(() => void letGo());
+      if (phase === "free" || name === takenArm) return;
+      untracked(() => {
+        block();
+        void letGo();
+      });
     }),
     () => {
       window.removeEventListener("blur", stop);

@@ -137,10 +137,10 @@ function steer(): boolean {
 
 /** Move the robot to the target. */
 export async function go(): Promise<void> {
+  await letGo();
   await solving; // the last target may still wait for its postures
   const pose = target.peek();
   if (pose === null || unreachable.peek() !== null || !mayMove.peek()) return;
-  await letGo();
   if (way.peek() === "joint" && steer()) return;
   const to = { arm: arm.peek()?.name ?? null, pose: matrixOf(pose) };
   const share = speedScale.peek();
@@ -161,23 +161,23 @@ export async function go(): Promise<void> {
   movedAt = frames.latest?.time ?? 0;
 }
 
+const armName = computed(() => (view.value === null ? null : arm.value?.name));
+
+// a target is of one arm, whether there is a picture or not
+armName.subscribe(() => {
+  chosenBranch.value = null;
+  forgetTarget();
+});
+
 /** Show the posture as a ghost, and forget a target once it is reached; the result ends that. */
 export function watchTarget(): () => void {
   let isShown = false;
-  let ours = arm.peek()?.name;
   const ends = [
     effect(() => {
       const shown = target.value === null ? null : posture.value;
       // without a target, others may show theirs
       if (shown !== null || isShown) plannedPose.value = shown?.positions ?? null;
       isShown = shown !== null;
-    }),
-    effect(() => {
-      const name = arm.value?.name;
-      if (view.value !== null && name !== undefined && name === ours) return;
-      ours = name;
-      chosenBranch.value = null;
-      forgetTarget();
     }),
     frames.listen(({ time, velocity }) => {
       if (!isCommanded || isDragged) return;

@@ -2,6 +2,12 @@ import { beforeEach, describe, expect, it, vi } from "vitest";
 import { refusals } from "../src/connection";
 import { enable } from "../src/driving";
 import { hold, letGo, release, watchJog } from "../src/jog";
+import {
+  connectSpaceMouse,
+  disconnectSpaceMouse,
+  spaceMouse,
+} from "../src/jogging/spacemouse";
+import { toasts } from "../src/notices";
 import type { RobotPartsInfo } from "../src/protocol";
 import { chosenRobot } from "../src/robots";
 import { FakeSocket, frame, status, view } from "./fixtures";
@@ -28,6 +34,20 @@ async function answered(method: string): Promise<void> {
   await goOn(1);
   server().accept(method);
   await goOn(1);
+}
+
+class FakeSpaceMouse extends EventTarget {
+  readonly productName = "SpaceMouse Compact";
+  readonly opened = false;
+  open = vi.fn(() => Promise.resolve());
+  close = () => Promise.resolve();
+
+  /** Report that the cap is pushed along x. */
+  push(): void {
+    const data = new DataView(new ArrayBuffer(6));
+    data.setInt16(0, 350, true);
+    this.dispatchEvent(Object.assign(new Event("inputreport"), { reportId: 1, data }));
+  }
 }
 
 describe("jogging", () => {
@@ -57,6 +77,10 @@ describe("jogging", () => {
     await goOn();
     expect(arms("return_arm")).toEqual(["left"]);
     const before = arms("speed_tool").length;
+    hold("stick", UP); // still held: it has to be released first
+    await goOn();
+    expect(arms("take_arm")).toEqual(["left"]);
+    release("stick");
     hold("stick", UP);
     await answered("take_arm");
     await goOn();
@@ -98,5 +122,52 @@ describe("jogging", () => {
     await goOn();
     expect(arms("take_arm")).toHaveLength(1);
     expect(arms("return_arm")).toEqual(["left"]);
+  });
+
+  it("goes on when it begins anew after a refusal", async () => {
+    hold("stick", UP);
+    await answered("take_arm");
+    refusals.value += 1;
+    release("stick");
+    hold("stick", UP);
+    await answered("take_arm");
+    server().say(status());
+    await goOn();
+    expect(arms("take_arm")).toHaveLength(2);
+    expect(arms("return_arm")).toHaveLength(1);
+  });
+
+  describe("by a SpaceMouse", () => {
+    let device: FakeSpaceMouse;
+
+    beforeEach(() => {
+      device = new FakeSpaceMouse();
+      const hid = Object.assign(new EventTarget(), {
+        requestDevice: () => Promise.resolve([device]),
+      });
+      Object.assign(navigator, { hid });
+      return () => {
+        disconnectSpaceMouse();
+        Reflect.deleteProperty(navigator, "hid");
+        vi.restoreAllMocks();
+      };
+    });
+
+    it("does not begin on a hidden page", async () => {
+      await connectSpaceMouse();
+      const hidden = vi.spyOn(document, "hidden", "get").mockReturnValue(true);
+      device.push();
+      expect(arms("take_arm")).toEqual([]);
+      hidden.mockReturnValue(false);
+      device.push();
+      expect(arms("take_arm")).toEqual(["left"]);
+    });
+
+    it("says why it cannot be opened", async () => {
+      device.open.mockRejectedValue(new Error("permission denied"));
+      await connectSpaceMouse();
+      expect(spaceMouse.value).toBeNull();
+      expect(toasts.value[0]?.text).toContain("permission denied");
+    });
   });
 });

@@ -1,13 +1,16 @@
 import { act, fireEvent, render, screen } from "@testing-library/preact";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { disable, enable } from "../src/driving";
+import { KEYS as JOG_KEYS } from "../src/jogging/keys";
 import { toasts } from "../src/notices";
 import { Banners } from "../src/panels/banners";
 import { Confirmation } from "../src/panels/confirmation";
-import { EmergencyStop, engageOnEscape } from "../src/panels/estop";
+import { EmergencyStop, engageOnEscape, leaveFullScreen } from "../src/panels/estop";
+import Episodes from "../src/panels/episodes";
 import { MotionPanel } from "../src/panels/motion";
 import { Readings, RunButton, TimeControls } from "../src/panels/simulation";
 import type { GripperInfo } from "../src/protocol";
+import { shortcuts } from "../src/shortcuts";
 import { FakeSocket, frame, view, joint, status } from "./fixtures";
 import { useFakeServer } from "./setup";
 
@@ -130,11 +133,57 @@ describe("the emergency stop", () => {
     ).toEqual([true]);
   });
 
+  const showFull = (element: Element | null) => {
+    Object.assign(document, { fullscreenElement: element });
+    document.dispatchEvent(new Event("fullscreenchange"));
+  };
+
+  it("is engaged by Escape that the browser takes to leave full screen", () => {
+    showFull(document.body);
+    expect(engagements()).toEqual([]);
+    showFull(null);
+    expect(engagements()).toEqual([true]);
+  });
+
+  it("is not engaged by the button that leaves full screen", () => {
+    showFull(document.body);
+    Object.assign(document, { exitFullscreen: () => Promise.resolve() });
+    leaveFullScreen();
+    showFull(null);
+    expect(engagements()).toEqual([]);
+  });
+
+  it("is released only while the finger is on the button", async () => {
+    await stop();
+    const release = screen.getByTestId("estop-release");
+    const dropped = vi.fn();
+    release.hasPointerCapture = () => true;
+    release.releasePointerCapture = dropped;
+    fireEvent.pointerDown(release, { button: 0, pointerId: 7 });
+    expect(dropped).toHaveBeenCalledWith(7);
+    fireEvent.pointerLeave(release);
+    await pass(1500);
+    expect(engagements()).toEqual([]);
+  });
+
   it("says that it could not be sent", async () => {
     server().end();
     press("estop");
     await pass(10);
     expect(screen.getByTestId("connection-banner").textContent).toContain("continues");
+  });
+});
+
+describe("the keys of demonstrations", () => {
+  useFakeServer();
+
+  it("are none of jogging's", () => {
+    render(<Episodes />);
+    const codes = shortcuts.value
+      .filter(({ text }) => text.startsWith("episodes."))
+      .flatMap(({ keys }) => keys.map((key) => `Key${key.slice(-1).toUpperCase()}`));
+    expect(codes).toHaveLength(4);
+    expect(codes.filter((code) => code in JOG_KEYS)).toEqual([]);
   });
 });
 

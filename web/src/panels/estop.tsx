@@ -1,5 +1,6 @@
 /** The emergency stop: a button and Escape, which only engage; its release is in the banner. */
 import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import { sendRequest } from "../connection";
 import { t } from "../i18n";
 import { view, status } from "../store";
@@ -27,16 +28,38 @@ async function engage(): Promise<void> {
   }
 }
 
-/** Stop, as Escape does. */
-export function engageStop(): void {
+function engageIfAny(): void {
   if (hasEmergencyStop()) void engage();
 }
 
 export function engageOnEscape(event: KeyboardEvent): void {
-  if (event.key === "Escape" && !event.repeat && !event.isComposing) engageStop();
+  if (event.key === "Escape" && !event.repeat && !event.isComposing) engageIfAny();
+}
+
+let isLeaving = false;
+
+/** Leave full screen without a stop. */
+export function leaveFullScreen(): void {
+  isLeaving = true;
+  void document.exitFullscreen();
+}
+
+/**
+ * Browsers take Escape for themselves in full screen: whatever leaves it, but for the
+ * page itself, counts as Escape.
+ */
+function engageOnLeaving(): void {
+  if (document.fullscreenElement === null && !isLeaving) engageIfAny();
+  isLeaving = false;
 }
 
 export function EmergencyStop() {
+  useEffect(() => {
+    document.addEventListener("fullscreenchange", engageOnLeaving);
+    return () => {
+      document.removeEventListener("fullscreenchange", engageOnLeaving);
+    };
+  }, []);
   if (!hasEmergencyStop()) return null;
   const long = t("estop.engageLong");
   return (

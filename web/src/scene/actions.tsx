@@ -1,7 +1,7 @@
 /** Buttons over the picture that concern the whole page: a picture, full screen, help. */
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { t } from "../i18n";
-import { engageStop } from "../panels/estop";
+import { leaveFullScreen } from "../panels/estop";
 import { toggleShortcutHelp } from "../panels/shortcut-help";
 import { view } from "../store";
 import { IconButton } from "../ui/button";
@@ -36,21 +36,12 @@ async function takePicture(viewer: Viewer): Promise<void> {
   save(await viewer.picture(), `${name}.png`);
 }
 
-/**
- * The whole page, so that the controls stay within reach.
- *
- * Browsers take Escape for themselves there: whatever leaves it, but for this button,
- * counts as Escape.
- */
+/** The whole page, so that the controls stay within reach. */
 function FullScreen() {
   const [isFull, setFull] = useState(document.fullscreenElement !== null);
-  const isLeaving = useRef(false);
   useEffect(() => {
     const update = () => {
-      const is = document.fullscreenElement !== null;
-      if (!is && !isLeaving.current) engageStop();
-      isLeaving.current = false;
-      setFull(is);
+      setFull(document.fullscreenElement !== null);
     };
     document.addEventListener("fullscreenchange", update);
     return () => {
@@ -64,8 +55,7 @@ function FullScreen() {
       aria-pressed={isFull}
       data-testid="full-screen"
       onClick={() => {
-        isLeaving.current = isFull;
-        if (isFull) void document.exitFullscreen();
+        if (isFull) leaveFullScreen();
         else void document.documentElement.requestFullscreen();
       }}
     >
