@@ -36,6 +36,7 @@ MOST_STEPS: Final = 2000
 MOST_NESTED: Final = 10
 """Loops within each other."""
 _DEEPEST: Final = 50
+"""Loops within each other that recursion still takes."""
 
 
 class ToolPose(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -41,7 +41,9 @@ let isLeaving = false;
 /** Leave full screen without a stop. */
 export function leaveFullScreen(): void {
   isLeaving = true;
-  void document.exitFullscreen();
+  document.exitFullscreen().catch(() => {
+    isLeaving = false; // it goes on, so that Escape may still leave it
+  });
 }
 
 /**

@@ -201,8 +201,10 @@ class Hub:
         simulation = self.backend.simulation
         assert simulation is not None  # otherwise the request is refused
         arm = request.arm or next(iter(simulation.arms))  # without a name: the only one
+        by = None if isinstance(request, TakeArm) else request.by
         for other in self.sessions:
-            other.arms.pop(arm, None)
+            if by is None or other.arms.get(arm) == by:
+                other.arms.pop(arm, None)
         if isinstance(request, TakeArm):
             session.arms[arm] = request.by
 

@@ -101,6 +101,19 @@ def test_a_client_that_ends_stops_nobody_elses_arm(
     assert client.channel.call(ReadArmMotion()).mode == "speed"
 
 
+def test_an_arm_is_returned_when_its_client_ends(
+    robot: tool0.Robot, client: Client
+) -> None:
+    """Also if another one asked in vain to return it."""
+    other = Client()
+    other.channel.call(TakeArm(by="owner"))
+    client.channel.call(ReturnArm(by="another"))
+    other.channel.close()
+    assert robot.channel.wait_until(
+        lambda: not robot.arm.control_box.state.taken_by, LONG
+    )
+
+
 def test_only_who_moves_an_arm_returns_it_by_name(
     robot: tool0.Robot, client: Client
 ) -> None:
