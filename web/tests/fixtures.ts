@@ -4,6 +4,7 @@ import type {
   Frame,
   ViewInfo,
   JointInfo,
+  RobotPartsInfo,
   ServerMessage,
   Status,
 } from "../src/protocol";
@@ -58,6 +59,21 @@ export function view(changes: Partial<ViewInfo> = {}): ViewInfo {
     notices: [],
     ...changes,
   };
+}
+
+function part(name: string): RobotPartsInfo {
+  const prefix = `${name}_`;
+  const tip = `${prefix}tool0`;
+  return { name, title: null, prefix, base: "world", joints: [], gripper: null, tip };
+}
+
+/** Let the server of this page have two robots, `left` and `right`. */
+export function sayTwoArms(server: FakeSocket): void {
+  const now = view();
+  const robots = [part("left"), part("right")];
+  server.say({ ...now, robot: { ...now.robot, robots } });
+  server.say(status());
+  server.say(frame());
 }
 
 export function status(changes: Partial<Status> = {}): Status {

@@ -8,18 +8,11 @@ import {
   spaceMouse,
 } from "../src/jogging/spacemouse";
 import { toasts } from "../src/notices";
-import type { RobotPartsInfo } from "../src/protocol";
 import { chosenRobot } from "../src/robots";
-import { FakeSocket, frame, status, view } from "./fixtures";
+import { FakeSocket, sayTwoArms, status } from "./fixtures";
 import { useFakeServer } from "./setup";
 
 const UP = [0, 0, 1, 0, 0, 0] as const;
-
-function part(name: string): RobotPartsInfo {
-  const prefix = `${name}_`;
-  const tip = `${prefix}tool0`;
-  return { name, title: null, prefix, base: "world", joints: [], gripper: null, tip };
-}
 
 const server = () => FakeSocket.newest;
 const arms = (method: string) =>
@@ -54,11 +47,7 @@ describe("jogging", () => {
   useFakeServer();
 
   beforeEach(async () => {
-    const now = view();
-    const robots = [part("left"), part("right")];
-    server().say({ ...now, robot: { ...now.robot, robots } });
-    server().say(status());
-    server().say(frame());
+    sayTwoArms(server());
     enable();
     const end = watchJog();
     await goOn(1);

@@ -3,19 +3,13 @@ import { enable, selectRobot } from "../src/driving";
 import { hold, letGo, release } from "../src/jog";
 import { IDENTITY } from "../src/kinematics";
 import type { Pose } from "../src/kinematics";
-import type { Responses, RobotPartsInfo } from "../src/protocol";
+import type { Responses } from "../src/protocol";
 import { aimTool, choosePosture, chosenBranch, go, target } from "../src/tool-target";
-import { FakeSocket, frame, status, view } from "./fixtures";
+import { FakeSocket, sayTwoArms } from "./fixtures";
 import { useFakeServer } from "./setup";
 
 const server = () => FakeSocket.newest;
 const goOn = (duration = 50) => vi.advanceTimersByTimeAsync(duration);
-
-function part(name: string): RobotPartsInfo {
-  const prefix = `${name}_`;
-  const tip = `${prefix}tool0`;
-  return { name, title: null, prefix, base: "world", joints: [], gripper: null, tip };
-}
 
 function at(x: number): Pose {
   return { p: [x, 0, 0], R: IDENTITY.R };
@@ -51,11 +45,7 @@ describe("the target of the tool", () => {
   useFakeServer();
 
   beforeEach(async () => {
-    const now = view();
-    const robots = [part("left"), part("right")];
-    server().say({ ...now, robot: { ...now.robot, robots } });
-    server().say(status());
-    server().say(frame());
+    sayTwoArms(server());
     enable();
     await goOn(1);
   });
