@@ -3,12 +3,15 @@
 Saturation is that of joint_limits_interface (ros_control noetic,
 ``joint_limits_interface.h``), ``EffortJointSaturationHandle`` and
 ``EffortJointSoftLimitsHandle``: the effort is clamped, a joint beyond a position limit
-gets no outward effort, one beyond its speed no accelerating effort.  There are two
+gets no outward effort, one beyond its speed no accelerating effort.  There are three
 intentional differences:
 
 * A drive whose rotor inertia is known, or whose effort would take the joint beyond
   its speed limit within one step, keeps to its speed (``SpeedLimiter``).  ROS switches
   the whole effort on and off there, and a light joint then runs far above its limit.
+* The speed of any other joint that efforts drive is governed
+  (``hardware/speed_governor.py``): with ROS's rule, the joints of an arm fling each
+  other to five times their speed.
 * ``k_velocity = 0`` means "no soft limit on effort".  ROS uses a window of width zero,
   so with ``safety_limits:=true`` of the UR description an effort-controlled arm is
   limp.
@@ -88,6 +91,7 @@ class EffortLimiter:
         self.bounds = tuple(self._bounds())
         self._soft = [(b.joint, b.hard, b.soft) for b in self.bounds if b.soft]
         self._drive_limits: dict[int, DriveLimits] = {}
+        self._governed: frozenset[int] = frozenset()
         self.restart()
 
     @property
@@ -127,6 +131,11 @@ class EffortLimiter:
             del self._speed_limiters[index]
         if index in self._speed_limiters:
             self._speed_limiters[index].drive_limits = limits
+        self._rows = list(self._saturated())
+
+    def leave_speeds(self, governed: frozenset[int]) -> None:
+        """Leave the speeds of these joints to the governor."""
+        self._governed = governed
         self._rows = list(self._saturated())
 
     def restart(self) -> None:
@@ -175,8 +184,9 @@ class EffortLimiter:
     def _saturated(self) -> Iterator[tuple[int, float, float, float, float]]:
         """Yield everything that ``saturate`` needs, joint by joint."""
         for i, effort, velocity, lower, upper, *_ in self.bounds:
-            # The speed limiter of a drive keeps its speed.
-            speed = math.inf if i in self._speed_limiters else velocity
+            # The speed limiter of a drive keeps its speed, or the governor.
+            is_kept = i in self._speed_limiters or i in self._governed
+            speed = math.inf if is_kept else velocity
             yield i, effort, lower, upper, speed
 
     def _bounds(self) -> Iterator[DriveBounds]:

@@ -20,6 +20,8 @@ from functools import reduce
 from operator import add, mul, truediv
 from typing import NamedTuple, final
 
+import numpy as np
+
 from tool0.description.finding import quoted
 from tool0.description.model import (
     FLANGE,
@@ -50,6 +52,13 @@ from tool0.hardware.servos import (
     ServoState,
     VelocityServo,
     servo_of,
+)
+from tool0.hardware.speed_governor import (
+    FAST,
+    GovernedDrive,
+    GovernorSetup,
+    GovernorState,
+    SpeedGovernor,
 )
 
 POSE_PERIOD = 64
@@ -84,6 +93,7 @@ class DriveSetup(NamedTuple):
     """Limits of goals, by joint."""
     brakes: Mapping[int, float]
     """Largest torque of each engaged brake, by joint [N·m | N]."""
+    governor: GovernorSetup
     servos: tuple[tuple[int, ServoLaw], ...]
     """Joints with a servo, in the order of the mass matrix."""
     masses: tuple[list[float], ...]
@@ -104,6 +114,7 @@ class DriveState(NamedTuple):
     """The same of the compensated drives; empty if it is to be computed."""
     velocities: Mapping[int, float | None]
     """What the speed limiters remember, by joint."""
+    governor: GovernorState
     servos: list[ServoState]
 
 
@@ -193,6 +204,18 @@ class RobotHardware:
         """For each joint with a servo, the largest acceleration of its drive."""
         self._servos: dict[int, Servo] = {}
         self._brakes: Mapping[int, float] = {}
+        self._governable = [
+            GovernedDrive(
+                self.index[name],
+                drive.hard.velocity,
+                FAST * drive.hard.velocity,
+                drive.hard.effort,
+            )
+            for name, drive in self._drives.items()
+            if not self._armatures[name] and name not in masters
+        ]
+        """Drives that need to know what they move, to keep to their speed."""
+        self._governor = SpeedGovernor()
         self._compensated = [
             self.index[name]
             for name, interfaces in self.interfaces.items()
@@ -367,6 +390,8 @@ class RobotHardware:
             self._add_gravity_compensation(effort, state)
         if self._servos:
             self._run_servos(effort, state)
+        if self._governor.setup.drives:
+            self._govern_speeds(effort, state)
         self._steps += 1
         self._limiter.saturate(effort, state, self._gravity_effort)
         for i in self._brakes:
@@ -411,6 +436,7 @@ class RobotHardware:
         return DriveSetup(
             dict(self._limiter.drive_limits),
             self._brakes,
+            self._governor.setup,
             self._servo_laws(),
             tuple(row for _, row in self._masses),
             self._fastest,
@@ -424,6 +450,7 @@ class RobotHardware:
             self._gravity_effort,
             [effort for _, effort in self._compensation],
             self._limiter.velocities,
+            self._governor.state,
             [servo.state for servo in self._servos.values()],
         )
 
@@ -433,6 +460,7 @@ class RobotHardware:
     def restore(self, setup: DriveSetup, state: DriveState) -> None:
         """Continue from ``setup`` and ``state``; claims and commands stay."""
         self._brakes = setup.brakes
+        self._governor.setup, self._governor.state = setup.governor, state.governor
         if setup.servos != self._servo_laws():
             self._servos = {i: servo_of(law) for i, law in setup.servos}
         self._masses = list(zip(self._servos, setup.masses, strict=False))
@@ -468,6 +496,7 @@ class RobotHardware:
             self._servos[i] = VelocityServo(drive.hard, drive.soft)
         if brakes != self._brakes:
             self._brakes = brakes
+        self._choose_governed()
 
     def _add_gravity_compensation(self, effort: list[float], state: JointState) -> None:
         """Add gravity compensation to the efforts of the drives that have it."""
@@ -540,6 +569,30 @@ class RobotHardware:
         for i, masses in self._masses:
             # Not sum(): it is compensated in Python 3.12 and later.
             effort[i] = gravity[i] + reduce(add, map(mul, masses, wanted), 0.0)
+
+    def _choose_governed(self) -> None:
+        """Let the speeds be governed of joints that efforts drive."""
+        drives = [
+            drive
+            for drive in self._governable
+            if drive.joint not in self._servos and drive.joint not in self._brakes
+        ]
+        joints = (self.index[name] for name in self.interfaces)
+        free = [joint for joint in joints if joint not in self._brakes]
+        self._governor.choose(drives, free)
+        self._limiter.leave_speeds(frozenset(drive.joint for drive in drives))
+
+    def _govern_speeds(self, effort: list[float], state: JointState) -> None:
+        """Limit efforts so that no joint exceeds its speed in the next step."""
+        governor = self._governor
+        if governor.is_due(self._steps, state.velocity):
+            free = governor.setup.free
+            rows = [self._to_model.index(i) for i in free]
+            position = [state.position[i] for i in self._to_model]
+            masses = self._own_dynamics.mass_matrix(position)[rows][:, rows]
+            mobility = (self._dt * np.linalg.inv(masses)).tolist()
+            governor.update(mobility, self._steps)
+        governor.limit(effort, state.effort, state.velocity)
 
     def _servo_masses(self, state: JointState) -> list[tuple[int, list[float]]]:
         matrix = self._masses_of(list(self._servos), state)

@@ -47,7 +47,7 @@ def bounded_masses(own: Matrix, declared: Matrix, ratio: float) -> Matrix:
     lower = np.linalg.cholesky(own)
     inverse = np.linalg.inv(lower)
     ratios, axes = np.linalg.eigh(inverse @ declared @ inverse.T)
-    if 1.0 <= ratios[0] and ratios[-1] <= ratio:
+    if ratios[0] >= 1.0 and ratios[-1] <= ratio:
         return declared
     root = lower @ axes
     return np.asarray((root * np.clip(ratios, 1.0, ratio)) @ root.T)

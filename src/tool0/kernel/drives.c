@@ -227,6 +227,60 @@ static double soften(const DriveBounds *bounds, double effort, double position,
     return least(greatest(effort, lower), upper);
 }
 
+/* ---- speeds: hardware/speed_governor.py ------------------------------------------ */
+
+static int is_fast(const DriveGovernor *governor, const double *velocity)
+{
+    for (int k = 0; k < governor->n_drives; k++) {
+        const DriveGoverned *drive = &governor->drives[k];
+        if (fabs(velocity[drive->joint]) > drive->fast)
+            return 1;
+    }
+    return 0;
+}
+
+static void change(double *coming, const double *row, int n, double by)
+{
+    for (int j = 0; j < n; j++)
+        coming[j] += row[j] * by;
+}
+
+/* SpeedGovernor.limit, but for what it remembers. */
+static void govern(const DriveGovernor *governor, double *effort, const double *applied,
+                   const double *velocity)
+{
+    int n = governor->n_free, m = governor->n_drives;
+    double coming[n], wanted[n], used[n];
+    for (int k = 0; k < n; k++) {
+        int i = governor->free[k];
+        coming[k] = velocity[i] + (velocity[i] - governor->before[i]);
+        wanted[k] = effort[i];
+        used[k] = applied[i];
+    }
+    for (int k = m; k < n; k++)
+        change(coming, &governor->mobility[k * n], n, wanted[k] - used[k]);
+    for (int sweep = 0; sweep < governor->sweeps; sweep++) {
+        int has_changed = 0;
+        for (int k = 0; k < m; k++) {
+            const DriveGoverned *drive = &governor->drives[k];
+            const double *row = &governor->mobility[k * n];
+            double old = used[k], speed = drive->speed;
+            double reached = coming[k] + row[k] * (wanted[k] - old);
+            reached = least(greatest(reached, -speed), speed);
+            double best = old + (reached - coming[k]) / row[k];
+            used[k] = best = least(greatest(best, -drive->effort), drive->effort);
+            if (best != old) {
+                has_changed = 1;
+                change(coming, row, n, best - old);
+            }
+        }
+        if (!has_changed)
+            break;
+    }
+    for (int k = 0; k < m; k++)
+        effort[governor->drives[k].joint] = used[k];
+}
+
 /* ---- RobotHardware.efforts ------------------------------------------------------- */
 
 static int needs_python(const Drives *drives, const double *command,
@@ -238,6 +292,9 @@ static int needs_python(const Drives *drives, const double *command,
         if (!(fabs(command[i]) <= DBL_MAX) || !(fabs(position[i]) <= DBL_MAX)
             || !(fabs(velocity[i]) <= DBL_MAX) || !(fabs(effort[i]) <= DBL_MAX))
             return 1;
+    const DriveGovernor *governor = &drives->governor;
+    if (drives->steps >= governor->due && is_fast(governor, velocity))
+        return 1;
     if (!drives->n_servos)
         return 0;
     return !drives->has_masses || drives->steps % table->pose_period == 0;
@@ -302,13 +359,20 @@ TOOL0_EXPORT int drives_efforts(Drives *drives, const double *command,
         requested[table->compensated[k]] += drives->compensation[k];
     if (drives->n_servos)
         run_servos(drives, loads, command, position, velocity, requested);
+    DriveGovernor *governor = &drives->governor;
+    if (governor->n_drives) {
+        if (governor->has_before && is_fast(governor, velocity))
+            govern(governor, requested, effort, velocity);
+        memcpy(governor->before, velocity, (size_t)n * sizeof(double));
+        governor->has_before = 1;
+    }
     drives->steps++;
     for (int k = 0; k < table->n_drives; k++) {
         const DriveBounds *bounds = &table->bounds[k];
         int i = bounds->joint;
         const DriveGoal *goal = &drives->goals[i];
         double u = requested[i], q = position[i], qd = velocity[i];
-        double speed = bounds->velocity;
+        double speed = drives->governed[i] ? INFINITY : bounds->velocity;
         if (goal->is_limited || bounds->rotor < INFINITY) {
             u = limit_speed(bounds, goal, &drives->before[i], u, effort[i],
                             drives->gravity[i], q, qd);

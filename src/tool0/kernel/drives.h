@@ -66,6 +66,22 @@ typedef struct DriveServo {
     double target, integral, speed;
 } DriveServo;
 
+/* A governed joint (speed_governor.py, GovernedDrive). */
+typedef struct DriveGoverned {
+    int joint;
+    double speed, fast, effort;
+} DriveGoverned;
+
+/* What keeps joints within their speeds (speed_governor.py, SpeedGovernor). */
+typedef struct DriveGovernor {
+    long long due;
+    int n_drives, n_free, has_before, sweeps;
+    DriveGoverned *drives; /* (n_drives) */
+    int *free;             /* (n_free), joints, the governed ones first */
+    double *mobility;      /* (n_free, n_free) */
+    double *before;        /* (n_joints), velocity in the last step */
+} DriveGovernor;
+
 /* The drives of one robot, or of one copy of it. */
 typedef struct Drives {
     const DriveTable *table;
@@ -79,13 +95,15 @@ typedef struct Drives {
     DriveServo *servos;   /* (n_servos) */
     double *masses;       /* (n_servos, n_servos) */
     int *brakes;          /* (n_brakes), joints with an engaged brake: no effort */
+    int *governed;        /* (n_joints), whether the governor keeps the joint's speed */
+    DriveGovernor governor;
 } Drives;
 
 /* Compute the efforts of the next step; all arrays have shape (n_joints).
  *
  * effort: in, the effort applied in the last step; out, that of the next one.
  * Returns DRIVES_EVENT, with nothing changed, when Python must execute this step: the
- * mass matrix is due, or a value is not finite.
+ * mass matrix or the governor's mobility is due, or a value is not finite.
  */
 int drives_efforts(Drives *drives, const double *command, const double *position,
                    const double *velocity, double *effort);

@@ -32,6 +32,7 @@ from tool0.hardware.servos import (
     ServoLaw,
     ServoState,
 )
+from tool0.hardware.speed_governor import SWEEPS, GovernorSetup, GovernorState
 
 
 def _integers(*names: str) -> list[tuple[str, Any]]:
@@ -104,6 +105,21 @@ class _Servo(ctypes.Structure):
     )
 
 
+class _Governed(ctypes.Structure):
+    _fields_ = (("joint", c_int), *_numbers("speed", "fast", "effort"))
+
+
+class _Governor(ctypes.Structure):
+    _fields_ = (
+        ("due", c_longlong),
+        *_integers("n_drives", "n_free", "has_before", "sweeps"),
+        ("drives", POINTER(_Governed)),
+        ("free", POINTER(c_int)),
+        ("mobility", POINTER(c_double)),
+        ("before", POINTER(c_double)),
+    )
+
+
 class Drives(ctypes.Structure):
     """The drives of one copy of a robot."""
 
@@ -118,6 +134,8 @@ class Drives(ctypes.Structure):
         ("servos", POINTER(_Servo)),
         ("masses", POINTER(c_double)),
         ("brakes", POINTER(c_int)),
+        ("governed", POINTER(c_int)),
+        ("governor", _Governor),
     )
 
 
@@ -137,7 +155,7 @@ class NativeDrives:
         self._hardware = hardware
         self._bounds = {drive.joint: drive for drive in table.bounds}
         self._rotors = {drive.joint for drive in table.bounds if drive.rotor < math.inf}
-        self._setup = DriveSetup({}, {}, (), (), [])
+        self._setup = DriveSetup({}, {}, GovernorSetup(), (), (), [])
         n_joints, n_drives = len(hardware.joint_names), len(table.bounds)
         self._gravity: ctypes.Array[Any] = (c_double * n_joints)()
         self._before: ctypes.Array[Any] = (c_double * n_joints)(*[math.nan] * n_joints)
@@ -146,12 +164,22 @@ class NativeDrives:
         self._servos = (_Servo * n_drives)()
         self._masses: ctypes.Array[Any] = (c_double * n_drives**2)()
         self._brakes: ctypes.Array[Any] = (c_int * n_drives)()
+        self._governed: ctypes.Array[Any] = (c_int * n_joints)()
+        self._governor_drives = (_Governed * n_drives)()
+        self._free: ctypes.Array[Any] = (c_int * n_drives)()
+        self._mobility: ctypes.Array[Any] = (c_double * n_drives**2)()
+        self._velocity: ctypes.Array[Any] = (c_double * n_joints)()
         self._table = table
         self.struct = Drives(
             ctypes.pointer(_table(n_joints, table)),
             *(0, 0, 0, 0, 0),
             *(self._gravity, self._before, self._compensation),
             *(self._goals, self._servos, self._masses, self._brakes),
+            self._governed,
+            _Governor(
+                *(0, 0, 0, 0, SWEEPS),
+                *(self._governor_drives, self._free, self._mobility, self._velocity),
+            ),
         )
         self.load()
 
@@ -171,6 +199,10 @@ class NativeDrives:
             self._compensation[:] = state.compensation
         for i, velocity in state.velocities.items():
             self._before[i] = math.nan if velocity is None else velocity
+        governor, before = struct.governor, state.governor.before
+        governor.due, governor.has_before = state.governor.due, bool(before)
+        if before:
+            self._velocity[:] = before
         for servo, memory in zip(self._servos, state.servos, strict=False):
             servo.target, servo.integral, servo.speed = memory
 
@@ -183,6 +215,10 @@ class NativeDrives:
             self._gravity[:],
             self._compensation[:] if struct.has_compensation else [],
             {i: None if math.isnan(v := before[i]) else v for i in bounded},
+            GovernorState(
+                struct.governor.due,
+                self._velocity[:] if struct.governor.has_before else (),
+            ),
             [
                 ServoState(servo.target, servo.integral, servo.speed)
                 for servo in self._servos[: struct.n_servos]
@@ -218,6 +254,8 @@ class NativeDrives:
         struct = self.struct
         struct.n_brakes = len(setup.brakes)
         self._brakes[: len(setup.brakes)] = list(setup.brakes)
+        if setup.governor != before.governor:
+            self._load_governor(setup.governor)
         struct.n_servos, struct.has_masses = len(setup.servos), bool(setup.masses)
         if setup.servos != before.servos:
             for k, (i, law) in enumerate(setup.servos):
@@ -227,6 +265,17 @@ class NativeDrives:
                 servo.fastest = fastest
             values = [value for row in setup.masses for value in row]
             self._masses[: len(values)] = values
+
+    def _load_governor(self, setup: GovernorSetup) -> None:
+        governor = self.struct.governor
+        governor.n_drives, governor.n_free = len(setup.drives), len(setup.free)
+        self._governed[:] = [0] * len(self._governed)
+        for k, drive in enumerate(setup.drives):
+            self._governor_drives[k] = _Governed(*drive)
+            self._governed[drive.joint] = 1
+        self._free[: len(setup.free)] = setup.free
+        values = [value for row in setup.mobility for value in row]
+        self._mobility[: len(values)] = values
 
     def _set_goal(self, index: int, limits: DriveLimits | None) -> None:
         if limits is not None:
