@@ -325,9 +325,12 @@ class NativeStepper(NamedTuple):
 
 
 BRAKE_STANDSTILL = 3e-4
-"""Speed below which a joint with an engaged brake stands [rad/s | m/s].  Friction that a
-solver regularises creeps; with MuJoCo and rated payloads, at 1e-4 rad/s at most.  To
-move a joint that stands takes 0.3 rad/s² in a step of 1 ms beyond its friction."""
+"""Speed below which a joint with an engaged brake stands [rad/s | m/s].
+
+Friction that a solver regularises creeps: in MuJoCo with rated payloads at 1e-4 rad/s
+at most.  To move a joint that stands takes 0.3 rad/s² beyond its friction, in steps of
+1 ms.
+"""
 LARGEST_VELOCITY = 1e4
 """Speed from which a simulation counts as diverged [rad/s | m/s].  No drive and no fall
 gets near it, and growing numbers pass it some steps before infinity."""

@@ -1,9 +1,10 @@
 """Joint commands in, joint efforts out: interfaces, servos, limits and brakes.
 
-A joint is driven in one of two ways: by the effort of its controller, or by the position
-or velocity of its controller, through a servo.  If no controller claims it, or while it
-is stopped, its drive is off and the engine holds it by its brake, which knows no model
-of the load.  A drive may offer several command interfaces; the claim selects one of them.
+A joint is driven in one of two ways: by the effort of its controller, or by the
+position or velocity of its controller, through a servo.  If no controller claims it, or
+in an emergency stop, its drive is off, and the engine holds it by its brake, which needs
+no model of the load.  A drive may offer several command interfaces; the claim selects
+one of them.
 
 Without gains, Gazebo's position interface sets the joint position directly; ours never
 does.  The effort of a servo is gravity compensation, plus a PD law scaled by the
@@ -606,11 +607,12 @@ class RobotHardware:
 def _joints_before_flanges(model: RobotModel) -> set[str]:
     """Return the revolute joints that move a flange."""
     found = set()
-    for link in model.flanges:
-        while joint := model.parent_joint.get(link):
+    for flange in model.flanges:
+        joint = model.parent_joint.get(flange)
+        while joint is not None:
             if joint.is_movable and joint.type is not JointType.PRISMATIC:
                 found.add(joint.name)
-            link = joint.parent
+            joint = model.parent_joint.get(joint.parent)
     return found
 
 

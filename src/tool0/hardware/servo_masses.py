@@ -7,8 +7,8 @@ proportional and derivative gains are stable for every r > 0; two bounds remain:
 * In steps of dt, the derivative gain must remain below 2 ζ ω r dt = 2.  The joints have
   at least the masses of the description, whatever payload is declared, so that Mₛ may
   exceed these by a limited factor only.
-* The integral of rate k needs r > k / (2 ζ ω) (Routh's criterion).  The joints may carry
-  more than was declared, so that k is limited by the largest load of the drive.
+* The integral of rate k needs r > k / (2 ζ ω) (Routh's criterion).  The joints may
+  carry more than was declared, so that k is limited by the largest load of the drive.
 """
 
 from __future__ import annotations

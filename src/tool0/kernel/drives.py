@@ -202,7 +202,7 @@ class NativeDrives:
         governor, before = struct.governor, state.governor.before
         governor.due, governor.has_before = state.governor.due, bool(before)
         if before:
-            self._velocity[:] = before
+            self._velocity[:] = list(before)
         for servo, memory in zip(self._servos, state.servos, strict=False):
             servo.target, servo.integral, servo.speed = memory
 
@@ -273,7 +273,7 @@ class NativeDrives:
         for k, drive in enumerate(setup.drives):
             self._governor_drives[k] = _Governed(*drive)
             self._governed[drive.joint] = 1
-        self._free[: len(setup.free)] = setup.free
+        self._free[: len(setup.free)] = list(setup.free)
         values = [value for row in setup.mobility for value in row]
         self._mobility[: len(values)] = values
 

@@ -51,9 +51,8 @@ def moved(batch: tool0.Batch) -> tuple[Array, ...]:
     rng = np.random.default_rng(4)
     found: list[Array] = []
     for k in range(6):
-        q = batch.position[:, columns] + rng.uniform(
-            -0.02, 0.02, (batch.n, len(columns))
-        )
+        change = rng.uniform(-0.01, 0.01, (batch.n, len(columns)))
+        q = batch.position[:, columns] + change
         velocities = rng.uniform(-0.2, 0.2, q.shape) if k % 2 else None
         batch.command(q, velocities=velocities, duration=0.02 + 0.01 * k)
         batch.move_gripper(rng.uniform(0.0, 0.08, batch.n), force=30.0 + 10 * k)

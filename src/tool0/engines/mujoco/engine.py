@@ -173,10 +173,8 @@ class MujocoEngine:
         model.dof_solref[:n], model.dof_solimp[:n] = solref, solimp
         for joint, torque in self._brakes.items():
             model.dof_frictionloss[joint] += min(torque, _MOST_FRICTION)
-            model.dof_solref[joint], model.dof_solimp[joint] = (
-                _BRAKE_SOLREF,
-                _BRAKE_SOLIMP,
-            )
+            model.dof_solref[joint] = _BRAKE_SOLREF
+            model.dof_solimp[joint] = _BRAKE_SOLIMP
         self._braked = np.array(sorted(self._brakes), dtype=np.intp)
         self.stepper = self._stepper()
 
