@@ -9,9 +9,8 @@ intentional differences:
 * A drive whose rotor inertia is known, or whose effort would take the joint beyond
   its speed limit within one step, keeps to its speed (``SpeedLimiter``).  ROS switches
   the whole effort on and off there, and a light joint then runs far above its limit.
-* The speed of any other joint that efforts drive is governed
-  (``hardware/speed_governor.py``): with ROS's rule, the joints of an arm fling each
-  other to five times their speed.
+* The speed of any other joint is governed (``hardware/speed_governor.py``): with ROS's
+  rule, the joints of an arm fling each other to five times their speed.
 * ``k_velocity = 0`` means "no soft limit on effort".  ROS uses a window of width zero,
   so with ``safety_limits:=true`` of the UR description an effort-controlled arm is
   limp.

@@ -2,8 +2,8 @@
 
 A joint is driven in one of two ways: by the effort of its controller, or by the
 position or velocity of its controller, through a servo.  If no controller claims it, or
-in an emergency stop, its drive is off, and the engine holds it by its brake, which needs
-no model of the load.  A drive may offer several command interfaces; the claim selects
+in an emergency stop, its drive is off, and the engine holds it by its brake, whatever
+its load.  A drive may offer several command interfaces; the claim selects
 one of them.
 
 Without gains, Gazebo's position interface sets the joint position directly; ours never
@@ -44,7 +44,12 @@ from tool0.hardware.limits import (
     EffortLimits,
 )
 from tool0.hardware.payload import Payload, replaced_tools
-from tool0.hardware.servo_masses import bounded_masses, integral_rate, largest_ratio
+from tool0.hardware.servo_masses import (
+    bounded_masses,
+    expected_load,
+    integral_rate,
+    largest_ratio,
+)
 from tool0.hardware.servos import (
     INTEGRAL_RATE,
     PositionServo,
@@ -169,11 +174,15 @@ class RobotHardware:
         masters = {joint.mimic.joint for joint in model.movable_joints if joint.mimic}
         loaded = _joints_before_flanges(model)
         self._integral_rates = {
-            joint.name: integral_rate(float(inertia), joint.limits.effort)
+            joint.name: integral_rate(float(inertia), joint.limits.effort, dt)
             for joint, inertia in zip(model.movable_joints, inertias, strict=True)
             if joint.name in loaded and not self._armatures.get(joint.name)
         }
         """Of the joints that carry a payload."""
+        self._expected_loads = {
+            self.index[name]: expected_load(model.joint_by_name[name].limits.effort)
+            for name in self._integral_rates
+        }
         inertia_by_joint = {
             joint.name: math.inf if joint.name in masters else float(inertia)
             for joint, inertia in zip(model.movable_joints, inertias, strict=True)
@@ -540,10 +549,13 @@ class RobotHardware:
         position = [state.position[i] for i in self._to_model]
         rows = [self._to_model.index(i) for i in indices]
         own = self._own_dynamics.mass_matrix(position)[rows][:, rows]
-        if not self._payloads:
+        loads = [self._expected_loads.get(i, 0.0) for i in indices]
+        if not self._payloads and not any(loads):
             return own
-        declared = self._dynamics.mass_matrix(position)[rows][:, rows]
-        return bounded_masses(own, declared, largest_ratio(self._dt))
+        declared = own
+        if self._payloads:
+            declared = self._dynamics.mass_matrix(position)[rows][:, rows]
+        return bounded_masses(own, declared + np.diag(loads), largest_ratio(self._dt))
 
     def _run_servos(self, effort: list[float], state: JointState) -> None:
         """Set the efforts for the accelerations that the servos request.
@@ -572,12 +584,8 @@ class RobotHardware:
             effort[i] = gravity[i] + reduce(add, map(mul, masses, wanted), 0.0)
 
     def _choose_governed(self) -> None:
-        """Let the speeds be governed of joints that efforts drive."""
-        drives = [
-            drive
-            for drive in self._governable
-            if drive.joint not in self._servos and drive.joint not in self._brakes
-        ]
+        """Let the speeds be governed of the joints that no brake holds."""
+        drives = [d for d in self._governable if d.joint not in self._brakes]
         joints = (self.index[name] for name in self.interfaces)
         free = [joint for joint in joints if joint not in self._brakes]
         self._governor.choose(drives, free)

@@ -6,7 +6,8 @@ proportional and derivative gains are stable for every r > 0; two bounds remain:
 
 * In steps of dt, the derivative gain must remain below 2 ζ ω r dt = 2.  The joints have
   at least the masses of the description, whatever payload is declared, so that Mₛ may
-  exceed these by a limited factor only.
+  exceed these by a limited factor only.  A light joint of a strong drive (wrist_3 of a
+  bare arm has 1e-4 kg·m²) makes use of it, so that an undeclared load finds it stiff.
 * The integral of rate k needs r > k / (2 ζ ω) (Routh's criterion).  The joints may
   carry more than was declared, so that k is limited by the largest load of the drive.
 """
@@ -30,6 +31,9 @@ _INTEGRAL_SHARE: Final = 0.25
 _LEVER: Final = 0.2
 """Distance of the largest load from the joint [m]: it is as heavy as the drive can just
 carry there.  Of the order of the offsets in UR's payload diagrams."""
+_EXPECTED_SHARE: Final = 0.02
+"""Part of the inertia of the largest load that a servo expects without a payload: it
+makes the wrists of a UR stiffer, and little difference to the joints before them."""
 
 
 def largest_ratio(dt: float) -> float:
@@ -38,7 +42,7 @@ def largest_ratio(dt: float) -> float:
 
 
 def bounded_masses(own: Matrix, declared: Matrix, ratio: float) -> Matrix:
-    """Return the ``declared`` mass matrix within 1 … ``ratio`` times its ``own`` one.
+    """Return the mass matrix ``declared`` within 1 … ``ratio`` times ``own``.
 
     Both have shape (n, n); ``own`` is that of the description, which is positive
     definite.  The ratio is limited along each of the generalised eigenvectors: the
@@ -53,15 +57,28 @@ def bounded_masses(own: Matrix, declared: Matrix, ratio: float) -> Matrix:
     return np.asarray((root * np.clip(ratios, 1.0, ratio)) @ root.T)
 
 
-def integral_rate(inertia: float, effort: float) -> float:
+def expected_load(effort: float) -> float:
+    """Return the inertia that the servo of a joint expects beside its own [kg·m²].
+
+    ``effort`` is its drive's largest [N·m].
+    """
+    return 0.0 if math.isinf(effort) else _EXPECTED_SHARE * _largest_load(effort)
+
+
+def integral_rate(inertia: float, effort: float, dt: float) -> float:
     """Return the rate of the integral of a joint that carries a payload [1/s].
 
     Args:
         inertia: The joint's in the description [kg·m²].
         effort: Of its drive at most [N·m].
+        dt: Length of a step [s].
     """
     if math.isinf(effort):
         return INTEGRAL_RATE
-    load = effort * _LEVER / -STANDARD_GRAVITY[2]
-    smallest = inertia / (inertia + load)
+    scaled = min(inertia + expected_load(effort), largest_ratio(dt) * inertia)
+    smallest = scaled / (inertia + _largest_load(effort))
     return min(INTEGRAL_RATE, _INTEGRAL_SHARE * _RATE * smallest)
+
+
+def _largest_load(effort: float) -> float:
+    return effort * _LEVER / -STANDARD_GRAVITY[2]

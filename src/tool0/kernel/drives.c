@@ -254,11 +254,16 @@ static void govern(const DriveGovernor *governor, double *effort, const double *
     for (int k = 0; k < n; k++) {
         int i = governor->free[k];
         coming[k] = velocity[i] + (velocity[i] - governor->before[i]);
-        wanted[k] = effort[i];
-        used[k] = applied[i];
+        used[k] = wanted[k] = effort[i];
     }
-    for (int k = m; k < n; k++)
-        change(coming, &governor->mobility[k * n], n, wanted[k] - used[k]);
+    for (int k = 0; k < n; k++)
+        change(coming, &governor->mobility[k * n], n,
+               wanted[k] - applied[governor->free[k]]);
+    int is_within = 1;
+    for (int k = 0; k < m; k++)
+        is_within &= fabs(coming[k]) <= governor->drives[k].speed;
+    if (is_within)
+        return;
     for (int sweep = 0; sweep < governor->sweeps; sweep++) {
         int has_changed = 0;
         for (int k = 0; k < m; k++) {

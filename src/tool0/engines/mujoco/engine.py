@@ -38,6 +38,10 @@ _BRAKE_SOLREF = (0.002, 1.0)
 permit."""
 _BRAKE_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
 """Its impedance, the largest that MuJoCo has: a brake does not yield."""
+_BRAKE_MOBILITY = 1000.0
+"""Bound of a joint's mobility, by which MuJoCo scales how far friction yields, times
+the brake's torque [rad/s²].  A brake with its whole torque creeps at 1e-4 rad/s at
+most, however light the joint is without its load."""
 _MOST_FRICTION = 1e6
 """Of a drive without an effort limit [N·m | N]."""
 
@@ -157,24 +161,28 @@ class MujocoEngine:
         self._velocity = data.qvel
         self._has_objects = model.nv > n  # movable ones
         self._ctrl = memoryview(data.ctrl)
-        friction, solref, solimp = (
+        of_model = (
             model.dof_frictionloss,
             model.dof_solref,
             model.dof_solimp,
+            model.dof_invweight0,
         )
-        self._friction = friction[:n].copy(), solref[:n].copy(), solimp[:n].copy()
+        self._friction = tuple(values[:n].copy() for values in of_model)
         self._engage_brakes()
 
     def _engage_brakes(self) -> None:
         """Give the joints the friction of their brakes, beside that of the model."""
         model, n = self.model, len(self.joint_names)
-        friction, solref, solimp = self._friction
-        model.dof_frictionloss[:n] = friction
+        friction, solref, solimp, mobility = self._friction
+        model.dof_frictionloss[:n], model.dof_invweight0[:n] = friction, mobility
         model.dof_solref[:n], model.dof_solimp[:n] = solref, solimp
         for joint, torque in self._brakes.items():
+            if not torque:
+                continue
             model.dof_frictionloss[joint] += min(torque, _MOST_FRICTION)
             model.dof_solref[joint] = _BRAKE_SOLREF
             model.dof_solimp[joint] = _BRAKE_SOLIMP
+            model.dof_invweight0[joint] = min(mobility[joint], _BRAKE_MOBILITY / torque)
         self._braked = np.array(sorted(self._brakes), dtype=np.intp)
         self.stepper = self._stepper()
 

@@ -66,6 +66,7 @@ constexpr auto kSpinTime = std::chrono::microseconds(60);  // after an answer
 constexpr int kIdleAfter = 20;                        // [ms] without a request
 constexpr double kIdleRate = 100.0;                   // [Hz] of a paused world's loop
 constexpr double kFrictionSlip = 1e-7;                // [m/s/N]; see AddFrictionSlip
+constexpr double kBrakeCfm = 1e-10;                   // [rad/s/(N·m)]; see Drive
 constexpr double kGearErp = 0.2;                      // of an error, undone in a step
 constexpr int kRequest = 1 << 20;                     // Gazebo's own are below 10000
 
@@ -181,7 +182,8 @@ bool IsFinite(const gazebo::physics::LinkPtr& link) {
 /// v A / (A + D dt), is as strong as it takes, but yields by dt / (A + D dt).  Gazebo's own
 /// damper of the joint could do the same, but not at a stop, where it ceases.
 ///
-/// A brake is such a motor, too: it wants the joint to stand, with at most its torque.
+/// A brake is such a motor, too: it wants the joint to stand, with at most its torque.  It
+/// yields a little, since a joint at its stop would have two constraints for one motion.
 class Drive {
  public:
   explicit Drive(gazebo::physics::JointPtr its)
@@ -216,7 +218,10 @@ class Drive {
   }
   /// Engages the brake with a torque [N·m | N]; releases it if that is 0.
   void SetBrake(double torque, dWorldID world) {
-    if (!brake_ && torque > 0.0) brake_ = MakeMotor(world);
+    if (!brake_ && torque > 0.0) {
+      brake_ = MakeMotor(world);
+      Set(brake_, dParamCFM, kBrakeCfm);
+    }
     if (brake_) Set(brake_, dParamFMax, torque);
   }
   /// Adds an armature [kg·m² | kg], and takes over the joint's damping.

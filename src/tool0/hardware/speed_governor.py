@@ -1,0 +1,118 @@
+"""Keeps joints within their speeds, as the drives of a real arm do.
+
+The joints of an arm fling each other: what one drive does changes the speeds of all.
+The governor predicts the velocities after the coming step, from the accelerations in
+the last one and from the changes of all efforts, and chooses the efforts closest to the
+requested ones with which no joint exceeds its speed (projected Gauss-Seidel).  It knows
+the masses of the description only: a load slows the joints down, and needs less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple, final
+
+FAST: Final = 0.5
+"""Part of its largest speed from which a joint is governed: below it, no drive but that
+of a light joint reaches its largest speed within a step of 1 ms."""
+SWEEPS: Final = 20
+"""At most, over all joints."""
+PERIOD: Final = 64
+"""Steps for which a mobility is used: in 64 ms the fastest wrist turns 0.4 rad."""
+
+
+class GovernedDrive(NamedTuple):
+    """The constants of a governed joint."""
+
+    joint: int
+    speed: float
+    """Largest speed [rad/s | m/s]."""
+    fast: float
+    """Speed from which the joint is governed [rad/s | m/s]."""
+    effort: float
+    """Largest effort of its drive [N·m | N]."""
+
+
+class GovernorSetup(NamedTuple):
+    """What changes with claims and brakes, and while a joint is fast."""
+
+    drives: tuple[GovernedDrive, ...] = ()
+    free: tuple[int, ...] = ()
+    """The joints that no brake holds, the governed ones first."""
+    mobility: tuple[tuple[float, ...], ...] = ()
+    """Change of the velocities of the free joints in a step, by row, for the efforts of
+    each [rad/s/(N·m)]; empty if it is to be computed."""
+
+
+class GovernorState(NamedTuple):
+    """What changes in each step."""
+
+    due: int = 0
+    """Step from which the mobility is computed again, if a joint is fast."""
+    before: Sequence[float] = ()
+    """Velocity of each joint in the last step [rad/s | m/s]; empty before the first."""
+
+
+@final
+class SpeedGovernor:
+    """Limits the efforts of some joints in each step."""
+
+    def __init__(self) -> None:
+        self.setup, self.state = GovernorSetup(), GovernorState()
+
+    def choose(self, drives: Sequence[GovernedDrive], free: Sequence[int]) -> None:
+        """Govern these drives from now on; brakes hold all joints but the ``free``."""
+        governed = [drive.joint for drive in drives]
+        others = [joint for joint in free if joint not in governed]
+        self.setup = GovernorSetup(tuple(drives), (*governed, *others))
+        self.state = GovernorState()
+
+    def is_due(self, steps: int, velocity: Sequence[float]) -> bool:
+        """Return whether ``update`` is needed before the step of that number."""
+        return steps >= self.state.due and self._is_fast(velocity)
+
+    def update(self, mobility: Sequence[Sequence[float]], steps: int) -> None:
+        """Use a mobility of the free joints from the step of that number on."""
+        self.setup = self.setup._replace(mobility=tuple(map(tuple, mobility)))
+        self.state = self.state._replace(due=steps + PERIOD)
+
+    def limit(
+        self, effort: list[float], applied: Sequence[float], velocity: Sequence[float]
+    ) -> None:
+        """Limit ``effort`` in place; ``applied`` is that of the last step [N·m | N]."""
+        due, before = self.state
+        self.state = GovernorState(due, velocity)
+        if not before or not self._is_fast(velocity):
+            return
+        drives, free, mobility = self.setup
+        coming = [velocity[i] + (velocity[i] - before[i]) for i in free]
+        wanted = [effort[i] for i in free]
+        for row, u, i in zip(mobility, wanted, free, strict=True):
+            _change(coming, row, u - applied[i])
+        if all(abs(coming[k]) <= drive.speed for k, drive in enumerate(drives)):
+            return
+        used = wanted.copy()
+        for _ in range(SWEEPS):
+            has_changed = False
+            for k, drive in enumerate(drives):
+                row, old = mobility[k], used[k]
+                reached = coming[k] + row[k] * (wanted[k] - old)
+                reached = min(max(reached, -drive.speed), drive.speed)
+                best = old + (reached - coming[k]) / row[k]
+                used[k] = best = min(max(best, -drive.effort), drive.effort)
+                if best != old:
+                    has_changed = True
+                    _change(coming, row, best - old)
+            if not has_changed:
+                break
+        for k, drive in enumerate(drives):
+            effort[drive.joint] = used[k]
+
+    def _is_fast(self, velocity: Sequence[float]) -> bool:
+        return any(abs(velocity[d.joint]) > d.fast for d in self.setup.drives)
+
+
+def _change(coming: list[float], row: Sequence[float], by: float) -> None:
+    """Add the effect of a change of one effort to the coming velocities."""
+    for j, gain in enumerate(row):
+        coming[j] += gain * by
