@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from ur5_rig import ARM_JOINTS
 
 import tool0
 from tool0 import TrajectoryPoint
@@ -157,6 +158,23 @@ def send_goals(
         record.append(numbers(robot))
 
 
+def too_fast(robot: Any, record: Record) -> None:
+    """Send goals that no drive can follow: speeds are governed."""
+    rng = random.Random(3)
+    for _ in range(4):
+        start = list(robot.joint_state.position.values())[:6]
+        target = [q + rng.uniform(-1.2, 1.2) for q in start]
+        robot.controller("eff_joint_traj_controller").follow(
+            [TrajectoryPoint(target, time_from_start=rng.uniform(0.1, 0.3))],
+            path_tolerance=dict.fromkeys(ARM_JOINTS, -1.0),
+        )
+        for _ in range(5):
+            robot.run(0.05)
+            record.append(numbers(robot))
+    speeds = [abs(float.fromhex(x)) for numbers in record[:-1] for x in numbers[13:19]]
+    assert 2.5 < max(speeds) < 1.1 * 3.15
+
+
 def grips(robot: Any, record: Record) -> None:
     """Grip a cube with limits of speed and force, and squeeze and release it."""
     tcp = robot.gripper.tcp().position
@@ -262,7 +280,7 @@ def paths(robot: Any, record: Record) -> None:
 
 
 @pytest.mark.parametrize(
-    "scenario", [trajectories, grips, stops, resets, sensing, paths]
+    "scenario", [trajectories, too_fast, grips, stops, resets, sensing, paths]
 )
 def test_of_the_default_robot(
     monkeypatch: pytest.MonkeyPatch, scenario: Scenario
