@@ -2,9 +2,10 @@
 
 The joints of an arm fling each other: what one drive does changes the speeds of all.
 The governor predicts the velocities after the coming step, from the accelerations in
-the last one and from the changes of all efforts, and chooses the efforts closest to the
-requested ones with which no joint exceeds its speed (projected Gauss-Seidel).  It knows
-the masses of the description only: a load slows the joints down, and needs less.
+the last one and from the changes of all efforts.  If one exceeds its limit, each drive
+chooses the effort closest to the requested one with which its joint does not (projected
+Gauss-Seidel); if that is too weak, all drives help.  The governor knows the masses of
+the description only: a load slows the joints down, and needs less.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ FAST: Final = 0.5
 of a light joint reaches its largest speed within a step of 1 ms."""
 SWEEPS: Final = 20
 """At most, over all joints."""
+TOLERANCE: Final = 1e-6
+"""[rad/s | m/s]"""
 PERIOD: Final = 64
 """Steps for which a mobility is used: in 64 ms the fastest wrist turns 0.4 rad."""
 
@@ -87,6 +90,8 @@ class SpeedGovernor:
         drives, free, mobility = self.setup
         coming = [velocity[i] + (velocity[i] - before[i]) for i in free]
         wanted = [effort[i] for i in free]
+        for k, drive in enumerate(drives):
+            wanted[k] = min(max(wanted[k], -drive.effort), drive.effort)
         for row, u, i in zip(mobility, wanted, free, strict=True):
             _change(coming, row, u - applied[i])
         if all(abs(coming[k]) <= drive.speed for k, drive in enumerate(drives)):
@@ -105,8 +110,34 @@ class SpeedGovernor:
                     _change(coming, row, best - old)
             if not has_changed:
                 break
+        self._share_excess(coming, used)
         for k, drive in enumerate(drives):
             effort[drive.joint] = used[k]
+
+    def _share_excess(self, coming: list[float], used: list[float]) -> None:
+        """Let all drives help a joint that its own drive cannot slow down enough.
+
+        Each by its effect on that joint (Kaczmarz's method).
+        """
+        drives, _, mobility = self.setup
+        for _ in range(SWEEPS):
+            is_within = True
+            for k, slowed in enumerate(drives):
+                bound = min(max(coming[k], -slowed.speed), slowed.speed)
+                excess = coming[k] - bound
+                if not abs(excess) > TOLERANCE:
+                    continue
+                is_within = False
+                norm = 0.0
+                for j in range(len(drives)):
+                    norm += mobility[k][j] * mobility[k][j]
+                for j, drive in enumerate(drives):
+                    old = used[j]
+                    best = old - excess * mobility[k][j] / norm
+                    used[j] = best = min(max(best, -drive.effort), drive.effort)
+                    _change(coming, mobility[j], best - old)
+            if is_within:
+                break
 
     def _is_fast(self, velocity: Sequence[float]) -> bool:
         return any(abs(velocity[d.joint]) > d.fast for d in self.setup.drives)

@@ -245,6 +245,34 @@ static void change(double *coming, const double *row, int n, double by)
         coming[j] += row[j] * by;
 }
 
+/* SpeedGovernor._share_excess */
+static void share_excess(const DriveGovernor *governor, double *coming, double *used)
+{
+    int n = governor->n_free, m = governor->n_drives;
+    for (int sweep = 0; sweep < governor->sweeps; sweep++) {
+        int is_within = 1;
+        for (int k = 0; k < m; k++) {
+            const double *row = &governor->mobility[k * n];
+            double speed = governor->drives[k].speed;
+            double excess = coming[k] - least(greatest(coming[k], -speed), speed);
+            if (!(fabs(excess) > governor->tolerance))
+                continue;
+            is_within = 0;
+            double norm = 0.0;
+            for (int j = 0; j < m; j++)
+                norm += row[j] * row[j];
+            for (int j = 0; j < m; j++) {
+                double old = used[j], most = governor->drives[j].effort;
+                double best = old - excess * row[j] / norm;
+                used[j] = best = least(greatest(best, -most), most);
+                change(coming, &governor->mobility[j * n], n, best - old);
+            }
+        }
+        if (is_within)
+            break;
+    }
+}
+
 /* SpeedGovernor.limit, but for what it remembers. */
 static void govern(const DriveGovernor *governor, double *effort, const double *applied,
                    const double *velocity)
@@ -254,7 +282,12 @@ static void govern(const DriveGovernor *governor, double *effort, const double *
     for (int k = 0; k < n; k++) {
         int i = governor->free[k];
         coming[k] = velocity[i] + (velocity[i] - governor->before[i]);
-        used[k] = wanted[k] = effort[i];
+        wanted[k] = effort[i];
+        if (k < m) {
+            double most = governor->drives[k].effort;
+            wanted[k] = least(greatest(wanted[k], -most), most);
+        }
+        used[k] = wanted[k];
     }
     for (int k = 0; k < n; k++)
         change(coming, &governor->mobility[k * n], n,
@@ -282,6 +315,7 @@ static void govern(const DriveGovernor *governor, double *effort, const double *
         if (!has_changed)
             break;
     }
+    share_excess(governor, coming, used);
     for (int k = 0; k < m; k++)
         effort[governor->drives[k].joint] = used[k];
 }

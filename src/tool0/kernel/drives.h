@@ -76,6 +76,7 @@ typedef struct DriveGoverned {
 typedef struct DriveGovernor {
     long long due;
     int n_drives, n_free, has_before, sweeps;
+    double tolerance;
     DriveGoverned *drives; /* (n_drives) */
     int *free;             /* (n_free), joints, the governed ones first */
     double *mobility;      /* (n_free, n_free) */

@@ -32,7 +32,12 @@ from tool0.hardware.servos import (
     ServoLaw,
     ServoState,
 )
-from tool0.hardware.speed_governor import SWEEPS, GovernorSetup, GovernorState
+from tool0.hardware.speed_governor import (
+    SWEEPS,
+    TOLERANCE,
+    GovernorSetup,
+    GovernorState,
+)
 
 
 def _integers(*names: str) -> list[tuple[str, Any]]:
@@ -113,6 +118,7 @@ class _Governor(ctypes.Structure):
     _fields_ = (
         ("due", c_longlong),
         *_integers("n_drives", "n_free", "has_before", "sweeps"),
+        *_numbers("tolerance"),
         ("drives", POINTER(_Governed)),
         ("free", POINTER(c_int)),
         ("mobility", POINTER(c_double)),
@@ -177,7 +183,7 @@ class NativeDrives:
             *(self._goals, self._servos, self._masses, self._brakes),
             self._governed,
             _Governor(
-                *(0, 0, 0, 0, SWEEPS),
+                *(0, 0, 0, 0, SWEEPS, TOLERANCE),
                 *(self._governor_drives, self._free, self._mobility, self._velocity),
             ),
         )

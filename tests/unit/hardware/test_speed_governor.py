@@ -29,7 +29,7 @@ def largest_share(masses: np.ndarray, seed: int) -> float:
     bias = rng.uniform(-0.3, 0.3, 3) * EFFORTS
     for k in range(3000):
         if k % 40 == 0:
-            wanted = rng.uniform(-1.0, 1.0, 3) * EFFORTS
+            wanted = rng.uniform(-3.0, 3.0, 3) * EFFORTS
         effort = wanted.tolist()
         if made.is_due(k, v.tolist()):
             made.update((DT * np.linalg.inv(MASSES)).tolist(), k)
