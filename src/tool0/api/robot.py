@@ -702,6 +702,7 @@ class Robot(AbstractContextManager["Robot"]):
         position: Mapping[str, float] | None = None,
         *,
         keep_time: bool = False,
+        allow_penetration: bool = False,
     ) -> None:
         """Put the robot back into its initial pose, and objects to their start.
 
@@ -711,14 +712,19 @@ class Robot(AbstractContextManager["Robot"]):
         Args:
             position: Joint → position instead of the initial one [rad | m].
             keep_time: Whether simulated time continues; otherwise it is zero again.
+            allow_penetration: Whether ``position`` may put a link more than 2 mm into
+                the ground, an object or another link: the physics throws them apart.
 
         Raises:
             ModelError: If a joint is unknown or a position is out of its limits.
+            PenetrationError: If ``position`` puts a link into something; nothing has
+                changed then.
         """
         self.channel.call(
             state.Reset(
                 position={} if position is None else position,  # type: ignore[arg-type]
                 keep_time=keep_time,
+                allow_penetration=allow_penetration,
             )
         )
 

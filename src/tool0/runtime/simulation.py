@@ -57,6 +57,7 @@ class Simulation:
         loop: Loop,
         bus: Bus,
         ground: float | None = None,
+        collisions: CollisionFinder,
         cameras: Mapping[str, Camera],
         warnings: Sequence[Finding] = (),
     ) -> None:
@@ -85,7 +86,7 @@ class Simulation:
         self.cameras = Cameras(
             description.model, cameras, ground, lambda: self.snapshot
         )
-        self.collisions = CollisionFinder(description.model, ground)
+        self.collisions = collisions
         self.force_torque = ForceTorqueSensors(
             description,
             core.engine,

@@ -6,8 +6,9 @@ the caller, so they cost the tick nothing.
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from threading import Lock
 from typing import TYPE_CHECKING, final
@@ -15,8 +16,8 @@ from typing import TYPE_CHECKING, final
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.scene import SceneObject
-from tool0.description.transform import Transform, from_quaternion
-from tool0.errors import ControlError
+from tool0.description.transform import Transform, from_quaternion, to_transform
+from tool0.errors import ControlError, ModelError, PenetrationError
 from tool0.hardware.engine import ObjectState
 from tool0.sensing.grasp import pad_links
 from tool0.sensing.grip_contacts import finger_links
@@ -31,6 +32,9 @@ into each other in the physics, too."""
 STEP = 0.02
 """Largest motion of a joint between two looks at a path [rad | m]: 2 cm at the end of
 an arm of 1 m."""
+MAX_PENETRATION = 0.002
+"""Depth [m] up to which links may be in something when a person places the robot or an
+object: the physics pushes them apart without a jerk."""
 
 
 @final
@@ -63,6 +67,10 @@ class CollisionFinder:
         self._ground = ground
         self._lock = Lock()
         self._finder: OverlapFinder | None = None
+        self._beside_lock = Lock()
+        self._beside: OverlapFinder | None = None
+        """For single objects, in the thread of the tick: it waits for no path, and the
+        scene is not compiled again for each."""
 
     def on_way(
         self, state: Snapshot, positions: Mapping[str, float]
@@ -86,7 +94,7 @@ class CollisionFinder:
         largest = max((abs(b - a) for a, b in zip(start, end, strict=True)), default=0)
         n = max(1, math.ceil(largest / STEP))
         with self._lock:
-            finder = self._fitting(state.scene)
+            finder = self._finder = self._fitting(self._finder, state.scene)
             for item, at in zip(state.scene, state.objects, strict=True):
                 finder.put_object(item, at)
             finder.put_joints(start)
@@ -107,17 +115,94 @@ class CollisionFinder:
                         _note(found, _robot_first(pair, moving), depth, share)
         return tuple(found.values())
 
-    def _fitting(self, objects: tuple[SceneObject, ...]) -> OverlapFinder:
-        """Return the finder with these objects."""
+    def require_pose(
+        self,
+        position: Sequence[float],
+        usual: Sequence[float],
+        objects: tuple[SceneObject, ...],
+    ) -> None:
+        """Raise PenetrationError if the robot would be in something.
+
+        Links that are in each other or in the ground in the ``usual`` pose, too, are
+        left out: those of some descriptions always overlap.  So is all of a robot with
+        shapes that MuJoCo cannot read.
+
+        Args:
+            position: The pose [rad | m], shape (n_joints,), in the model's order.
+            usual: Another pose, which was accepted before.
+            objects: What is around the robot, where it starts.
+        """
+        with self._lock, contextlib.suppress(ModelError):
+            finder = self._finder = self._fitting(self._finder, objects)
+            for item in objects:
+                finder.put_object(item, _at_start(item))
+            finder.put_joints(usual)
+            names = {item.name for item in objects}
+            before = {
+                pair: depth
+                for pair, depth in finder.depths().items()
+                if names.isdisjoint(pair)
+            }
+            finder.put_joints(position)
+            after = finder.depths()
+            links = self._model.link_by_name
+            _require_apart(
+                (
+                    (*_robot_first(pair, links), depth)
+                    for pair, depth in after.items()
+                    if not links.keys().isdisjoint(pair)
+                    and depth > MAX_PENETRATION + max(0.0, before.get(pair, 0.0))
+                ),
+                "the pose puts '{0}' {2:.1f} mm into '{1}'",
+            )
+
+    def prepare(self, item: SceneObject) -> None:
+        """Compile what ``require_outside`` needs: the tick should not wait for it."""
+        with self._beside_lock, contextlib.suppress(ModelError):
+            self._beside = self._fitting(self._beside, (item,))
+
+    def require_outside(
+        self,
+        position: Sequence[float],
+        item: SceneObject,
+        at: ObjectState | None = None,
+    ) -> None:
+        """Raise PenetrationError if an object would be inside a link of the robot.
+
+        Args:
+            position: Of the joints [rad | m], shape (n_joints,), in the model's order.
+            item: The object.
+            at: Where it is placed; where it starts, if left out.
+        """
+        with self._beside_lock, contextlib.suppress(ModelError):
+            finder = self._beside = self._fitting(self._beside, (item,))
+            finder.put_object(item, at or _at_start(item))
+            finder.put_joints(position)
+            links = self._model.link_by_name
+            _require_apart(
+                (
+                    (*_robot_first(pair, links)[::-1], depth)
+                    for pair, depth in finder.depths().items()
+                    if item.name in pair
+                    and not links.keys().isdisjoint(pair)
+                    and depth > MAX_PENETRATION
+                ),
+                "object '{0}' would be {2:.1f} mm in '{1}'",
+            )
+
+    def _fitting(
+        self, finder: OverlapFinder | None, objects: tuple[SceneObject, ...]
+    ) -> OverlapFinder:
+        """Return the finder with these objects, or a new one."""
         from tool0.engines.mujoco.gl import import_mujoco
 
         import_mujoco()
         from tool0.engines.mujoco.overlaps import OverlapFinder
 
-        if self._finder is None:
-            self._finder = OverlapFinder(self._model, self._ground)
-        self._finder.use(objects)
-        return self._finder
+        if finder is None:
+            finder = OverlapFinder(self._model, self._ground)
+        finder.use(objects)
+        return finder
 
     def _moved(
         self, start: Sequence[float], positions: Mapping[str, float]
@@ -181,6 +266,25 @@ def _fingers(model: RobotModel, gripper: ParallelGripper) -> tuple[frozenset[str
         return ()
     base = model.joint(gripper.joint).parent
     return tuple(finger_links(model, base, pad) for pad in pads)
+
+
+def _at_start(item: SceneObject) -> ObjectState:
+    T_root_item = to_transform(item.pose)
+    return ObjectState(item.name, T_root_item.position, T_root_item.quat_wxyz)
+
+
+def _require_apart(found: Iterable[tuple[str, str, float]], text: str) -> None:
+    """Raise PenetrationError with the deepest of ``found``, if there is any."""
+    deepest = sorted(found, key=lambda each: -each[2])
+    if not deepest:
+        return
+    first, second, depth = deepest[0]
+    others = "" if len(deepest) == 1 else f", and {len(deepest) - 1} more such contacts"
+    raise PenetrationError(
+        text.format(first, second, 1000.0 * depth)
+        + f"{others}; up to {1000.0 * MAX_PENETRATION:g} mm are accepted. "
+        "allow_penetration accepts it; the physics then pushes them apart"
+    )
 
 
 def _robot_first(pair: Pair, moving: Collection[str]) -> Pair:

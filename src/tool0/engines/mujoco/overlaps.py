@@ -45,7 +45,7 @@ class OverlapFinder:
         Raises:
             ModelError: If MuJoCo does not support an object.
         """
-        if objects is self._objects:
+        if objects is self._objects or objects == self._objects:
             return
         self._model, self._mesh_files = compile_with_scene(
             self._spec.copy(), self._robot, Scene(objects), self._mesh_files
