@@ -9,8 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from msgspec.structs import asdict
-
 from tool0.api.channel import Channel, LocalChannel
 from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.api.gripper import Gripper
@@ -128,12 +126,7 @@ class Robot(AbstractContextManager["Robot"]):
 
         Positions [rad | m], velocities [rad/s | m/s], efforts [N·m | N].
         """
-        return {
-            name: JointLimits(
-                **{k: v for k, v in asdict(limits).items() if v is not None}
-            )
-            for name, limits in self.info.joint_limits.items()
-        }
+        return {name: found.limits for name, found in self.info.joint_limits.items()}
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -52,9 +52,17 @@ def check_finite(
             )
 
 
-def check_limits(goal: TrajectoryGoal, joints: Sequence[Joint], first: int) -> None:
-    """Reject positions that ``joints`` cannot reach, from point ``first`` on."""
-    limits = [position_range(joint) for joint in joints]
+def check_limits(
+    goal: TrajectoryGoal, joints: Sequence[Joint], first: int, starts: Sequence[float]
+) -> None:
+    """Reject positions that ``joints`` cannot reach, from point ``first`` on.
+
+    ``starts`` are their positions at the start [rad | m].
+    """
+    limits = [
+        position_range(joint, start)
+        for joint, start in zip(joints, starts, strict=True)
+    ]
     blocks = [range(first, len(goal.points))]
     if goal.position_ranges is not None:
         blocks = [
@@ -64,11 +72,11 @@ def check_limits(goal: TrajectoryGoal, joints: Sequence[Joint], first: int) -> N
     for block in blocks:
         for number in block:
             positions = goal.points[number].positions
-            for joint, (lowest, highest), position in zip(
-                joints, limits, positions, strict=True
+            for joint, (lowest, highest), position, start in zip(
+                joints, limits, positions, starts, strict=True
             ):
                 if not lowest <= position <= highest:
-                    check_position(joint, position, f"point {number}")
+                    check_position(joint, position, f"point {number}", start)
 
 
 def suspects_after(

@@ -8,10 +8,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from msgspec import Meta, Struct, field
+from msgspec import Meta, Struct, field, structs
 
 from tool0.description.catalogue import Part
 from tool0.description.forward_kinematics import joint_positions, link_pose
+from tool0.description.model import JointLimits
 from tool0.description.packages import BUNDLED
 from tool0.description.robot import (
     CatalogueRobot,
@@ -40,6 +41,12 @@ class LimitsInfo(Struct, frozen=True, kw_only=True):
     """Of planned motions."""
     jerk: float | None
     """Of planned motions."""
+
+    @property
+    def limits(self) -> JointLimits:
+        """The limits as values of the model: infinite where there are none."""
+        given = {k: v for k, v in structs.asdict(self).items() if v is not None}
+        return JointLimits(**given)
 
 
 class SimulationInfo(Struct, frozen=True, kw_only=True):

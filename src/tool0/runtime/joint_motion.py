@@ -65,7 +65,7 @@ def plan_motion(
     ]
     motion = _within_limits(joints, start, ends, speed)
     return [
-        _path(joint, k, motion, end)
+        _path(joint, k, motion, start.positions[k], end)
         for k, (joint, end) in enumerate(zip(joints, ends, strict=True))
     ]
 
@@ -296,9 +296,10 @@ def _jerk_to_stay_below(limit: float, qd: float, qdd: float) -> float:
 
 
 def _path(
-    joint: Joint, k: int, motion: ruckig.Trajectory, end: float
+    joint: Joint, k: int, motion: ruckig.Trajectory, start: float, end: float
 ) -> list[tuple[float, Motion]]:
     """Return how joint ``k`` moves whenever its jerk changes, SPACING apart."""
+    lower, upper = joint.limits.lower, joint.limits.upper
     profile = motion.profiles[0][k]
     changes = list(accumulate([*profile.brake.t, *profile.t]))
     last = max(changes[-1], SPACING)
@@ -308,7 +309,7 @@ def _path(
         if time - before >= SPACING and last - time >= SPACING:
             q, qd, qdd = (values[k] for values in motion.at_time(time))
             if joint.type is not JointType.CONTINUOUS:
-                q = joint.limits.clamp(q)
+                q = min(max(q, min(start, lower)), max(start, upper))
             path.append((time, Motion(q, qd, qdd)))
             before = time
     return [*path, (last, Motion(end, 0.0, 0.0))]

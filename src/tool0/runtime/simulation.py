@@ -189,10 +189,13 @@ class Simulation:
 
     @cached_property
     def arms(self) -> Mapping[str, ArmChain]:
-        """The arms by name: six revolute joints that end at a link ``…tool0``."""
+        """The arms by name: six revolute joints that end at a link ``…tool0``.
+
+        Their joints have the limits that apply.
+        """
         from tool0.kinematics.chain import find_chains  # numpy, only when needed
 
-        return find_chains(self.description.model)
+        return find_chains(self.description.model, self.joint_limits)
 
     def arm(self, name: str | None) -> ArmChain:
         """Return an arm by name, or the only one; raise ControlError otherwise."""
