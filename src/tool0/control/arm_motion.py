@@ -272,11 +272,13 @@ class ArmMotionController:
         ``now`` is when the motion there starts [s].
         """
         starts = self.motion(now).positions
-        for joint, q, start in zip(
-            self.spec.joint_models, positions, starts, strict=True
+        measured = self._select(self._state.position)
+        for joint, q, *places in zip(
+            self.spec.joint_models, positions, starts, measured, strict=True
         ):
             limits = joint.limits
-            lower, upper = limits.range_from(start)
+            lower = min(limits.range_from(place)[0] for place in places)
+            upper = max(limits.range_from(place)[1] for place in places)
             if not lower - CONTINUITY <= q <= upper + CONTINUITY:
                 raise ControlError(
                     f"the position {q:.6g} rad of '{joint.name}' is beyond its limits "

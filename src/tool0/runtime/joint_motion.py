@@ -198,8 +198,9 @@ def _within_limits(
     motion = None
     for _ in range(1 + _DOUBLINGS):
         found = _solve(joints, start, ends, speed, hardness)
-        if found is None:
-            hardness = [_MARGIN * factor for factor in hardness]
+        if found is None:  # by chance, or it would take hours: 10 × too fast
+            harder = _MARGIN if hardness == [1.0] * len(joints) else 2.0
+            hardness = [harder * factor for factor in hardness]
             continue
         motion = found
         outside = _joints_outside(joints, start, motion)
