@@ -177,8 +177,12 @@ class TrajectoryReplacement:
         start = start_time(goal, now)
         first = first_point_ahead(goal, start, now)
         before = dict(zip(self._joints, running, strict=True))
-        starts = [before[name].sample(now).position for name in names]
-        check_limits(goal, [self._joints[name] for name in names], first, starts)
+        check_limits(
+            goal,
+            [self._joints[name] for name in names],
+            first,
+            lambda: [before[name].sample(now).position for name in names],
+        )
         leave = max(now, start)
         offsets = [
             whole_turns(

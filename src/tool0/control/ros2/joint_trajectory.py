@@ -383,9 +383,13 @@ class JointTrajectoryController:
 
     def _check_limits(self, course: Course, time: float) -> None:
         models = dict(zip(self.spec.joints, self.spec.joint_models, strict=True))
-        desired, names = self._desired(time), course.names
-        starts = [desired[name].position for name in names]
-        check_limits(course.goal, [models[name] for name in names], 0, starts)
+
+        def starts() -> list[float]:
+            desired = self._desired(time)
+            return [desired[name].position for name in course.names]
+
+        joints = [models[name] for name in course.names]
+        check_limits(course.goal, joints, 0, starts)
 
     def _desired(self, time: float) -> dict[str, Motion]:
         """Return the desired motion of each joint at a time of the trajectory [s]."""
