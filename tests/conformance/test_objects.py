@@ -101,8 +101,9 @@ def test_the_robot_tells_what_is_around_it(bring_up: BringUp) -> None:
 
 def test_a_scene_is_read_from_its_file(bring_up: BringUp, tmp_path: Path) -> None:
     path = tmp_path / "scene.yaml"
+    place = "pose: {xyz: [1, 1, 0]}"
     path.write_text(
-        "objects:\n- {name: left_tool0, xyz: [1, 1, 0], sphere: {radius: 0.1}}\n"
+        f"objects:\n- {{name: left_tool0, {place}, sphere: {{radius: 0.1}}}}\n"
     )
     (ball,) = bring_up(scene=str(path)).scene.objects
     assert ball.geometry == Sphere(radius=0.1)

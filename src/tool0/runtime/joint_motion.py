@@ -198,7 +198,7 @@ def _within_limits(
     motion = None
     for _ in range(1 + _DOUBLINGS):
         found = _solve(joints, start, ends, speed, hardness)
-        if found is None:  # by chance, or it would take hours: 10 × too fast
+        if found is None:  # by chance, or it would take hours: far too fast
             harder = _MARGIN if hardness == [1.0] * len(joints) else 2.0
             hardness = [harder * factor for factor in hardness]
             continue
