@@ -50,6 +50,7 @@ if TYPE_CHECKING:
         GymUnavailableError,
         LimitsError,
         ModelError,
+        PenetrationError,
         ProgramError,
         RecordingError,
         RenderError,
@@ -111,6 +112,7 @@ if TYPE_CHECKING:
     from tool0.runtime.config import ControlConfig, SimulationConfig
     from tool0.runtime.poses import NamedPose
     from tool0.sensing.cameras import CameraImage, encode_depth, encode_png
+    from tool0.sensing.collisions import Collision
     from tool0.sensing.force_torque import WrenchReading
     from tool0.sensing.grasp import GraspState
     from tool0.sensing.snapshot import JointSetpoint, Snapshot
@@ -133,6 +135,7 @@ __all__ = [
     "CheckReport",
     "ClaimError",
     "CollectError",
+    "Collision",
     "CommentStep",
     "ConfigError",
     "Contact",
@@ -181,6 +184,7 @@ __all__ = [
     "Panel",
     "ParallelGripper",
     "Payload",
+    "PenetrationError",
     "PickOptions",
     "PickReport",
     "PlaceObjectStep",
@@ -265,6 +269,7 @@ _HOMES = {
     "CheckReport": "tool0.lint.check",
     "ClaimError": "tool0.errors",
     "CollectError": "tool0.errors",
+    "Collision": "tool0.sensing.collisions",
     "CommentStep": "tool0.programs.model",
     "ConfigError": "tool0.errors",
     "Contact": "tool0.hardware.engine",
@@ -313,6 +318,7 @@ _HOMES = {
     "Panel": "tool0.interfaces.panel.server",
     "ParallelGripper": "tool0.description.model",
     "Payload": "tool0.hardware.payload",
+    "PenetrationError": "tool0.errors",
     "PickOptions": "tool0.cli.demos.hand",
     "PickReport": "tool0.cli.demos.report",
     "PlaceObjectStep": "tool0.programs.model",

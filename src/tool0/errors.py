@@ -6,6 +6,7 @@ Tool0Error
 │   └── UnreachableError        a pose that the arm cannot take
 ├── DescriptionError            XML, YAML parameters or meshes unreadable
 ├── ConfigError                 key unknown, missing or out of range
+├── PenetrationError            a pose or an object that is in something else
 ├── EngineError
 │   ├── EngineUnavailableError  simulator not installed, or not answering
 │   └── DivergenceError         the physics state is not finite, or absurdly fast
@@ -81,6 +82,10 @@ class DescriptionError(_LocatedError):
 
 class ConfigError(_LocatedError):
     """A setting that is unknown, missing or out of range."""
+
+
+class PenetrationError(Tool0Error):
+    """A pose or an object that would be in something else: physics would throw it."""
 
 
 class EngineError(Tool0Error):

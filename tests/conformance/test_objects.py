@@ -101,7 +101,10 @@ def test_the_robot_tells_what_is_around_it(bring_up: BringUp) -> None:
 
 def test_a_scene_is_read_from_its_file(bring_up: BringUp, tmp_path: Path) -> None:
     path = tmp_path / "scene.yaml"
-    path.write_text("objects:\n- {name: left_tool0, sphere: {radius: 0.1}}\n")
+    place = "pose: {xyz: [1, 1, 0]}"
+    path.write_text(
+        f"objects:\n- {{name: left_tool0, {place}, sphere: {{radius: 0.1}}}}\n"
+    )
     (ball,) = bring_up(scene=str(path)).scene.objects
     assert ball.geometry == Sphere(radius=0.1)
     with pytest.raises(ConfigError) as error:

@@ -9,8 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from msgspec.structs import asdict
-
 from tool0.api.channel import Channel, LocalChannel
 from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.api.gripper import Gripper
@@ -22,7 +20,12 @@ from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, RenderError, RequestError, did_you_mean
 from tool0.requests import motion, state
 from tool0.requests.arm import ListArms
-from tool0.requests.objects import ApplyWrench, ClearWrenches, ReadContacts
+from tool0.requests.objects import (
+    ApplyWrench,
+    ClearWrenches,
+    FindCollisions,
+    ReadContacts,
+)
 from tool0.requests.sensors import ListCameras
 from tool0.requests.table import checked_value
 from tool0.runtime.simulation import only_part
@@ -43,6 +46,7 @@ if TYPE_CHECKING:
     from tool0.runtime.bus import Subscription
     from tool0.runtime.poses import NamedPose
     from tool0.runtime.simulation import Simulation
+    from tool0.sensing.collisions import Collision
     from tool0.sensing.snapshot import Snapshot
 
 
@@ -122,12 +126,7 @@ class Robot(AbstractContextManager["Robot"]):
 
         Positions [rad | m], velocities [rad/s | m/s], efforts [N·m | N].
         """
-        return {
-            name: JointLimits(
-                **{k: v for k, v in asdict(limits).items() if v is not None}
-            )
-            for name, limits in self.info.joint_limits.items()
-        }
+        return {name: found.limits for name, found in self.info.joint_limits.items()}
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -286,6 +285,29 @@ class Robot(AbstractContextManager["Robot"]):
         only when asked.  Gazebo reports none the first time.
         """
         return self.channel.call(ReadContacts())
+
+    def find_collisions(self, positions: Mapping[str, float]) -> tuple[Collision, ...]:
+        """Return the collisions that the robot would have in a pose, and on the way.
+
+        On the way, all joints move in proportion from where they are now, and what a
+        gripper holds is carried along.  Pairs that are as deep in each other now are
+        left out.  Links collide as convex hulls, as in MuJoCo, with either engine.
+
+        For example::
+
+            for each in robot.find_collisions({"shoulder_lift_joint": 0.2}):
+                print(each.first, each.second, each.depth, each.begins)
+
+        Args:
+            positions: Joint → target [rad | m]; other joints stay.
+
+        Raises:
+            ModelError: If a joint is unknown or a position is out of its limits, or
+                MuJoCo does not support a shape.
+        """
+        return self.channel.call(
+            FindCollisions(positions=positions)  # type: ignore[arg-type]
+        )
 
     def apply_wrench(
         self,
@@ -673,6 +695,7 @@ class Robot(AbstractContextManager["Robot"]):
         position: Mapping[str, float] | None = None,
         *,
         keep_time: bool = False,
+        allow_penetration: bool = False,
     ) -> None:
         """Put the robot back into its initial pose, and objects to their start.
 
@@ -682,14 +705,19 @@ class Robot(AbstractContextManager["Robot"]):
         Args:
             position: Joint → position instead of the initial one [rad | m].
             keep_time: Whether simulated time continues; otherwise it is zero again.
+            allow_penetration: Whether ``position`` may put a link more than 2 mm into
+                the ground, an object or another link: the physics throws them apart.
 
         Raises:
             ModelError: If a joint is unknown or a position is out of its limits.
+            PenetrationError: If ``position`` puts a link into something; nothing has
+                changed then.
         """
         self.channel.call(
             state.Reset(
                 position={} if position is None else position,  # type: ignore[arg-type]
                 keep_time=keep_time,
+                allow_penetration=allow_penetration,
             )
         )
 

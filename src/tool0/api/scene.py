@@ -60,7 +60,9 @@ class SceneHandle:
         return object_pose(self._channel.snapshot, name)
 
     @overload
-    def add(self, item: SceneObject, /) -> SceneObject: ...
+    def add(
+        self, item: SceneObject, /, *, allow_penetration: bool = ...
+    ) -> SceneObject: ...
 
     @overload
     def add(
@@ -74,6 +76,7 @@ class SceneHandle:
         mass: float | None = ...,
         friction: float = ...,
         rgba: RGBA | None = ...,
+        allow_penetration: bool = ...,
     ) -> SceneObject: ...
 
     def add(
@@ -87,6 +90,7 @@ class SceneHandle:
         mass: float | None = None,
         friction: float = DEFAULT_FRICTION,
         rgba: RGBA | None = None,
+        allow_penetration: bool = False,
     ) -> SceneObject:
         """Add an object to the scene, at rest, and return it.
 
@@ -102,8 +106,10 @@ class SceneHandle:
             mass: [kg]; an object without one is fixed.
             friction: Coulomb coefficient of sliding friction.
             rgba: Each within 0 … 1; a colour of its own, if left out.
+            allow_penetration: Whether it may be more than 2 mm inside a link.
 
         Raises:
+            PenetrationError: If it would be inside a link.
             ConfigError: If the object is impossible, or has the name of a link.
             ControlError: If a value has the wrong type or is out of bounds.
             DescriptionError: If there is no such mesh.
@@ -127,6 +133,7 @@ class SceneHandle:
             mass=mass,
             friction=friction,
             rgba=rgba,
+            allow_penetration=allow_penetration,
         )
         self._channel.call(request)
         return self[name]
@@ -147,6 +154,7 @@ class SceneHandle:
         *,
         linear: Sequence[float] = (0.0, 0.0, 0.0),
         angular: Sequence[float] = (0.0, 0.0, 0.0),
+        allow_penetration: bool = False,
     ) -> None:
         """Place an object at once, at rest or moving; ``reset`` restores its start.
 
@@ -156,8 +164,10 @@ class SceneHandle:
             quat_wxyz: Its orientation there; of any length but zero.
             linear: Velocity of its origin, in the root's axes [m/s].
             angular: Angular velocity, in the root's axes [rad/s].
+            allow_penetration: Whether it may be more than 2 mm inside a link.
 
         Raises:
+            PenetrationError: If it would be inside a link.
             ControlError: If a value has the wrong number of parts, or is not finite.
             EngineError: If there is no such object, or it has no mass and is to move.
         """
@@ -168,6 +178,7 @@ class SceneHandle:
                 quat_wxyz=quat_wxyz,  # type: ignore[arg-type]
                 linear=linear,  # type: ignore[arg-type]
                 angular=angular,  # type: ignore[arg-type]
+                allow_penetration=allow_penetration,
             )
         )
 

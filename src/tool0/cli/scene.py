@@ -81,6 +81,7 @@ def add(
     mass: float | None = None,
     friction: float = DEFAULT_FRICTION,
     rgba: Colour | None = None,
+    allow_penetration: bool = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
     """Add an object: a box, a cylinder, a sphere or a mesh.
@@ -98,11 +99,19 @@ def add(
         mass: Mass [kg]; an object without a mass is fixed in place.
         friction: Coefficient of friction.
         rgba: Colour, each value from 0 to 1.
+        allow_penetration: Add it although it is inside a link.
     """
     shape = _shape(box, cylinder, sphere, mesh, scale)
     with bringup.connect() as robot:
         robot.scene.add(
-            name, shape, xyz=xyz, rpy=rpy, mass=mass, friction=friction, rgba=rgba
+            name,
+            shape,
+            xyz=xyz,
+            rpy=rpy,
+            mass=mass,
+            friction=friction,
+            rgba=rgba,
+            allow_penetration=allow_penetration,
         )
 
 
@@ -121,7 +130,12 @@ def remove(
 
 
 def place(
-    name: Name, *, xyz: Place, rpy: Angles = _ZERO, bringup: Bringup = DEFAULT
+    name: Name,
+    *,
+    xyz: Place,
+    rpy: Angles = _ZERO,
+    allow_penetration: bool = False,
+    bringup: Bringup = DEFAULT,
 ) -> None:
     """Place an object at a pose, at rest.
 
@@ -129,9 +143,15 @@ def place(
         name: Name of the object.
         xyz: Position of the object's origin in the robot's root frame [m].
         rpy: Orientation in that frame [rad].
+        allow_penetration: Place it although it is inside a link then.
     """
     with bringup.connect() as robot:
-        robot.scene.place(name, xyz, to_transform(Pose(xyz=xyz, rpy=rpy)).quat_wxyz)
+        robot.scene.place(
+            name,
+            xyz,
+            to_transform(Pose(xyz=xyz, rpy=rpy)).quat_wxyz,
+            allow_penetration=allow_penetration,
+        )
 
 
 scene = {"list": show, "add": add, "remove": remove, "place": place}

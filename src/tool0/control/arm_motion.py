@@ -266,14 +266,23 @@ class ArmMotionController:
         """Rest at the setpoint: it must be at rest."""
         self._use(SplineMotion.holding(self.motion(now).positions, now), now)
 
-    def require_positions(self, positions: Sequence[float]) -> None:
-        """Raise ControlError if one is beyond the limits of its joint [rad]."""
-        for joint, q in zip(self.spec.joint_models, positions, strict=True):
-            lower, upper = joint.limits.lower, joint.limits.upper
+    def require_positions(self, positions: Sequence[float], now: float) -> None:
+        """Raise ControlError if one is beyond the limits of its joint [rad].
+
+        ``now`` is when the motion there starts [s].
+        """
+        starts = self.motion(now).positions
+        measured = self._select(self._state.position)
+        for joint, q, *places in zip(
+            self.spec.joint_models, positions, starts, measured, strict=True
+        ):
+            limits = joint.limits
+            lower = min(limits.range_from(place)[0] for place in places)
+            upper = max(limits.range_from(place)[1] for place in places)
             if not lower - CONTINUITY <= q <= upper + CONTINUITY:
                 raise ControlError(
                     f"the position {q:.6g} rad of '{joint.name}' is beyond its limits "
-                    f"[{lower:.6g}, {upper:.6g}]"
+                    f"[{limits.lower:.6g}, {limits.upper:.6g}]"
                 )
 
     def require_velocities(self, velocities: Sequence[float]) -> None:

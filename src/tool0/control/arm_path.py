@@ -80,7 +80,8 @@ class ArmPath:
         """Return a path that these joints can follow, or raise ControlError.
 
         Positions and velocities are compared with the joints' limits, and so is the
-        mean velocity between two knots.
+        mean velocity between two knots.  A first knot that is slightly beyond a limit
+        is a way back (``JointLimits.range_from``).
         """
         import numpy as np
 
@@ -129,11 +130,11 @@ def _check(
         raise ControlError(
             f"a path must end at rest, its last velocities are {qd[-1].tolist()}"
         )
-    limits = [joint.limits for joint in joints]
-    lower, upper = (
-        np.array([getattr(limit, name) for limit in limits])
-        for name in ("lower", "upper")
-    )
+    ranges = [
+        joint.limits.range_from(start)
+        for joint, start in zip(joints, q[0].tolist(), strict=True)
+    ]
+    lower, upper = np.array(ranges).T
     fastest = np.array([joint.max_velocity for joint in joints]) * (1.0 + 1e-6)
     mean = np.diff(q, axis=0) / np.diff(times)[:, None]
     for what, unit, values, is_wrong in (

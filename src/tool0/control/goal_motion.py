@@ -52,8 +52,17 @@ def check_finite(
             )
 
 
-def check_limits(goal: TrajectoryGoal, joints: Sequence[Joint], first: int) -> None:
-    """Reject positions that ``joints`` cannot reach, from point ``first`` on."""
+def check_limits(
+    goal: TrajectoryGoal,
+    joints: Sequence[Joint],
+    first: int,
+    starts: Callable[[], Sequence[float]],
+) -> None:
+    """Reject positions that ``joints`` cannot reach, from point ``first`` on.
+
+    ``starts`` returns their positions at the start [rad | m]: from beyond a limit, a
+    goal may come back.
+    """
     limits = [position_range(joint) for joint in joints]
     blocks = [range(first, len(goal.points))]
     if goal.position_ranges is not None:
@@ -64,11 +73,10 @@ def check_limits(goal: TrajectoryGoal, joints: Sequence[Joint], first: int) -> N
     for block in blocks:
         for number in block:
             positions = goal.points[number].positions
-            for joint, (lowest, highest), position in zip(
-                joints, limits, positions, strict=True
-            ):
-                if not lowest <= position <= highest:
-                    check_position(joint, position, f"point {number}")
+            for k, (lowest, highest) in enumerate(limits):
+                if not lowest <= (position := positions[k]) <= highest:
+                    start = starts()[k]
+                    check_position(joints[k], position, f"point {number}", start)
 
 
 def suspects_after(

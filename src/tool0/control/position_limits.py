@@ -12,11 +12,16 @@ ROUNDING = 1e-6
 """How far beyond a limit a position may be [rad | m]: limits are printed rounded."""
 
 
-def check_position(joint: Joint, position: float, where: str) -> None:
-    """Reject a position beyond the joint's limits; a continuous joint has none."""
+def check_position(
+    joint: Joint, position: float, where: str, start: float | None = None
+) -> None:
+    """Reject a position beyond the joint's limits; a continuous joint has none.
+
+    ``start`` is where the motion starts; within the limits, if left out.
+    """
     if joint.type is JointType.CONTINUOUS:
         return
-    lowest, highest = position_range(joint)
+    lowest, highest = position_range(joint, start)
     if not lowest <= position <= highest:
         lower, upper = joint.limits.lower, joint.limits.upper
         quantity = LENGTH if joint.type is JointType.PRISMATIC else ANGLE
@@ -27,8 +32,15 @@ def check_position(joint: Joint, position: float, where: str) -> None:
         )
 
 
-def position_range(joint: Joint) -> tuple[float, float]:
-    """Return the smallest and the largest position that is not rejected."""
+def position_range(joint: Joint, start: float | None = None) -> tuple[float, float]:
+    """Return the smallest and the largest position that is not rejected.
+
+    ``start`` is where the motion starts; within the limits, if left out.
+    """
     if joint.type is JointType.CONTINUOUS:
         return -math.inf, math.inf
-    return joint.limits.lower - ROUNDING, joint.limits.upper + ROUNDING
+    limits = joint.limits
+    lower, upper = limits.lower, limits.upper
+    if start is not None:
+        lower, upper = limits.range_from(start)
+    return lower - ROUNDING, upper + ROUNDING

@@ -145,6 +145,11 @@ class JointType(enum.Enum):
     PLANAR = "planar"
 
 
+RECOVERABLE = 0.05
+"""How far beyond a limit a joint may be so that motions still bring it back [rad | m]:
+a push, a stop or a hand leaves it there."""
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointLimits:
@@ -185,6 +190,16 @@ class JointLimits:
     def clamp(self, position: float) -> float:
         """Return the allowed position nearest to ``position``."""
         return min(max(position, self.lower), self.upper)
+
+    def range_from(self, start: float) -> tuple[float, float]:
+        """Return the smallest and the largest position of a motion from ``start``.
+
+        From up to ``RECOVERABLE`` beyond a limit, a joint may come back: it may be as
+        far out as at the start.
+        """
+        lower = min(self.lower, max(start, self.lower - RECOVERABLE))
+        upper = max(self.upper, min(start, self.upper + RECOVERABLE))
+        return lower, upper
 
 
 @final

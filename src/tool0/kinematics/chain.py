@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tool0.description.model import FLANGE, Joint, RobotModel
+from tool0.description.model import FLANGE, Joint, JointLimits, RobotModel
 from tool0.description.parts import ARM_JOINTS, find_arms
 from tool0.description.transform import Transform, to_transform
 from tool0.errors import ControlError
@@ -102,10 +103,21 @@ def rodrigues(K: Array, K_squared: Array, angle: Array) -> Array:
     return np.asarray(np.eye(3) + turn + versine[..., None, None] * K_squared)
 
 
-def find_chains(model: RobotModel) -> dict[str, ArmChain]:
-    """Return the arms of a robot by name."""
+def find_chains(
+    model: RobotModel, limits: Mapping[str, JointLimits] | None = None
+) -> dict[str, ArmChain]:
+    """Return the arms of a robot by name.
+
+    ``limits``, by joint, replace those of the URDF: the controllers' YAML may have
+    others.
+    """
+    own = limits or {}
+
+    def limited(joint: Joint) -> Joint:
+        return replace(joint, limits=own.get(joint.name, joint.limits))
+
     return {
-        name: ArmChain(model, arm.flange, arm.joints)
+        name: ArmChain(model, arm.flange, tuple(map(limited, arm.joints)))
         for name, arm in find_arms(model).items()
     }
 

@@ -136,11 +136,11 @@ class PathFollower:
 
     def _check_limits(self, s: Array, q: Array) -> None:
         for k, joint in enumerate(self._kinematics.chain.joints):
-            lower, upper = joint.limits.lower, joint.limits.upper
+            lower, upper = joint.limits.range_from(float(q[0, k]))
             outside = (q[:, k] < lower - 1e-6) | (q[:, k] > upper + 1e-6)
             if outside.any():
                 raise UnreachableError(
                     f"joint '{joint.name}' would leave its limits "
-                    f"[{lower:.3f}, {upper:.3f}] rad "
+                    f"[{joint.limits.lower:.3f}, {joint.limits.upper:.3f}] rad "
                     f"{self._path.at(s[outside.argmax()])}"
                 )

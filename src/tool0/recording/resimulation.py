@@ -19,14 +19,16 @@ from tool0.recording.comparison import DivergedError, Divergence, Frames
 from tool0.recording.entries import RecordedRequest
 from tool0.recording.reading import RecordingFile, open_recording
 from tool0.requests.journal_codec import request_of
-from tool0.requests.objects import AddObject, with_meshes
+from tool0.requests.objects import AddModel, AddObject, PlaceObject, with_meshes
 from tool0.requests.reproduction import current_platform, current_versions, restarted
-from tool0.requests.state import Pause, Resume, SetSpeed, Step
+from tool0.requests.state import Pause, Reset, Resume, SetSpeed, Step
 from tool0.requests.table import Request, answer
 from tool0.runtime.simulation import Simulation
 
 _ABOUT_TIME: Final = (Pause, Resume, SetSpeed, Step)
 """Requests that only decide when ticks are executed."""
+_CHECKED: Final = (AddModel, AddObject, PlaceObject, Reset)
+"""Requests that earlier versions carried out without looking for penetration."""
 _DETERMINISTIC: Final = ("mujoco",)
 """Engines whose results depend on nothing but their input."""
 
@@ -182,7 +184,7 @@ class _Repetition:
             except RequestError as error:
                 problem = str(error)
             else:
-                return self._with_meshes(request)
+                return self._as_accepted(request, recorded)
         if recorded.error is None:  # one that failed changed nothing
             self._reasons.append(
                 f"{recorded.method} at {recorded.time:.3f} s cannot be repeated: "
@@ -190,11 +192,16 @@ class _Repetition:
             )
         return None
 
-    def _with_meshes(self, request: Request[Any]) -> Request[Any]:
-        if not isinstance(request, AddObject):
-            return request
-        shape = with_meshes(request.shape, self._meshes)
-        return msgspec.structs.replace(request, shape=shape)
+    def _as_accepted(
+        self, request: Request[Any], recorded: RecordedRequest
+    ) -> Request[Any]:
+        """Return a request with the meshes of now; what was accepted is accepted."""
+        if isinstance(request, AddObject):
+            shape = with_meshes(request.shape, self._meshes)
+            request = msgspec.structs.replace(request, shape=shape)
+        if recorded.error is None and isinstance(request, _CHECKED):
+            request = msgspec.structs.replace(request, allow_penetration=True)
+        return request
 
 
 def _reasons(recording: RecordingFile) -> Iterator[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Generic
 
 from msgspec import Meta, Struct, field
@@ -200,12 +199,7 @@ def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
     end = _in_base(simulation, chain, request, positions)
     T_root_base = link_poses(model, positions)[chain.base].matrix
     line = LinePath(T_base_tip @ T_tip_tool, end, T_tip_tool, T_root_base)
-    accelerations = [
-        replace(
-            joint, limits=simulation.joint_limits.get(joint.name, joint.limits)
-        ).max_acceleration
-        for joint in chain.joints
-    ]
+    accelerations = [joint.max_acceleration for joint in chain.joints]
     motion = LinearMotion(_kinematics(chain), line, start, limits, accelerations)
     points = motion.points()
     if _at_rest(simulation, controller) != standing:

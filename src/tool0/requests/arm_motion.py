@@ -252,7 +252,7 @@ handles(ZeroWrench, in_tick=True)(
 def _servo(simulation: Simulation, request: ServoJoints) -> None:
     core = simulation.core
     controller = core.arm_motions.find(request.arm)
-    controller.require_positions(request.positions)
+    controller.require_positions(request.positions, core.time)
     controller.servo(core.time).aim(
         request.positions, lookahead_time=request.lookahead_time, gain=request.gain
     )

@@ -28,6 +28,7 @@ from tool0.errors import ConfigError
 from tool0.hardware.engine import Contact, ObjectState
 from tool0.requests.table import (
     RGBA,
+    JointPositions,
     Length,
     Name,
     Place,
@@ -39,6 +40,7 @@ from tool0.requests.table import (
 from tool0.runtime.applied_wrenches import AppliedWrench
 from tool0.runtime.pull_springs import PullSpring
 from tool0.runtime.simulation import Simulation
+from tool0.sensing.collisions import Collision
 
 MOST_SHAPES = 500
 """Largest number of shapes in a scene that requests may add to: adding gets slower with
@@ -129,6 +131,8 @@ class AddObject(Request[None], frozen=True):
     """Coulomb coefficient of sliding friction."""
     rgba: RGBA | None = None
     """Each within 0 … 1; a colour of its own, if left out."""
+    allow_penetration: bool = False
+    """Whether it may be inside a link."""
 
 
 class SpawnedModel(Struct, frozen=True, kw_only=True):
@@ -154,6 +158,8 @@ class AddModel(Request[SpawnedModel], frozen=True):
     """Of the model's frame, in the robot's root [m]."""
     quat_wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
     """Of the model's frame; of any length but zero."""
+    allow_penetration: bool = False
+    """Whether it may be inside a link."""
 
 
 class RemoveObject(Request[None], frozen=True):
@@ -176,6 +182,8 @@ class PlaceObject(Request[None], frozen=True):
     """Velocity of its origin, in the root's axes [m/s]."""
     angular: Vector3 = (0.0, 0.0, 0.0)
     """Angular velocity, in the root's axes [rad/s]."""
+    allow_penetration: bool = False
+    """Whether it may be inside a link."""
 
 
 class ApplyWrench(Request[None], frozen=True):
@@ -233,6 +241,18 @@ class ReadContacts(Request[tuple[Contact, ...]], frozen=True):
 
     The engine computes them only when asked; Gazebo reports none the first time.
     """
+
+
+class FindCollisions(Request[tuple[Collision, ...]], frozen=True):
+    """The collisions that the robot would have in a pose, and on the way to it.
+
+    On the way, all joints move in proportion from where they are now, and what a
+    gripper holds is carried along.  Pairs that are as deep in each other now are left
+    out.  The pair whose collision begins first comes first.
+    """
+
+    positions: JointPositions
+    """Joint → target [rad | m]; other joints stay."""
 
 
 def shape_of(solid: Solid) -> Shape:
@@ -324,7 +344,7 @@ def _geometry_of(shape: SingleShape) -> Geometry:
 def _object_to_add(simulation: Simulation, request: AddObject) -> SceneObject:
     """Return the object, of which only the colour may still change."""
     rgba = STILL_RGBA if request.rgba is None else request.rgba
-    return SceneObject(
+    item = SceneObject(
         name=request.name,
         geometry=solid_of(request.shape),
         pose=Pose(xyz=request.xyz, rpy=request.rpy),
@@ -332,6 +352,29 @@ def _object_to_add(simulation: Simulation, request: AddObject) -> SceneObject:
         friction=request.friction,
         rgba=rgba,
     )
+    _prepare(simulation, request, item)
+    return item
+
+
+_Placing = AddObject | AddModel | PlaceObject
+
+
+def _prepare(simulation: Simulation, request: _Placing, item: SceneObject) -> None:
+    """Do what takes long of the check that the object is outside the robot."""
+    if not request.allow_penetration:
+        simulation.collisions.prepare(item)
+
+
+def _require_outside(
+    simulation: Simulation,
+    request: _Placing,
+    item: SceneObject,
+    at: ObjectState | None = None,
+) -> None:
+    """Raise PenetrationError if the object would be inside a link, and may not."""
+    if not request.allow_penetration:
+        position = simulation.core.state.position
+        simulation.collisions.require_outside(position, item, at)
 
 
 @handles(AddObject, in_tick=True, prepare=_object_to_add)
@@ -340,7 +383,7 @@ def _add(simulation: Simulation, request: AddObject, item: SceneObject) -> None:
         objects = simulation.core.scene.objects
         movable = sum(known.mass is not None for known in objects)
         item = replace(item, rgba=PALETTE[movable % len(PALETTE)])
-    _spawn(simulation, item)
+    _spawn(simulation, request, item)
 
 
 def _model_to_add(
@@ -351,6 +394,7 @@ def _model_to_add(
     model = read_rigid_model(request.model)
     T_root_frame = from_quaternion(request.xyz, request.quat_wxyz)
     item = model.scene_object(request.name, T_root_frame @ model.placement)
+    _prepare(simulation, request, item)
     T_frame_shape = model.placement @ model.T_model_shape
     return item, SpawnedModel(
         xyz=T_frame_shape.position, quat_wxyz=T_frame_shape.quat_wxyz
@@ -362,12 +406,14 @@ def _add_model(
     simulation: Simulation, request: AddModel, model: tuple[SceneObject, SpawnedModel]
 ) -> SpawnedModel:
     item, spawned = model
-    _spawn(simulation, item)
+    _spawn(simulation, request, item)
     return spawned
 
 
-def _spawn(simulation: Simulation, item: SceneObject) -> None:
-    """Add an object, unless there would be too many shapes."""
+def _spawn(
+    simulation: Simulation, request: AddObject | AddModel, item: SceneObject
+) -> None:
+    """Add an object, unless there would be too many shapes, or it is in a link."""
     scene = simulation.core.scene
     solids = [*(known.geometry for known in scene.objects), item.geometry]
     count = sum(len(parts_of(solid)) for solid in solids)
@@ -376,6 +422,7 @@ def _spawn(simulation: Simulation, item: SceneObject) -> None:
             f"the objects would have {count} shapes; {MOST_SHAPES} is the most; "
             "remove some"
         )
+    _require_outside(simulation, request, item)
     scene.spawn(item)
 
 
@@ -384,14 +431,25 @@ handles(RemoveObject, in_tick=True)(
 )
 
 
-@handles(PlaceObject, in_tick=True)
-def _place(simulation: Simulation, request: PlaceObject) -> None:
+def _state_to_place(simulation: Simulation, request: PlaceObject) -> ObjectState:
     pose = Pose(xyz=request.xyz, rpy=request.rpy)
     quat_wxyz = request.quat_wxyz or to_transform(pose).quat_wxyz
     state = ObjectState(
         request.name, request.xyz, quat_wxyz, request.linear, request.angular
     )
-    simulation.core.scene.place(state)
+    for item in simulation.snapshot.scene:
+        if item.name == request.name:
+            _prepare(simulation, request, item)
+    return state
+
+
+@handles(PlaceObject, in_tick=True, prepare=_state_to_place)
+def _place(simulation: Simulation, request: PlaceObject, state: ObjectState) -> None:
+    scene = simulation.core.scene
+    for item in scene.objects:
+        if item.name == request.name and any(state.quat_wxyz):
+            _require_outside(simulation, request, item, state)
+    scene.place(state)
 
 
 @handles(ApplyWrench, in_tick=True)
@@ -430,4 +488,7 @@ def _clear_wrenches(simulation: Simulation, request: ClearWrenches) -> None:
 
 handles(ReadContacts, in_tick=True, publishes=False)(
     lambda sim, _: sim.core.engine.world.contacts()
+)
+handles(FindCollisions)(
+    lambda sim, request: sim.collisions.on_way(sim.snapshot, request.positions)
 )

@@ -171,6 +171,7 @@ def restarted(
             spawn_z=start.spawn_z,
             scene=Scene(tuple(objects)),
             grasp_assist=start.grasp_assist,
+            allow_penetration=True,  # if there was any, it was accepted then
             realtime=False,
         ),
     )

@@ -8,10 +8,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from msgspec import Meta, Struct, field
+from msgspec import Meta, Struct, field, structs
 
 from tool0.description.catalogue import Part
-from tool0.description.forward_kinematics import link_pose
+from tool0.description.forward_kinematics import joint_positions, link_pose
+from tool0.description.model import JointLimits
 from tool0.description.packages import BUNDLED
 from tool0.description.robot import (
     CatalogueRobot,
@@ -40,6 +41,12 @@ class LimitsInfo(Struct, frozen=True, kw_only=True):
     """Of planned motions."""
     jerk: float | None
     """Of planned motions."""
+
+    @property
+    def limits(self) -> JointLimits:
+        """The limits as values of the model: infinite where there are none."""
+        given = {k: v for k, v in structs.asdict(self).items() if v is not None}
+        return JointLimits(**given)
 
 
 class SimulationInfo(Struct, frozen=True, kw_only=True):
@@ -307,6 +314,8 @@ class Reset(Request[None], frozen=True):
     """Joint → position instead of the initial one [rad | m]."""
     keep_time: bool = False
     """Whether simulated time continues."""
+    allow_penetration: bool = False
+    """Whether ``position`` may put a link into something."""
 
 
 class EmergencyStop(Request[None], frozen=True):
@@ -327,9 +336,22 @@ def _step(simulation: Simulation, request: Step) -> float:
 
 handles(Run)(lambda sim, request: sim.loop.run(request.duration))
 handles(SetSpeed, in_tick=True)(lambda sim, request: sim.loop.set_speed(request.factor))
-handles(Reset, in_tick=True)(
-    lambda sim, request: sim.loop.reset(request.position, request.keep_time)
-)
+
+
+def _check_pose(simulation: Simulation, request: Reset) -> None:
+    """Raise PenetrationError for a pose that cannot be."""
+    if not request.position or request.allow_penetration:
+        return
+    usual = simulation.setup.assembly.position
+    position = joint_positions(simulation.description.model, request.position, usual)
+    simulation.collisions.require_pose(position, usual, simulation.snapshot.scene)
+
+
+@handles(Reset, in_tick=True, prepare=_check_pose)
+def _reset(simulation: Simulation, request: Reset, checked: None) -> None:
+    simulation.loop.reset(request.position, request.keep_time)
+
+
 handles(EmergencyStop, in_tick=True, urgent=True)(
     lambda sim, request: sim.core.set_stopped(request.engaged)
 )

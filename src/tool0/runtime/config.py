@@ -62,6 +62,9 @@ class SimulationConfig:
     grasp_assist: bool = False
     """Attach a gripped object to the gripper until it opens, regardless of friction
     and force."""
+    allow_penetration: bool = False
+    """Start although the initial pose puts a link into the ground, an object or another
+    link; the physics then throws them apart."""
     realtime: bool = True
     """Keep pace with the wall clock.  Otherwise simulated time passes as fast as
     possible; from Python, only in ``run`` and ``wait``."""

@@ -26,6 +26,12 @@ TIME_TO_FULL_ACCELERATION = 0.1
 SPACING = 1e-4
 """Changes nearer to each other than this are one [s]: too short for jerk to show."""
 _DOUBLINGS = 10
+_LEAST_ROOM = 0.01
+"""Part of a velocity limit by which a joint may exceed it while it stops speeding up:
+less would take an infinite jerk."""
+_MARGIN = 1.01
+"""By which planned motions differ from those for which the planner's equations have no
+solution in numbers: those that just reach a limit."""
 
 
 def plan_motion(
@@ -59,7 +65,7 @@ def plan_motion(
     ]
     motion = _within_limits(joints, start, ends, speed)
     return [
-        _path(joint, k, motion, end)
+        _path(joint, k, motion, start.positions[k], end)
         for k, (joint, end) in enumerate(zip(joints, ends, strict=True))
     ]
 
@@ -189,26 +195,43 @@ def _within_limits(
 ) -> ruckig.Trajectory:
     """Plan with ever harder braking until no joint passes its limits."""
     hardness = [1.0] * len(joints)
-    motion = _solve(joints, start, ends, speed, hardness)
-    for _ in range(_DOUBLINGS):
-        outside = [
-            k
-            for k, (joint, extremes) in enumerate(
-                zip(joints, motion.position_extrema, strict=True)
-            )
-            if joint.type is not JointType.CONTINUOUS
-            and not (
-                min(joint.limits.lower, start.positions[k]) - ROUNDING <= extremes.min
-                and extremes.max
-                <= max(joint.limits.upper, start.positions[k]) + ROUNDING
-            )
-        ]
+    motion = None
+    for _ in range(1 + _DOUBLINGS):
+        found = _solve(joints, start, ends, speed, hardness)
+        if found is None:  # by chance, or it would take hours: far too fast
+            harder = _MARGIN if hardness == [1.0] * len(joints) else 2.0
+            hardness = [harder * factor for factor in hardness]
+            continue
+        motion = found
+        outside = _joints_outside(joints, start, motion)
         if not outside:
             break
         for k in outside:
             hardness[k] *= 2.0
-        motion = _solve(joints, start, ends, speed, hardness)
-    return motion
+    if motion is not None:
+        return motion
+    ways = zip(joints, start.positions, ends, strict=True)
+    moved = ", ".join(f"'{joint.name}' from {q:g} to {end:g}" for joint, q, end in ways)
+    raise ControlError(
+        f"found no motion of {moved} at speed {speed:g}; check the velocity limits"
+    )
+
+
+def _joints_outside(
+    joints: Sequence[Joint], start: JointsMotion, motion: ruckig.Trajectory
+) -> list[int]:
+    """Return the joints that would pass their limits, or go further beyond them."""
+    return [
+        k
+        for k, (joint, extremes) in enumerate(
+            zip(joints, motion.position_extrema, strict=True)
+        )
+        if joint.type is not JointType.CONTINUOUS
+        and not (
+            min(joint.limits.lower, start.positions[k]) - ROUNDING <= extremes.min
+            and extremes.max <= max(joint.limits.upper, start.positions[k]) + ROUNDING
+        )
+    ]
 
 
 def _solve(
@@ -217,7 +240,8 @@ def _solve(
     ends: Sequence[float],
     speed: float,
     hardness: Sequence[float],
-) -> ruckig.Trajectory:
+) -> ruckig.Trajectory | None:
+    """Return the motion; None if the planner's equations fail."""
     import ruckig  # without annotations: its values are Any
 
     velocities = [joint.max_velocity for joint in joints]
@@ -232,35 +256,51 @@ def _solve(
         for factor, joint in zip(hardness, joints, strict=True)
     ]
     wanted.max_jerk = [
-        min(
-            factor * acceleration / TIME_TO_FULL_ACCELERATION,
-            factor * joint.limits.jerk,
+        max(
+            min(
+                factor * acceleration / TIME_TO_FULL_ACCELERATION,
+                factor * joint.limits.jerk,
+            ),
+            _jerk_to_stay_below(joint.max_velocity, qd, qdd),
         )
-        for factor, acceleration, joint in zip(
-            hardness, wanted.max_acceleration, joints, strict=True
+        for factor, acceleration, joint, qd, qdd in zip(
+            hardness,
+            wanted.max_acceleration,
+            joints,
+            start.velocities,
+            start.accelerations,
+            strict=True,
         )
     ]
     motion = ruckig.Trajectory(len(joints))
     # A straight line in joint space where possible.  Synchronizing the joints fails
-    # numerically about once in 20000; planning each one separately always works.
+    # numerically about once in 20000, planning each one separately more rarely.
     for together in (ruckig.Synchronization.Phase, ruckig.Synchronization.No):
         wanted.synchronization = together
         try:
             ruckig.Ruckig(len(joints)).calculate(wanted, motion)
-        except ruckig.RuckigError:
+        except (ruckig.RuckigError, ValueError):  # ValueError: a code without a name
             continue
         return motion
-    ways = zip(joints, start.positions, ends, strict=True)
-    moved = ", ".join(f"'{joint.name}' from {q:g} to {end:g}" for joint, q, end in ways)
-    raise ControlError(
-        f"found no motion of {moved} at speed {speed:g}; check the velocity limits"
-    )
+    return None
+
+
+def _jerk_to_stay_below(limit: float, qd: float, qdd: float) -> float:
+    """Return the jerk that ends an acceleration before the velocity is too large.
+
+    A goal of a user may accelerate far more than a planned motion.  Were that to end
+    with the usual jerk, the joint would gain qdd² / (2 jerk) until then.
+    """
+    most = max(limit, abs(qd))
+    room = max(most - math.copysign(qd, qd * qdd), _LEAST_ROOM * most)
+    return _MARGIN * qdd * qdd / (2.0 * room)
 
 
 def _path(
-    joint: Joint, k: int, motion: ruckig.Trajectory, end: float
+    joint: Joint, k: int, motion: ruckig.Trajectory, start: float, end: float
 ) -> list[tuple[float, Motion]]:
     """Return how joint ``k`` moves whenever its jerk changes, SPACING apart."""
+    lower, upper = joint.limits.lower, joint.limits.upper
     profile = motion.profiles[0][k]
     changes = list(accumulate([*profile.brake.t, *profile.t]))
     last = max(changes[-1], SPACING)
@@ -270,7 +310,7 @@ def _path(
         if time - before >= SPACING and last - time >= SPACING:
             q, qd, qdd = (values[k] for values in motion.at_time(time))
             if joint.type is not JointType.CONTINUOUS:
-                q = joint.limits.clamp(q)
+                q = min(max(q, min(start, lower)), max(start, upper))
             path.append((time, Motion(q, qd, qdd)))
             before = time
     return [*path, (last, Motion(end, 0.0, 0.0))]

@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 from operator import sub
 from typing import Final, final
 
+from tool0.control.arm_stream import SINGULAR
 from tool0.control.manager import ControllerManager
-from tool0.description.model import Interface, RobotModel
+from tool0.description.model import RECOVERABLE, Interface, RobotModel
 from tool0.description.parts import ArmParts, find_arms
 from tool0.hardware.control_box import ControlBoxState
 from tool0.hardware.engine import Contact, JointState, World, joint_selector
@@ -34,9 +35,13 @@ CHECK_PERIOD: Final = 0.1
 a joint beyond its limit (the same table)."""
 _NEGLIGIBLE: Final = 0.1
 """[N]"""
-LIMIT_MARGIN: Final = 0.02
-"""Distance beyond a joint's limit that is tolerated [rad]: 1.15°, the trueness of a
-UR's joint positions (the same table)."""
+_AT_LIMIT: Final = 0.02
+"""Distance from a limit at which a joint is held by it [rad]."""
+_FULL: Final = 0.98
+"""Part of its largest effort from which a drive gives all that it can."""
+LIMIT_MARGIN: Final = RECOVERABLE
+"""Distance beyond a joint's limit that is tolerated [rad]: from there, an arm may rest,
+and be moved back.  (The trueness of a UR's joint positions is 0.02 rad.)"""
 
 
 @final
@@ -127,6 +132,7 @@ class _Arm:
         world: World,
     ) -> None:
         self._hardware, self._manager, self._world = hardware, manager, world
+        self._model, self._arm = model, arm
         moved = [frozenset(model.links_from(joint.child)) for joint in arm.joints]
         further = [*moved[1:], frozenset[str]()]
         names = [*(joint.child for joint in arm.joints[:-1]), arm.flange]
@@ -212,13 +218,56 @@ class _Arm:
                 )
             error = abs(target - state.position[joint.index])
             if not error <= joint.error:
-                touching = external_contacts(joint.links, self._world.contacts())
-                why = contacts_text(touching) or "no contact: the load, or its stop"
                 return (
                     f"joint '{joint.name}' is {error:.3f} rad off its path, more than "
-                    f"{joint.error:.3f} rad ({why})"
+                    f"{joint.error:.3f} rad ({self._cause(joint, state)})"
                 )
         return ""
+
+    def _cause(self, joint: _Joint, state: JointState) -> str:
+        """Return what most likely keeps a joint off its path."""
+        touching = external_contacts(joint.links, self._world.contacts())
+        if touching:
+            return contacts_text(touching)
+        position = state.position[joint.index]
+        for limit in (joint.lower, joint.upper):
+            if abs(position - limit) <= _AT_LIMIT:
+                return f"no contact: it is at its limit of {limit:.4g} rad"
+        if self._is_wanted_fast() and self._singular_value(state) < SINGULAR:
+            return (
+                "no contact: the arm is at a singularity, where its joints would have "
+                "to turn faster than they can"
+            )
+        most = self._hardware.limits[joint.name].effort
+        if abs(state.effort[joint.index]) >= _FULL * most:
+            return (
+                f"no contact: its drive gives all of its {most:.4g} N·m; the motion is "
+                "too fast for the load, or the payload is not the one that is set"
+            )
+        return "no contact: the motion is too fast, or the payload is not as set"
+
+    def _is_wanted_fast(self) -> bool:
+        """Return whether a joint is to turn at more than half of its speed."""
+        limits = self._hardware.limits
+        return any(
+            abs(spline.sample(setpoint.time).velocity) > limits[model.name].velocity / 2
+            for setpoint in self._manager.setpoints().values()
+            for model, spline in zip(
+                setpoint.joint_models, setpoint.splines, strict=True
+            )
+            if model.name in limits
+        )
+
+    def _singular_value(self, state: JointState) -> float:
+        """Return the smallest singular value of the Jacobian: 0 where singular."""
+        import numpy as np  # only once something is wrong
+
+        from tool0.kinematics.chain import ArmChain
+
+        model, arm = self._model, self._arm
+        position = [state.position[self._hardware.index[j.name]] for j in arm.joints]
+        posture = ArmChain(model, arm.flange, arm.joints).forward(np.array([position]))
+        return float(np.linalg.svd(posture.jacobian[0], compute_uv=False)[-1])
 
     def _wanted(self, command: list[float]) -> Mapping[str, float]:
         """Return the setpoint of each joint that is moved by position [rad | m]."""

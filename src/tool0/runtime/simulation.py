@@ -23,6 +23,7 @@ from tool0.runtime.journal import Journal
 from tool0.runtime.loop import Loop
 from tool0.runtime.program_runs import ProgramRuns
 from tool0.sensing.cameras import Cameras
+from tool0.sensing.collisions import CollisionFinder
 from tool0.sensing.force_torque import ForceTorqueSensors
 from tool0.sensing.snapshot import Snapshot
 
@@ -56,6 +57,7 @@ class Simulation:
         loop: Loop,
         bus: Bus,
         ground: float | None = None,
+        collisions: CollisionFinder,
         cameras: Mapping[str, Camera],
         warnings: Sequence[Finding] = (),
     ) -> None:
@@ -84,6 +86,7 @@ class Simulation:
         self.cameras = Cameras(
             description.model, cameras, ground, lambda: self.snapshot
         )
+        self.collisions = collisions
         self.force_torque = ForceTorqueSensors(
             description,
             core.engine,
@@ -186,10 +189,13 @@ class Simulation:
 
     @cached_property
     def arms(self) -> Mapping[str, ArmChain]:
-        """The arms by name: six revolute joints that end at a link ``…tool0``."""
+        """The arms by name: six revolute joints that end at a link ``…tool0``.
+
+        Their joints have the limits that apply.
+        """
         from tool0.kinematics.chain import find_chains  # numpy, only when needed
 
-        return find_chains(self.description.model)
+        return find_chains(self.description.model, self.joint_limits)
 
     def arm(self, name: str | None) -> ArmChain:
         """Return an arm by name, or the only one; raise ControlError otherwise."""

@@ -120,14 +120,14 @@ def test_the_parts_of_a_compound_are_checked(robot: tool0.Robot) -> None:
     with raises_naming(ConfigError, f"{MOST_SHAPES + 1} shapes"):
         robot.scene.add("x", many)
     half = Compound(parts=many.parts[: MOST_SHAPES // 2 + 1])
-    robot.scene.add("half", half)
+    robot.scene.add("half", half, xyz=(2.0, 0.0, 1.0))
     with raises_naming(ConfigError, f"{2 * len(half.parts)} shapes"):
         robot.scene.add("x", half)
     assert list(robot.scene) == ["half"]
 
 
 def test_what_cannot_be_is_refused(robot: tool0.Robot) -> None:
-    robot.scene.add("cube", BOX)
+    robot.scene.add("cube", BOX, xyz=(2.0, 0.0, 1.0))
     for options, named in (({"mass": -1.0}, "mass"), ({"rpy": [0.1]}, "rpy")):
         with raises_naming(RequestError, named):
             robot.scene.add("x", BOX, **options)
@@ -135,7 +135,7 @@ def test_what_cannot_be_is_refused(robot: tool0.Robot) -> None:
         with pytest.raises(ControlError):
             robot.scene.place("cube", (0.0, 0.0, 1.0), **part)
     with pytest.raises(ConfigError):
-        robot.scene.add("tool0", BOX)
+        robot.scene.add("tool0", BOX, xyz=(2.0, 0.0, 2.0))
     with raises_naming(RequestError, "shape"):
         robot.scene.add("x", Box(size=(1.0, 2.0)))  # type: ignore[arg-type]
     with pytest.raises(ControlError, match="needs a shape"):

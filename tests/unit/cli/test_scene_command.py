@@ -109,7 +109,7 @@ def test_a_mesh_is_found_from_the_folder_of_the_command(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("part.obj").write_text(TETRAHEDRON)
-    assert run("scene add part --mesh part.obj --scale 0.1 --xyz 0.5 0 0.5") == OK
+    assert run("scene add part --mesh part.obj --scale 0.1 --xyz 1 0 0.5") == OK
     shape = robot.scene["part"].geometry
     assert isinstance(shape, Mesh)
     assert shape.path == tmp_path / "part.obj"

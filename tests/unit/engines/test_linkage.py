@@ -188,6 +188,7 @@ def test_no_snapshot_of_a_start_in_the_ground_is_absurd(lift: float) -> None:
     with tool0.bringup(
         realtime=False,
         initial_pose={"shoulder_lift_joint": lift, "elbow_joint": 0.5},
+        simulation=tool0.SimulationConfig(allow_penetration=True),
         description=tool0.DescriptionConfig(gripper_model="linkage"),
     ) as robot:
         subscription = robot.subscribe(500.0)

@@ -64,7 +64,7 @@ def sliders_and_goals(robot: tool0.Robot) -> None:
 
 def grasps(robot: tool0.Robot) -> None:
     """A cube between the pads: contacts, friction, and a drive at its limit."""
-    pads = robot.gripper.tcp()
+    pads = robot.arm.pose(tool=robot.gripper.tcp())
     robot.scene.add("cube", Box(size=(0.04,) * 3), xyz=pads.position, mass=0.1)
     robot.gripper.move(opening=0.02, force=40.0)
     robot.run(0.8)

@@ -208,3 +208,36 @@ def test_a_speed_out_of_range_is_refused(speed: float) -> None:
 def test_the_planner_s_library_is_not_imported_before_it_is_needed() -> None:
     code = "import tool0.runtime.joint_motion, sys; sys.exit('ruckig' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_goal_that_accelerates_too_much_is_left_within_the_speed_limits(
+    seed: int,
+) -> None:
+    """A user's goal may accelerate 20 times as much as a planned motion."""
+    rng = np.random.default_rng(seed)
+    for _ in range(20):
+        velocities = rng.uniform(-0.9, 0.9, 4) * FASTEST
+        accelerations = rng.uniform(-20.0, 20.0, 4) * FASTEST
+        here, target = 0.2 * rng.uniform(-1.0, 1.0, (2, 4)) * REACH
+        start = moving(here, velocities, accelerations)
+        plan = plan_motion(ARM, start, target, speed=rng.uniform(0.05, 1.0))
+        _, _, speeds, _ = sampled(start, plan, 2e-3)
+        assert (np.abs(speeds).max(axis=0) <= 1.02 * FASTEST).all()
+        assert last(plan) == pytest.approx(tuple(target))
+
+
+def test_a_goal_much_too_fast_is_left_for_another_target() -> None:
+    """The planner's library fails with codes that it has no name for, or a day long."""
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        share = rng.uniform(0.2, 0.8)
+        way = rng.uniform(-1.0, 1.0, 4) * REACH
+        quintic = point_to_point(0.0, Motion(0.0, 0.0, 0.0), 0.15, Motion(1.0, 0, 0))
+        q, qd, qdd = quintic.sample(0.15 * share)
+        start = moving(q * way, qd * way, qdd * way)
+        target = 0.5 * rng.uniform(-1.0, 1.0, 4) * REACH
+        plan = plan_motion(
+            ARM, start, target, speed=float(rng.choice([0.05, 0.1, 1.0]))
+        )
+        assert duration(plan) < 300.0

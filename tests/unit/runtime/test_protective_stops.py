@@ -101,6 +101,7 @@ def test_a_path_error_stops_the_arm(robot: tool0.Robot) -> None:
     robot.apply_wrench("upper_arm_link", torque=STRONG)
     robot.run(1.0)
     assert "off its path, more than 0.157 rad (no contact" in reason(robot)
+    assert "its drive gives all of its 150 N·m" in reason(robot)
 
 
 def test_a_command_beyond_a_limit_stops_the_arm(tmp_path: Path) -> None:

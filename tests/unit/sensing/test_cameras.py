@@ -14,6 +14,7 @@ import tool0
 from tool0.description.camera import Camera, looking
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 from tool0.errors import ConfigError, RenderError, SourceLocation
 
 pytestmark = pytest.mark.slow
@@ -75,7 +76,11 @@ def test_the_wrist_camera_sees_what_is_between_the_pads() -> None:
 def test_a_picture_is_of_the_snapshot_and_bears_its_time() -> None:
     require_gl()
     cube = SceneObject(
-        name="cube", geometry=Box(size=(0.1,) * 3), mass=1.0, rgba=(0, 1, 0, 1)
+        name="cube",
+        geometry=Box(size=(0.1,) * 3),
+        pose=Pose(xyz=(0.0, 0.4, 0.1)),
+        mass=1.0,
+        rgba=(0, 1, 0, 1),
     )
     small = Camera(
         name="side", pose=looking((2, 0.01, 0.5), (0, 0, 0)), width=64, height=48

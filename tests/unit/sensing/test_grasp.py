@@ -126,7 +126,8 @@ def test_it_is_told_while_a_slow_motion_still_goes_on(watching) -> None:
 
 def test_what_is_in_the_way_outside_is_told_without_a_width(watching) -> None:
     walls = [box(f"wall{x}", (0.02, 0.1, 0.04), x) for x in (-0.06, 0.06)]
-    watch = watching(*walls)
+    start = tool0.SimulationConfig(allow_penetration=True)  # walls in open fingers
+    watch = watching(*walls, simulation=start)
     watch.robot.gripper.move(opening=0.0)
     watch.run(2.0)
     watch.robot.gripper.move(opening=0.085)

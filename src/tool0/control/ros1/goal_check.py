@@ -176,8 +176,13 @@ class TrajectoryReplacement:
         check_points(goal, names)
         start = start_time(goal, now)
         first = first_point_ahead(goal, start, now)
-        check_limits(goal, [self._joints[name] for name in names], first)
         before = dict(zip(self._joints, running, strict=True))
+        check_limits(
+            goal,
+            [self._joints[name] for name in names],
+            first,
+            lambda: [before[name].sample(now).position for name in names],
+        )
         leave = max(now, start)
         offsets = [
             whole_turns(

@@ -355,14 +355,14 @@ class JointTrajectoryController:
         if follows:
             start = time + max(start - time, 0.0) * self.speed_scaling
             course = course._replace(start=start).integrated(self._desired(start))
-            self._check_limits(course)
+            self._check_limits(course, time)
             splines = splines_spliced(spec.joint_models, running, course, time)
         else:
             desired, measured = self._desired(time), self._measured()
             held = desired if spec.interface is Interface.POSITION else measured
             places = {name: motion.position for name, motion in held.items()}
             origins = desired if spec.replacement.from_desired else measured
-            self._check_limits(course.integrated(origins))
+            self._check_limits(course.integrated(origins), time)
             joints = spec.joint_models
             splines = splines_at_once(joints, course, time, origins, places)
             if not spec.replacement.from_desired:
@@ -381,9 +381,15 @@ class JointTrajectoryController:
             and (is_whole or bool(course.goal.points[-1].positions))
         )
 
-    def _check_limits(self, course: Course) -> None:
+    def _check_limits(self, course: Course, time: float) -> None:
         models = dict(zip(self.spec.joints, self.spec.joint_models, strict=True))
-        check_limits(course.goal, [models[name] for name in course.names], 0)
+
+        def starts() -> list[float]:
+            desired = self._desired(time)
+            return [desired[name].position for name in course.names]
+
+        joints = [models[name] for name in course.names]
+        check_limits(course.goal, joints, 0, starts)
 
     def _desired(self, time: float) -> dict[str, Motion]:
         """Return the desired motion of each joint at a time of the trajectory [s]."""

@@ -14,7 +14,7 @@ import numpy as np
 from msgspec import UnsetType
 
 from tool0.api.connect import SocketChannel
-from tool0.description.model import FLANGE
+from tool0.description.model import FLANGE, JointLimits
 from tool0.description.parts import find_grippers, gripper_of
 from tool0.errors import Tool0Error, UnreachableError
 from tool0.hardware.control_box import ControlBoxState
@@ -53,6 +53,7 @@ class Box:
         arm: str,
         first: UpdateMessage,
         *,
+        limits: Mapping[str, JointLimits] | None = None,
         allow_sockets: bool = False,
     ) -> None:
         """Show an arm of the bring-up.
@@ -61,6 +62,7 @@ class Box:
             channel: The connection to the bring-up.
             arm: As ``list_arms`` names it.
             first: The first update, which has everything.
+            limits: Of each driven joint; those of the URDF, if left out.
             allow_sockets: Whether programs may connect to other machines.
         """
         self.allow_sockets = allow_sockets
@@ -68,7 +70,7 @@ class Box:
         self._event_loop = asyncio.get_running_loop()
         model = channel.description.model
         self.arm = arm
-        self.chain: ArmChain = find_chains(model)[arm]
+        self.chain: ArmChain = find_chains(model, limits)[arm]
         self.kinematics = InverseKinematics(self.chain)
         prefix = self.chain.tip.removesuffix(FLANGE)
         base = f"{prefix}base"

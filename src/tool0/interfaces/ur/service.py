@@ -15,6 +15,7 @@ from tool0.interfaces.ur.box import Box
 from tool0.interfaces.ur.compiling import prepare
 from tool0.interfaces.ur.options import UrArm, UrOptions
 from tool0.requests.arm import ListArms
+from tool0.requests.state import ReadInfo
 from tool0.requests.updates import SubscribeUpdates, UpdateMessage
 
 CONNECT_TIMEOUT: Final = 60.0
@@ -129,8 +130,11 @@ async def serve(
     request = SubscribeUpdates(arms=tuple(arms))
     await asyncio.to_thread(channel.call, request)
     update = await first
+    info = await asyncio.to_thread(channel.call, ReadInfo())
+    limits = {joint: found.limits for joint, found in info.joint_limits.items()}
     boxes += [
-        Box(channel, arm, update, allow_sockets=options.allow_sockets) for arm in arms
+        Box(channel, arm, update, limits=limits, allow_sockets=options.allow_sockets)
+        for arm in arms
     ]
     async with contextlib.AsyncExitStack() as stack:
         served = {}

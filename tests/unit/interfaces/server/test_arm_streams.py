@@ -137,9 +137,9 @@ def test_streamed_targets_are_executed_one_by_one(
     aimed: queue.Queue[float] = queue.Queue()
     check = controller.require_positions
 
-    def note(positions: tuple[float, ...]) -> None:
+    def note(positions: tuple[float, ...], now: float) -> None:
         aimed.put(positions[0])
-        check(positions)
+        check(positions, now)
 
     monkeypatch.setattr(controller, "require_positions", note)
     robot.pause()

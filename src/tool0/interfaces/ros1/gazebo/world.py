@@ -309,6 +309,7 @@ class GazeboChanges:
                     state.quat_wxyz,
                     linear=state.linear,
                     angular=state.angular,
+                    allow_penetration=True,  # where it was
                 )
         finally:
             if not was_paused:
