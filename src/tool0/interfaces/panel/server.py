@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     import uvicorn
     from starlette.types import ASGIApp
 
+    from tool0.interfaces.budget import Account
     from tool0.interfaces.panel.camera_images import CameraImages
     from tool0.interfaces.panel.entrance import Entrance
     from tool0.interfaces.panel.replay.view import Replay
@@ -137,7 +138,7 @@ class WebService:
             )
             return protocol
 
-        self._entrance = Entrance(self.listener, make_protocol)
+        self._entrance = Entrance(self.listener, make_protocol, hub.budget)
 
     async def stop(self) -> None:
         if self._entrance is not None:
@@ -181,7 +182,14 @@ class _PageTransport:
     is_trusted: Final = False
 
     def __init__(self, socket: WebSocket) -> None:
+        from tool0.interfaces.panel.entrance import Visitor
+
         self._socket = socket
+        self._visitor = Visitor.of(socket.scope)
+
+    @property
+    def account(self) -> Account:
+        return self._visitor.account
 
     async def send(self, text: bytes) -> None:
         try:
@@ -201,10 +209,7 @@ class _PageTransport:
         await self._socket.close(GOING_AWAY, "the server ends")
 
     def abort(self) -> None:
-        from tool0.interfaces.panel.entrance import Visitor
-
-        # Closing would wait until the page reads.
-        Visitor.of(self._socket.scope).drop()
+        self._visitor.drop()  # closing would wait until the page reads
 
 
 @final

@@ -1,0 +1,173 @@
+"""The processor time that all clients of a process may use together.
+
+Each connection has an account, to which the work for it is charged.  While all together
+use less than their share, nobody waits.  Otherwise each may use an equal part, and one
+that has used more waits: it is not read meanwhile, so that its socket slows it down.  A
+stop is never asked for its account.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Final, final
+
+SHARE: Final = 0.3
+"""Of one processor, for all clients together in the long run."""
+BURST: Final = 0.5
+"""Work of all that nobody waits for [s]."""
+RESERVE: Final = 0.01
+"""Work of one client that never waits for that of the others [s]."""
+SLICE: Final = 0.5e-3
+"""Work until the event loop looks at its sockets again [s]: a stop may have come."""
+MAX_CHARGE: Final = 0.01
+"""Most that one piece of work costs [s]: a long plan must not silence its client."""
+_ACTIVE: Final = 0.1
+"""A client that has used nothing for so long leaves its part to others [wall s]."""
+_LONGEST_WAIT: Final = 0.05
+"""Until an account is looked at again: others may have left meanwhile [wall s]."""
+_SHORTEST_WAIT: Final = 1e-3
+"""[wall s]"""
+
+
+@final
+class Budget:
+    """What all accounts of an event loop may use together."""
+
+    def __init__(
+        self,
+        share: float = SHARE,
+        burst: float = BURST,
+        *,
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Start with a full burst; ``now`` returns the wall time [s]."""
+        self.share, self._burst, self.now = share, burst, now
+        self._left, self._counted_at = burst, now()
+        self._active: dict[Account, float] = {}
+        """When each account was last charged."""
+        self._slice = 0.0
+        """Work since the event loop has last looked at its sockets [s]."""
+        self._turns: deque[asyncio.Future[None]] = deque()
+
+    def account(self) -> Account:
+        """Return the account of a new client."""
+        return Account(self)
+
+    @property
+    def left(self) -> float:
+        """Work that nobody waits for now [s]; at most 0 while there is too much."""
+        now = self.now()
+        gained = (now - self._counted_at) * self.share
+        self._left = min(self._burst, self._left + gained)
+        self._counted_at = now
+        return self._left
+
+    @property
+    def part(self) -> float:
+        """The equal part of each active account, of one processor."""
+        oldest = self.now() - _ACTIVE
+        # Sorted by time: an account that is charged moves to the end.
+        for account, charged_at in list(self._active.items()):
+            if charged_at >= oldest:
+                break
+            del self._active[account]
+        return self.share / max(1, len(self._active))
+
+    @property
+    def is_slice_used(self) -> bool:
+        """Whether the event loop must look at its sockets before further work."""
+        return self._slice >= SLICE
+
+    def charge(self, account: Account, seconds: float) -> None:
+        """Note work for an account."""
+        self._left = max(self.left - seconds, -RESERVE)
+        self._active.pop(account, None)
+        self._active[account] = self._counted_at
+
+    def occupy(self, seconds: float) -> None:
+        """Note work in the event loop itself."""
+        if self._slice == 0.0:
+            asyncio.get_running_loop().call_soon(self._begin_slice)
+        self._slice += seconds
+
+    async def turn(self) -> None:
+        """Wait until the event loop has looked at its sockets; one client at a time."""
+        loop = asyncio.get_running_loop()
+        if not self._turns and self._slice == 0.0:
+            loop.call_soon(self._begin_slice)
+        turn = loop.create_future()
+        self._turns.append(turn)
+        await turn
+
+    def _begin_slice(self) -> None:
+        self._slice = 0.0
+        while self._turns:
+            turn = self._turns.popleft()
+            if not turn.done():  # its connection has ended
+                turn.set_result(None)
+                break
+        if self._turns:
+            asyncio.get_running_loop().call_soon(self._begin_slice)
+
+
+@final
+class Account:
+    """What one client has used."""
+
+    def __init__(self, budget: Budget) -> None:
+        self._budget = budget
+        self._left, self._counted_at = RESERVE, budget.now()
+
+    @property
+    def may_go_on(self) -> bool:
+        """Whether work for this client may begin at once."""
+        return not self._budget.is_slice_used and self._delay() <= 0.0
+
+    @property
+    def has_spare(self) -> bool:
+        """Whether all together use less than their share."""
+        return self._budget.left > 0.0
+
+    async def admit(self) -> None:
+        """Wait until work for this client may begin."""
+        while not self.may_go_on:
+            if (delay := self._delay()) > 0.0:
+                await asyncio.sleep(min(max(delay, _SHORTEST_WAIT), _LONGEST_WAIT))
+            else:
+                await self._budget.turn()
+
+    def charge(self, seconds: float) -> None:
+        """Note work for this client."""
+        seconds = min(seconds, MAX_CHARGE)
+        self._left = max(self._own() - seconds, -MAX_CHARGE)
+        self._budget.charge(self, seconds)
+
+    @contextmanager
+    def working(self) -> Iterator[None]:
+        """Charge what this thread, the event loop's, does for this client."""
+        start = time.thread_time()
+        try:
+            yield
+        finally:
+            seconds = time.thread_time() - start
+            self.charge(seconds)
+            self._budget.occupy(seconds)
+
+    def _own(self) -> float:
+        """Return the work that this client may use whatever others do [s]."""
+        now = self._budget.now()
+        gained = (now - self._counted_at) * self._budget.part
+        self._left = min(RESERVE, self._left + gained)
+        self._counted_at = now
+        return self._left
+
+    def _delay(self) -> float:
+        """Return the wall time until work for this client may begin [s]."""
+        if self._budget.left > 0.0:
+            return 0.0
+        own = self._own()
+        return 0.0 if own > 0.0 else -own / self._budget.part + _SHORTEST_WAIT
