@@ -21,7 +21,7 @@ BURST: Final = 0.5
 """Work of all that nobody waits for [s]."""
 RESERVE: Final = 0.01
 """Work of one client that never waits for that of the others [s]."""
-SLICE: Final = 0.5e-3
+SLICE: Final = 0.3e-3
 """Work until the event loop looks at its sockets again [s]: a stop may have come."""
 MAX_CHARGE: Final = 0.01
 """Most that one piece of work costs [s]: a long plan must not silence its client."""
@@ -49,8 +49,9 @@ class Budget:
         self._left, self._counted_at = burst, now()
         self._active: dict[Account, float] = {}
         """When each account was last charged."""
-        self._slice = 0.0
-        """Work since the event loop has last looked at its sockets [s]."""
+        self._slice_began_at: float | None = None
+        """Processor time of the event loop when it last looked at its sockets [s]; None
+        if nothing was done since."""
         self._turns: deque[asyncio.Future[None]] = deque()
 
     def account(self) -> Account:
@@ -80,7 +81,8 @@ class Budget:
     @property
     def is_slice_used(self) -> bool:
         """Whether the event loop must look at its sockets before further work."""
-        return self._slice >= SLICE
+        start = self._slice_began_at
+        return start is not None and time.thread_time() - start >= SLICE
 
     def charge(self, account: Account, seconds: float) -> None:
         """Note work for an account."""
@@ -88,30 +90,30 @@ class Budget:
         self._active.pop(account, None)
         self._active[account] = self._counted_at
 
-    def occupy(self, seconds: float) -> None:
-        """Note work in the event loop itself."""
-        if self._slice == 0.0:
-            asyncio.get_running_loop().call_soon(self._begin_slice)
-        self._slice += seconds
+    def begin_work(self) -> float:
+        """Return the processor time of this thread, the event loop's [s]."""
+        start = time.thread_time()
+        if self._slice_began_at is None:
+            self._slice_began_at = start
+            asyncio.get_running_loop().call_soon(self._end_slice)
+        return start
 
     async def turn(self) -> None:
         """Wait until the event loop has looked at its sockets; one client at a time."""
-        loop = asyncio.get_running_loop()
-        if not self._turns and self._slice == 0.0:
-            loop.call_soon(self._begin_slice)
-        turn = loop.create_future()
+        self.begin_work()
+        turn = asyncio.get_running_loop().create_future()
         self._turns.append(turn)
         await turn
 
-    def _begin_slice(self) -> None:
-        self._slice = 0.0
+    def _end_slice(self) -> None:
+        """Give the next client its turn: the event loop has looked at its sockets."""
+        self._slice_began_at = None
         while self._turns:
             turn = self._turns.popleft()
-            if not turn.done():  # its connection has ended
+            if not turn.done():  # otherwise its connection has ended
                 turn.set_result(None)
+                self.begin_work()
                 break
-        if self._turns:
-            asyncio.get_running_loop().call_soon(self._begin_slice)
 
 
 @final
@@ -149,13 +151,11 @@ class Account:
     @contextmanager
     def working(self) -> Iterator[None]:
         """Charge what this thread, the event loop's, does for this client."""
-        start = time.thread_time()
+        start = self._budget.begin_work()
         try:
             yield
         finally:
-            seconds = time.thread_time() - start
-            self.charge(seconds)
-            self._budget.occupy(seconds)
+            self.charge(time.thread_time() - start)
 
     def _own(self) -> float:
         """Return the work that this client may use whatever others do [s]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import threading
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
@@ -191,9 +191,10 @@ class _PageTransport:
     def account(self) -> Account:
         return self._visitor.account
 
-    async def send(self, text: bytes) -> None:
+    async def send(self, texts: Sequence[bytes]) -> None:
         try:
-            await self._socket.send_text(text.decode())
+            for text in texts:
+                await self._socket.send_text(text.decode())
         except WebSocketDisconnect:
             raise ConnectionError from None
 

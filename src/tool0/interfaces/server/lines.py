@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Sequence
 from typing import Final, final
 
 from tool0.errors import TransportError
@@ -11,8 +12,10 @@ from tool0.interfaces.budget import Account
 MAX_LINE: Final = 1 << 23
 """Longest request [bytes]; 10 000 points of 6 joints with velocities and accelerations
 fit."""
-_CHUNK: Final = 1 << 16
+_CHUNK: Final = 1 << 15
 """Bytes that are read at once, and kept before a program has to wait."""
+_READ_COST: Final = 50e-6
+"""Of the system calls for a read [s]."""
 _arriving: Final = memoryview(bytearray(_CHUNK))
 """Where the event loop reads to: what has arrived is copied at once."""
 
@@ -48,6 +51,7 @@ class LineTransport(asyncio.BufferedProtocol):
     def buffer_updated(self, nbytes: int) -> None:
         with self.account.working():
             self._buffer += _arriving[:nbytes]
+        self.account.charge(_READ_COST)
         self._arrived.set()
         if len(self._buffer) > _CHUNK and not self._is_paused:
             self._is_paused = True
@@ -71,10 +75,10 @@ class LineTransport(asyncio.BufferedProtocol):
 
     # ---- what a session calls -------------------------------------------------------
 
-    async def send(self, text: bytes) -> None:
+    async def send(self, texts: Sequence[bytes]) -> None:
         if self._is_lost:
             raise ConnectionResetError
-        self._transport.write(text + b"\n")
+        self._transport.write(b"\n".join((*texts, b"")))
         await self._is_writable.wait()
 
     async def receive(self) -> bytes | None:

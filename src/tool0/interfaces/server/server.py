@@ -91,7 +91,7 @@ async def _serve(hub: Hub, peer: socket.socket, has_room: bool) -> None:
     else:
         text = f"{MAX_PEERS} programs are connected already; close one"
         with contextlib.suppress(OSError):  # the peer closed first
-            await lines.send(encode_error(None, TransportError(text)))
+            await lines.send([encode_error(None, TransportError(text))])
     await lines.close()
     await lines.closed()
 
