@@ -1,9 +1,9 @@
 """The processor time that all clients of a process may use together.
 
 Each connection has an account, to which the work for it is charged.  While all together
-use less than their share, nobody waits.  Otherwise each may use an equal part, and one
-that has used more waits: it is not read meanwhile, so that its socket slows it down.  A
-stop is never asked for its account.
+use less than their share, or only one of them works, nobody waits.  Otherwise each may
+use an equal part, and one that has used more waits: it is not read meanwhile, so that
+its socket slows it down.  A stop is never asked for its account.
 """
 
 from __future__ import annotations
@@ -68,15 +68,21 @@ class Budget:
         return self._left
 
     @property
-    def part(self) -> float:
-        """The equal part of each active account, of one processor."""
+    def n_active(self) -> int:
+        """How many accounts were charged a short time ago."""
         oldest = self.now() - _ACTIVE
-        # Sorted by time: an account that is charged moves to the end.
-        for account, charged_at in list(self._active.items()):
+        # In the order of these times: an account that is charged moves to the end.
+        while self._active:
+            account, charged_at = next(iter(self._active.items()))
             if charged_at >= oldest:
                 break
             del self._active[account]
-        return self.share / max(1, len(self._active))
+        return len(self._active)
+
+    @property
+    def part(self) -> float:
+        """The equal part of each active account, of one processor."""
+        return self.share / max(1, self.n_active)
 
     @property
     def is_slice_used(self) -> bool:
@@ -142,6 +148,12 @@ class Account:
             else:
                 await self._budget.turn()
 
+    async def give_way(self) -> None:
+        """Let the event loop look at its sockets, if it is time, amid some work."""
+        self._budget.begin_work()
+        if self._budget.is_slice_used:
+            await self._budget.turn()
+
     def charge(self, seconds: float) -> None:
         """Note work for this client."""
         seconds = min(seconds, MAX_CHARGE)
@@ -167,7 +179,7 @@ class Account:
 
     def _delay(self) -> float:
         """Return the wall time until work for this client may begin [s]."""
-        if self._budget.left > 0.0:
+        if self._budget.left > 0.0 or self._budget.n_active <= 1:
             return 0.0
         own = self._own()
         return 0.0 if own > 0.0 else -own / self._budget.part + _SHORTEST_WAIT

@@ -195,7 +195,9 @@ class _PageTransport:
         try:
             for text in texts:
                 await self._socket.send_text(text.decode())
-        except WebSocketDisconnect:
+                await self.account.give_way()
+        except (WebSocketDisconnect, RuntimeError):
+            # uvicorn raises the latter once it has closed for a bad frame.
             raise ConnectionError from None
 
     async def receive(self) -> bytes | str | None:
