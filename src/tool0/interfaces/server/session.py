@@ -41,9 +41,11 @@ STUCK_AFTER: Final = 10.0
 """Wall time after which a connection that does not read is dropped [s]."""
 _CHUNK: Final = 4096
 """Bytes that count as one message."""
-MAX_TEXTS: Final = 256
-"""Messages that may wait until they are decoded, in chunks: 1 MiB.  Then nothing more
-is read."""
+MAX_TEXTS: Final = 1 << 18
+"""Messages that may wait until they are decoded [bytes], each with ``_OVERHEAD``.  Then
+nothing more is read."""
+_OVERHEAD: Final = 64
+"""[bytes]"""
 MAX_BACKLOG: Final = 4096
 """Requests of one connection that may wait for each other, in chunks: 16 MiB.  Further
 ones are rejected, so that what is behind them is always read."""
@@ -138,7 +140,7 @@ class Session:
         self._texts: deque[bytes | str | None] = deque()
         """Messages that are not decoded yet; None is the end."""
         self._n_texts = 0
-        """Their size, in chunks."""
+        """Their size [bytes]."""
         self._has_text, self._has_room = asyncio.Event(), asyncio.Event()
         self._waiting: deque[_Waiting | None] = deque()
         """Requests; None is the end."""
@@ -264,8 +266,9 @@ class Session:
             with self.account.working():
                 if text and not text.isspace():
                     self._take(text)
-            if self._texts or not text:
-                # What waits is of this peer: until it is decoded, a stop may be late.
+            if text:
+                await self.account.give_way()
+            else:
                 await self.account.admit()
             while self._n_texts >= MAX_TEXTS:
                 # Nothing is read, so flow control slows the peer down.
@@ -280,7 +283,7 @@ class Session:
             self._process(text)
             return
         self._texts.append(text)
-        self._n_texts += _n_chunks(text)
+        self._n_texts += len(text) + _OVERHEAD
         self._has_text.set()
 
     def _take_stop(self, text: bytes | str) -> bool:
@@ -309,7 +312,7 @@ class Session:
                 ident, request = decode_request(text, suggests=False)
                 if _undoes(request, stop):
                     self._texts.remove(text)
-                    self._n_texts -= _n_chunks(text)
+                    self._n_texts -= len(text) + _OVERHEAD
                     self.send(encode_error(ident, _OVERTAKEN))
         for item in [item for item in self._waiting if item is not None]:
             if _undoes(item.request, stop):
@@ -337,7 +340,7 @@ class Session:
                     self._waiting.append(None)
                     self._has_work.set()
                     return
-                self._n_texts -= _n_chunks(text)
+                self._n_texts -= len(text) + _OVERHEAD
                 self._has_room.set()
                 with self.account.working():
                     self._process(text)
