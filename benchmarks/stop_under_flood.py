@@ -17,7 +17,7 @@ import struct
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from subprocess import DEVNULL, PIPE, Popen
@@ -25,17 +25,31 @@ from subprocess import DEVNULL, PIPE, Popen
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from benchmarks.flooding_client import KINDS, RTDE_KINDS, connected, framed
+from tool0.installation.ros2.installation import find_ros2
 
 CLIENT = Path(__file__).with_name("flooding_client.py")
+ROS2_CLIENT = Path(__file__).with_name("ros2_client.py")
 N_STOPS = 60
 """Of one round."""
 ROUNDS = 4
 PAUSE = 0.01
 """Longest one between two stops [wall s]."""
 SETTLE = 1.0
-"""From the start of a flood to the first stop that counts [wall s]."""
+"""From the start of a flood to the first stop that counts, and from its end to the
+next round [wall s]."""
+TIMEOUT = 60.0
+"""Longest wait for a reply [wall s]."""
+COUNTS = (4, 20)
+"""Flooding clients."""
+UR_COUNTS = (4, 16)
+"""The same: a port of a UR takes no more."""
 SOCKET, PAGE = "socket", "WebSocket"
+DASHBOARD_PORT = 29999
 UR_HOST = "127.19.29.40"
+ROS2_DOMAIN = 98
+
+Command = tuple[Sequence[str], Mapping[str, str] | None]
+"""Of a flooding client, and its environment if it needs one of its own."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +92,7 @@ class Stopper:
     def __init__(self, address: str) -> None:
         self._address = address
         self._peer = connected(address)
+        self._peer.settimeout(TIMEOUT)
         self._answers = self._messages()
         assert next(self._answers)["type"] == "hello"
 
@@ -116,53 +131,116 @@ class Stopper:
                 yield json.loads(payload)
 
 
-def ratios(
-    transport: str,
-    loads: Sequence[Sequence[tuple[str, str]]],
-    robot: Robot,
-    *,
-    rounds: int = ROUNDS,
-    n_stops: int = N_STOPS,
-) -> tuple[Delays, list[Delays]]:
-    """Return the delays without a flood, and for each load its delays ÷ those.
+class DashboardStopper:
+    """A client of a UR's dashboard server that stops the program."""
+
+    def __init__(self, host: str) -> None:
+        deadline = time.monotonic() + TIMEOUT
+        while True:
+            try:
+                self._peer = socket.create_connection((host, DASHBOARD_PORT), TIMEOUT)
+                break
+            except ConnectionRefusedError:  # it still starts
+                if time.monotonic() > deadline:
+                    raise
+                time.sleep(0.1)
+        self._lines = self._peer.makefile("rb")
+        self._lines.readline()
+
+    def press(self) -> float:
+        """Stop; return how long the answer took [wall s]."""
+        start = time.perf_counter()
+        self._peer.sendall(b"stop\n")
+        assert self._lines.readline() == b"Stopped\n"
+        return time.perf_counter() - start
+
+    def close(self) -> None:
+        self._peer.close()
+
+
+def clients(
+    address: str, count: int, kinds: Sequence[str] = tuple(KINDS)
+) -> list[Command]:
+    """Return clients that send something of every kind to one address."""
+    script = (sys.executable, "-S", str(CLIENT))
+    return [((*script, kinds[k % len(kinds)], address), None) for k in range(count)]
+
+
+def over_own_transport(transport: str) -> dict[str, Delays]:
+    """Measure stops while clients flood the same transport: number → ratios."""
+    with bringup() as robot:
+        address = robot.address(transport)
+        loads = {str(n): clients(address, n) for n in COUNTS}
+        return ratios(Stopper(address), loads)
+
+
+def over_ur(name: str) -> dict[str, Delays]:
+    """Measure a UR's ``stop`` and emergency stops while clients flood RTDE.
 
     Args:
-        transport: Of the client that stops.
-        loads: Of each load the flooding clients: what they send, and where.
-        robot: The bring-up.
-        rounds: Of each load.
-        n_stops: In each round.
+        name: ``dashboard`` or ``socket``: of the client that stops.
     """
-    stopper = Stopper(robot.address(transport))
+    with bringup("--arm", "ur5e", "--ur", "--ur-host", UR_HOST) as robot:
+        address, kinds = f"rtde://{UR_HOST}", tuple(RTDE_KINDS)
+        loads = {str(n): clients(address, n, kinds) for n in UR_COUNTS}
+        is_own = name == "dashboard"
+        stopper = DashboardStopper(UR_HOST) if is_own else Stopper(robot.socket)
+        return ratios(stopper, loads)
+
+
+def over_ros2() -> dict[str, Delays]:
+    """Measure emergency stops by socket while ROS 2 is flooded: what → ratios."""
+    ros2 = find_ros2()
+    assert ros2 is not None
+    settings = {
+        "ROS_DOMAIN_ID": str(ROS2_DOMAIN),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+    }
+    environment = {**ros2.environment, **settings}
+    script = (str(ros2.python), str(ROS2_CLIENT))
+    with bringup("--arm", "ur5e", "--ros2", environment=settings) as robot:
+        loads: dict[str, list[Command]] = {
+            role: [((*script, f"flood_{role}"), environment)] * 2
+            for role in ("topic", "service")
+        }
+        return ratios(Stopper(robot.socket), loads)
+
+
+def ratios(
+    stopper: Stopper | DashboardStopper, loads: Mapping[str, Sequence[Command]]
+) -> dict[str, Delays]:
+    """Return for each load the delays ÷ those without it, in the same minutes."""
     alone: list[float] = []
-    flooded: list[list[float]] = [[] for _ in loads]
+    flooded: dict[str, list[float]] = {name: [] for name in loads}
     stopper.press()
-    for _ in range(rounds):
-        for load, samples in zip(loads, flooded, strict=True):
-            alone += _presses(stopper, n_stops)
+    for _ in range(ROUNDS):
+        for name, load in loads.items():
+            alone += _presses(stopper)
             with flooding(load):
                 time.sleep(SETTLE)
-                samples += _presses(stopper, n_stops)
+                flooded[name] += _presses(stopper)
             time.sleep(SETTLE)
     stopper.close()
     without = Delays.of(alone)
-    return without, [Delays.of(samples).over(without) for samples in flooded]
+    p50, p99 = 1e3 * without.p50, 1e3 * without.p99
+    print(f"without a flood: p50 {p50:.2f} ms, p99 {p99:.2f} ms", flush=True)
+    return {name: Delays.of(some).over(without) for name, some in flooded.items()}
 
 
-def _presses(stopper: Stopper, count: int) -> list[float]:
+def _presses(stopper: Stopper | DashboardStopper) -> list[float]:
     delays = []
-    for _ in range(count):
+    for _ in range(N_STOPS):
         time.sleep(random.uniform(0.0, PAUSE))  # not in step with the server
         delays.append(stopper.press())
     return delays
 
 
 @contextlib.contextmanager
-def flooding(clients: Sequence[tuple[str, str]]) -> Iterator[None]:
+def flooding(load: Sequence[Command]) -> Iterator[None]:
     """Let clients flood until the end, each in a process of its own."""
     processes = [
-        Popen([sys.executable, "-S", str(CLIENT), *words], stdout=PIPE, text=True)
-        for words in clients
+        Popen(command, stdout=PIPE, text=True, env=environment)
+        for command, environment in load
     ]
     try:
         for process in processes:
@@ -176,7 +254,9 @@ def flooding(clients: Sequence[tuple[str, str]]) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def bringup(*options: str) -> Iterator[Robot]:
+def bringup(
+    *options: str, environment: Mapping[str, str] | None = None
+) -> Iterator[Robot]:
     """Run a bring-up with its panel, in real time."""
     name = f"benchmark-stop-{os.getpid()}"
     command = [sys.executable, "-m", "tool0", "bringup", "--name", name, "--no-open"]
@@ -188,7 +268,7 @@ def bringup(*options: str) -> Iterator[Robot]:
             stdout=PIPE,
             stderr=DEVNULL,
             text=True,
-            env={**os.environ, "XDG_RUNTIME_DIR": folder},
+            env={**os.environ, "XDG_RUNTIME_DIR": folder, **(environment or {})},
         ) as program,
     ):
         try:
@@ -202,27 +282,19 @@ def bringup(*options: str) -> Iterator[Robot]:
             program.communicate()
 
 
-def mixed(robot: Robot, transport: str, count: int) -> list[tuple[str, str]]:
-    """Return clients that send something of every kind over one transport."""
-    kinds = list(KINDS)
-    address = robot.address(transport)
-    return [(kinds[k % len(kinds)], address) for k in range(count)]
-
-
-def alike(robot: Robot, transport: str, kind: str, count: int) -> list[tuple[str, str]]:
-    return [(kind, robot.address(transport))] * count
-
-
 if __name__ == "__main__":
-    counts = [int(word) for word in sys.argv[2:]] or [4, 20]
-    wanted = sys.argv[1] if len(sys.argv) > 1 else "mixed"
-    with bringup() as robot:
-        for transport in (SOCKET, PAGE):
-            for kind in KINDS if wanted == "each" else [wanted]:
-                loads = [
-                    mixed(robot, transport, n) if kind == "mixed"
-                    else alike(robot, transport, kind, n) for n in counts]
-                without, found = ratios(transport, loads, robot, rounds=1)
-                print(f"{transport}, {kind}: alone p50 {1e3*without.p50:.2f} p99 {1e3 * without.p99:.2f} ms", flush=True)
-                for n, r in zip(counts, found):
-                    print(f"   {n}: p50 x{r.p50:.1f} p99 x{r.p99:.1f}", flush=True)
+    measured = {
+        SOCKET: lambda: over_own_transport(SOCKET),
+        PAGE: lambda: over_own_transport(PAGE),
+        "dashboard, RTDE flood": lambda: over_ur("dashboard"),
+        "socket, RTDE flood": lambda: over_ur("socket"),
+        "socket, ROS 2 flood": over_ros2,
+    }
+    for title, measure in measured.items():
+        if not all(word in title for word in sys.argv[1:]):
+            continue
+        for number, delays in measure().items():
+            print(
+                f"{title}, {number}: p50 x {delays.p50:.2f}, p99 x {delays.p99:.2f}",
+                flush=True,
+            )

@@ -42,10 +42,19 @@ class Budget:
         share: float = SHARE,
         burst: float = BURST,
         *,
+        is_strict: bool = False,
         now: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Start with a full burst; ``now`` returns the wall time [s]."""
+        """Start with a full burst.
+
+        Args:
+            share: Of one processor, for all together in the long run.
+            burst: Work of all that nobody waits for [s].
+            is_strict: Whether one that works alone has to wait, too.
+            now: Returns the wall time [s].
+        """
         self.share, self._burst, self.now = share, burst, now
+        self._is_strict = is_strict
         self._left, self._counted_at = burst, now()
         self._active: dict[Account, float] = {}
         """When each account was last charged."""
@@ -66,6 +75,11 @@ class Budget:
         self._left = min(self._burst, self._left + gained)
         self._counted_at = now
         return self._left
+
+    @property
+    def is_ample(self) -> bool:
+        """Whether nobody has to wait."""
+        return self.left > 0.0 or (self.n_active <= 1 and not self._is_strict)
 
     @property
     def n_active(self) -> int:
@@ -148,6 +162,12 @@ class Account:
             else:
                 await self._budget.turn()
 
+    async def pay(self, seconds: float) -> None:
+        """Note work for this client, and wait until more may begin."""
+        self._budget.begin_work()
+        self.charge(seconds)
+        await self.admit()
+
     async def give_way(self) -> None:
         """Let the event loop look at its sockets, if it is time, amid some work."""
         self._budget.begin_work()
@@ -179,7 +199,7 @@ class Account:
 
     def _delay(self) -> float:
         """Return the wall time until work for this client may begin [s]."""
-        if self._budget.left > 0.0 or self._budget.n_active <= 1:
+        if self._budget.is_ample:
             return 0.0
         own = self._own()
         return 0.0 if own > 0.0 else -own / self._budget.part + _SHORTEST_WAIT
