@@ -17,10 +17,12 @@ import struct
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from subprocess import DEVNULL, PIPE, Popen
+from typing import Final
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
@@ -282,19 +284,20 @@ def bringup(
             program.communicate()
 
 
+MEASURED: Final[Mapping[str, Callable[[], dict[str, Delays]]]] = {
+    f"{SOCKET}, flooding sockets": partial(over_own_transport, SOCKET),
+    f"{PAGE}, flooding pages": partial(over_own_transport, PAGE),
+    "UR's dashboard, RTDE flood": partial(over_ur, "dashboard"),
+    "socket, RTDE flood": partial(over_ur, "socket"),
+    "socket, ROS 2 flood": over_ros2,
+}
+"""What stops, and what floods → what measures it."""
+
+
 if __name__ == "__main__":
-    measured = {
-        SOCKET: lambda: over_own_transport(SOCKET),
-        PAGE: lambda: over_own_transport(PAGE),
-        "dashboard, RTDE flood": lambda: over_ur("dashboard"),
-        "socket, RTDE flood": lambda: over_ur("socket"),
-        "socket, ROS 2 flood": over_ros2,
-    }
-    for title, measure in measured.items():
+    for title, measure in MEASURED.items():
         if not all(word in title for word in sys.argv[1:]):
             continue
-        for number, delays in measure().items():
-            print(
-                f"{title}, {number}: p50 x {delays.p50:.2f}, p99 x {delays.p99:.2f}",
-                flush=True,
-            )
+        for load, delays in measure().items():
+            ratios_text = f"p50 x {delays.p50:.2f}, p99 x {delays.p99:.2f}"
+            print(f"{title}, {load}: {ratios_text}", flush=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import time
 
 import pytest
@@ -126,7 +127,7 @@ def test_the_event_loop_looks_at_its_sockets_between_slices() -> None:
 
     found = asyncio.run(order())
     assert [name for name in found if name != "sockets"].count("a") == 3
-    for before, after in zip(found, found[1:], strict=False):
+    for before, after in itertools.pairwise(found):
         assert "sockets" in (before, after)
 
 
