@@ -85,15 +85,18 @@ class LineTransport(asyncio.BufferedProtocol):
         while True:
             with self.account.working():
                 line = self._take()
-            if line is not None:
-                return line
-            if self._has_ended:
+            if line is None and self._has_ended:
                 return None
-            self._arrived.clear()
-            self._read_on()
-            await self._arrived.wait()
-            if len(self._buffer) > _CHUNK:
-                return b""
+            if line is None:
+                self._arrived.clear()
+                self._read_on()
+                await self._arrived.wait()
+                if len(self._buffer) > _CHUNK:
+                    await self.account.admit()  # each part of a long line is paid for
+            elif line.strip():
+                return line
+            else:
+                await self.account.give_way()
 
     def _take(self) -> bytes | None:
         """Return the next line; None if it has not arrived."""

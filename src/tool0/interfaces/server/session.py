@@ -89,8 +89,6 @@ class Transport(Protocol):
     async def receive(self) -> bytes | str | None:
         """Return the next message; None if the peer has disconnected.
 
-        It is empty if a long one goes on, so that the reader pays for each part.
-
         Raises:
             TransportError: If it is too long to be read; the stream may be lost then.
         """
@@ -264,12 +262,8 @@ class Session:
     async def _read_all(self) -> None:
         while (text := await self._transport.receive()) is not None:
             with self.account.working():
-                if text and not text.isspace():
-                    self._take(text)
-            if text:
-                await self.account.give_way()
-            else:
-                await self.account.admit()
+                self._take(text)
+            await self.account.give_way()
             while self._n_texts >= MAX_TEXTS:
                 # Nothing is read, so flow control slows the peer down.
                 self._has_room.clear()

@@ -152,7 +152,8 @@ def test_a_stop_overtakes_a_full_queue() -> None:
         await peer.until(lambda: "emergency_stop" in peer.done)
         assert peer.done == ["read_snapshot", "emergency_stop"]
         gate.set()
-        await peer.until(lambda: len(peer.done) == MAX_BACKLOG + 1)
+        # Some may have been refused: those that were decoded while too many waited.
+        await peer.until(lambda: len(peer.done) > MAX_BACKLOG)
         await peer.end()
 
     run(scenario)
@@ -191,7 +192,7 @@ def test_what_would_undo_a_stop_that_overtakes_it_is_refused() -> None:
             assert answer["id"] == ident
             assert "overtook" in answer["error"]["message"]
         gate.set()
-        await peer.until(lambda: len(peer.done) == 3)
+        await peer.until(lambda: len(peer.done) >= 3)
         assert peer.done == ["read_snapshot", "stop_run", "resume_run"]
         await peer.end()
 
@@ -225,7 +226,7 @@ def test_a_stop_follows_a_start_in_progress_before_everything_else() -> None:
         await peer.until(lambda: "emergency_stop" in peer.done)
         assert peer.done == ["run_program", "emergency_stop"]
         gate.set()
-        await peer.until(lambda: len(peer.done) == 4)
+        await peer.until(lambda: len(peer.done) >= 4)
         assert peer.done[2:] == ["stop_run", "read_snapshot"]
         await peer.end()
 
