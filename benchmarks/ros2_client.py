@@ -87,9 +87,43 @@ def active(node: Node, *controllers: str) -> float:
             return time.monotonic()
 
 
+def flood_topic(node: Node) -> None:
+    """Publish trajectories as fast as possible, without an end."""
+    publisher = node.create_publisher(
+        JointTrajectory, f"{CONTROLLER}/joint_trajectory", 10
+    )
+    while not publisher.get_subscription_count():
+        rclpy.spin_once(node, timeout_sec=0.1)
+    message = JointTrajectory(joint_names=[JOINT])
+    point = JointTrajectoryPoint(positions=[0.0], time_from_start=DURATION)
+    message.points = [point]
+    print("floods", flush=True)
+    while True:
+        publisher.publish(message)
+
+
+def flood_service(node: Node) -> None:
+    """Call a service as fast as possible, without an end."""
+    client = node.create_client(ListControllers, "/controller_manager/list_controllers")
+    client.wait_for_service()
+    waiting = [client.call_async(ListControllers.Request()) for _ in range(20)]
+    print("floods", flush=True)
+    while True:
+        rclpy.spin_once(node)
+        waiting = [future for future in waiting if not future.done()]
+        while len(waiting) < 20:
+            waiting.append(client.call_async(ListControllers.Request()))
+
+
 if __name__ == "__main__":
     rclpy.init()
     role, *arguments = sys.argv[1:]
-    roles = {"states": states, "commands": commands, "active": active}
+    roles = {
+        "states": states,
+        "commands": commands,
+        "active": active,
+        "flood_topic": flood_topic,
+        "flood_service": flood_service,
+    }
     print(json.dumps(roles[role](Node("benchmark"), *arguments)), flush=True)
     rclpy.shutdown()

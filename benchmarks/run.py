@@ -31,6 +31,7 @@ from benchmarks import (
     robosuite,
     ros1,
     ros2,
+    stop_under_flood,
     streams,
     tick,
     ur,
@@ -110,6 +111,7 @@ def figures() -> Iterator[Figure]:
         ratio = streams.tick_cost_ratio(readers, rate)
         name = f"tick's CPU, {readers} readers at {rate:g} Hz ÷ none"
         yield Figure(name, ratio, 1.3, 1.05)
+    yield from _stop_figures()
     share, rate = recording.recording_cost()
     yield Figure("recording: processor time [% of a core]", 100.0 * share, 5.0, 4.0)
     yield Figure("recording: data [kB/s]", rate / 1000.0, 300.0, 150.0)
@@ -217,6 +219,16 @@ def _gazebo_figures() -> Iterator[Figure]:
     mimic = rest.mimic_error("gazebo")
     yield Figure("Gazebo: mimic error at 0.8 rad/s [rad]", mimic.moving, 3e-4, 1e-4)
     yield Figure("Gazebo: mimic error at rest [rad]", mimic.at_rest, 1e-5, 1e-6)
+
+
+def _stop_figures() -> Iterator[Figure]:
+    """Measure how much floods delay the reply to a stop."""
+    for name, measure in stop_under_flood.MEASURED.items():
+        if "ROS 2" in name and find_ros2() is None:
+            continue
+        for load, delays in measure().items():
+            title = f"stop by {name} ({load}) ÷ none, p99"
+            yield Figure(title, delays.p99, 3.0, 1.5)
 
 
 def _ros1_figures() -> Iterator[Figure]:

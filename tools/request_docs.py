@@ -58,7 +58,10 @@ The messages are the same:
 | `{"type": "goal_finished", "goal": 3, "controller": …, "outcome": {"status": …}}` | from the server | a goal that this connection started, or any goal if it subscribed, has ended |
 | `{"type": "snapshot", …}`, `fault`, `reset`, `overrun` | from the server | after `subscribe` |
 
-Requests of one connection are executed in order; `emergency_stop` overtakes the others.
+Requests of one connection are executed in order. Stops overtake the others: `emergency_stop`,
+`stop_run`, `stop_program`, `stop_protectively`, `power_off`. They wait for no queue, of no connection.
+A request that was sent before a stop, waits, and would undo it, such as `run_program` before
+`stop_run`, is refused.
 About 4000 requests of a connection can wait; further ones are refused.
 A request without an `id` is only answered if it fails; `steer_joints` without an `id` is a
 stream, of which only the newest request is executed, at most ten times a second. Of the streams

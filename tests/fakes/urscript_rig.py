@@ -206,7 +206,7 @@ class BoxRig:
             program = await asyncio.to_thread(compile_program, text, "p")
             await box.next_update()
             start = box.time
-            await box.programs.start(program)
+            await box.programs.start(program, box.programs.n_stops)
             while box.programs.is_running:
                 await box.next_update()
             outcome.duration = box.time - start

@@ -36,6 +36,8 @@ from tool0.sensing.stalls import Stall
 
 PROTOCOL: Final = 2
 """Incremented when a program written for the old protocol could misread the new."""
+_LONGEST_STOP: Final = 4096
+"""[bytes]; a longer one, with its reason, waits like any other request."""
 _SHOWN: Final = 40
 """Characters of an unknown word that an answer repeats."""
 
@@ -349,8 +351,24 @@ def encode_request(ident: int | None, request: Request[Any]) -> bytes:
         raise RequestError(method, str(error)) from None
 
 
-def decode_request(text: bytes | str) -> tuple[int | str | None, Request[Any]]:
+def may_be_urgent(text: bytes | str) -> bool:
+    """Return whether ``text``, which is not decoded, may be a stop: a short request."""
+    if len(text) > _LONGEST_STOP:
+        return False
+    if isinstance(text, str):
+        return any(name in text for name in _urgent_methods())
+    return any(name.encode() in text for name in _urgent_methods())
+
+
+def decode_request(
+    text: bytes | str, *, suggests: bool = True
+) -> tuple[int | str | None, Request[Any]]:
     """Return the id and the request in ``text``.
+
+    Args:
+        text: As it has arrived.
+        suggests: Whether an error names what is similar, and repeats an id that is
+            hard to find; both take longer than most requests.
 
     Raises:
         RequestReadError: If it is no request; nothing was done then.
@@ -361,19 +379,19 @@ def decode_request(text: bytes | str) -> tuple[int | str | None, Request[Any]]:
         problem = (
             f'this is no request, {{"id": …, "method": …, "params": {{…}}}}: {error}'
         )
-        raise RequestReadError(_id_in(text), TransportError(problem)) from None
+        ident = _id_in(text) if suggests else None
+        raise RequestReadError(ident, TransportError(problem)) from None
     method = envelope.method
     entry = entries().get(method)
     if entry is None or entry.is_local:
-        near = did_you_mean(method[:_SHOWN], set(entries()))
+        near = did_you_mean(method[:_SHOWN], set(entries())) if suggests else ""
         problem = f"unknown method '{method[:_SHOWN]}'{near}"
         raise RequestReadError(envelope.id, TransportError(problem))
     try:
         return envelope.id, _decoder(entry.request).decode(envelope.params)
     except (msgspec.DecodeError, RecursionError, Tool0Error) as error:
-        raise RequestReadError(
-            envelope.id, _explained(entry, envelope.params, error)
-        ) from None
+        explained = _explained(entry, envelope.params, error, suggests=suggests)
+        raise RequestReadError(envelope.id, explained) from None
 
 
 def encode_reply(
@@ -417,7 +435,14 @@ def _id_in(text: bytes | str) -> int | str | None:
     return ident if is_id else None
 
 
-def _explained(entry: Entry, params: Raw, error: Exception) -> Tool0Error:
+@cache
+def _urgent_methods() -> tuple[str, ...]:
+    return tuple(name for name, entry in entries().items() if entry.is_urgent)
+
+
+def _explained(
+    entry: Entry, params: Raw, error: Exception, *, suggests: bool
+) -> Tool0Error:
     """Return what is wrong with a request's parameters."""
     if isinstance(error, Tool0Error):
         return error
@@ -428,6 +453,6 @@ def _explained(entry: Entry, params: Raw, error: Exception) -> Tool0Error:
     valid = set(entry.request.__struct_fields__)
     for field in given if isinstance(given, dict) else ():
         if field not in valid:
-            near = did_you_mean(field[:_SHOWN], valid)
+            near = did_you_mean(field[:_SHOWN], valid) if suggests else ""
             return RequestError(entry.name, f"no field '{field[:_SHOWN]}'{near}")
     return RequestError(entry.name, str(error))

@@ -242,23 +242,32 @@ handles(ReportUr, in_tick=True)(
 handles(PauseProgram, in_tick=True)(
     lambda sim, request: sim.core.arm_modes.pause(request.arm)
 )
-handles(StopProtectively, in_tick=True)(
+handles(
+    StopProtectively,
+    in_tick=True,
+    urgent=True,
+    revokes=("unlock_protective_stop", "restart_safety"),
+)(
     lambda sim, request: sim.core.arm_modes.stop_protectively(
         request.arm, request.reason, sim.core.state
     )
 )
 
 
-def _handles_mode(kind: type[_OfArm[None]], change: Callable[..., None]) -> None:
-    """Let ``kind`` change the mode of its arm, from the present state on."""
-    handles(kind, in_tick=True)(
+def _handles_mode(
+    kind: type[_OfArm[None]],
+    change: Callable[..., None],
+    revokes: tuple[str, ...] = (),
+) -> None:
+    """Let ``kind`` change the mode of its arm; one that revokes others is a stop."""
+    handles(kind, in_tick=True, urgent=bool(revokes), revokes=revokes)(
         lambda sim, request: change(sim.core.arm_modes, request.arm, sim.core.state)
     )
 
 
 _handles_mode(PlayProgram, ArmModes.play)
-_handles_mode(StopProgram, ArmModes.stop)
-_handles_mode(PowerOff, ArmModes.power_off)
+_handles_mode(StopProgram, ArmModes.stop, ("play_program", "run_program", "take_arm"))
+_handles_mode(PowerOff, ArmModes.power_off, ("power_on", "release_brakes"))
 _handles_mode(PowerOn, ArmModes.power_on)
 _handles_mode(ReleaseBrakes, ArmModes.release_brakes)
 _handles_mode(UnlockProtectiveStop, ArmModes.unlock)

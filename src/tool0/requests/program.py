@@ -234,7 +234,7 @@ def _continue(simulation: Simulation, request: ResumeRun | StepRun) -> None:
 
 handles(ResumeRun)(_continue)
 handles(StepRun)(_continue)
-handles(StopRun)(
+handles(StopRun, urgent=True, revokes=("run_program", "resume_run", "step_run"))(
     lambda sim, request: sim.program_runs.find(request.arm).stop("it was stopped")
 )
 handles(ReadRuns)(lambda sim, _: sim.program_runs.states)

@@ -70,7 +70,11 @@ class Entry:
     publishes: bool
     """Whether a snapshot follows, so that the next reader sees the effect."""
     is_urgent: bool
-    """Whether it overtakes the waiting requests of its connection."""
+    """Whether it is a stop: it overtakes everything that waits, on its connection, for
+    a worker and for the tick."""
+    revokes: tuple[str, ...]
+    """Methods that undo a stop.  Those that its connection sent before it and that wait
+    are refused, for the same arm; if one is in progress, the stop follows it."""
     is_streamed: bool
     """Whether many of them follow each other without replies: each is executed at the
     next tick, without a detour through other threads."""
@@ -95,6 +99,7 @@ def handles(
     prepare: Prepare | None = None,
     publishes: bool | None = None,
     urgent: bool = False,
+    revokes: tuple[str, ...] = (),
     streamed: bool = False,
     local: bool = False,
 ) -> Callable[[Handler], Handler]:
@@ -121,6 +126,7 @@ def handles(
             prepare=prepare,
             publishes=publishes,
             is_urgent=urgent,
+            revokes=revokes,
             is_streamed=streamed,
             is_local=local,
         )
@@ -302,6 +308,7 @@ def answer(simulation: Simulation, request: Request[Response]) -> Response:
         response: Response = simulation.loop.call(
             lambda: _execute(simulation, entry, request, prepared),
             publishes=entry.publishes,
+            urgent=entry.is_urgent,
         )
         return response
     response = entry.handler(simulation, request)

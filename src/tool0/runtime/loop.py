@@ -13,6 +13,7 @@ import math
 import queue
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
@@ -57,7 +58,10 @@ class Loop:
         request, as fast as possible.
         """
         self._core = core
-        self._mailbox: queue.SimpleQueue[_Operation] = queue.SimpleQueue()
+        self._mailbox: queue.SimpleQueue[_Operation | None] = queue.SimpleQueue()
+        """None wakes the thread of the tick for what is urgent."""
+        self._urgent: deque[_Operation] = deque()
+        """Overtakes the mailbox."""
         self._bus = bus
         self._is_paused = paused
         self._speed = None if speed is None else _checked_speed(speed)
@@ -109,11 +113,18 @@ class Loop:
     def is_closed(self) -> bool:
         return self._closing
 
-    def call(self, operation: Callable[[], R], *, publishes: bool = True) -> R:
+    def call(
+        self,
+        operation: Callable[[], R],
+        *,
+        publishes: bool = True,
+        urgent: bool = False,
+    ) -> R:
         """Carry out ``operation`` between two ticks, and return what it returns.
 
         It runs in the thread of the tick; a snapshot follows if it ``publishes``.  That
-        thread itself may call this between two ticks, too.
+        thread itself may call this between two ticks, too.  An urgent one is the next
+        of all: only the operation in progress is before it.
 
         Raises:
             ControlError: If the simulation is closed.
@@ -121,7 +132,11 @@ class Loop:
         if self._closing:
             raise ControlError("the simulation is closed")
         future: Future[R] = Future()
-        self._mailbox.put(_Operation(operation, future, publishes))
+        if urgent:
+            self._urgent.append(_Operation(operation, future, publishes))
+            self._mailbox.put(None)
+        else:
+            self._mailbox.put(_Operation(operation, future, publishes))
         while True:
             is_own = self._thread in {None, threading.current_thread()}
             if is_own and self._owner.acquire(blocking=False):
@@ -351,10 +366,20 @@ class Loop:
             self._answer(self._mailbox.get(timeout=timeout))
 
     def _drain(self) -> None:
-        while not self._mailbox.empty():
-            self._answer(self._mailbox.get())
+        """Carry out what waits now: what arrives meanwhile comes after a tick."""
+        for _ in range(self._mailbox.qsize()):
+            # An operation may drain the rest itself.
+            with contextlib.suppress(queue.Empty):
+                self._answer(self._mailbox.get_nowait())
 
-    def _answer(self, operation: _Operation) -> None:
+    def _answer(self, operation: _Operation | None) -> None:
+        """Carry out what is urgent, then ``operation``."""
+        while self._urgent:
+            self._carry_out(self._urgent.popleft())
+        if operation is not None:
+            self._carry_out(operation)
+
+    def _carry_out(self, operation: _Operation) -> None:
         run, future, publishes = operation
         self._core.settle()
         if not future.set_running_or_notify_cancel():

@@ -58,6 +58,29 @@ def wait_until(bus: Bus, holds: Callable[[Snapshot], bool]) -> Snapshot:
 # ---- as fast as possible, in the caller's thread -------------------------------------
 
 
+def test_what_is_urgent_overtakes_what_waits(start: Starter) -> None:
+    loop, _, _ = start()
+    done: list[object] = []
+    for number in range(100):
+        loop.post(partial(done.append, number), pytest.fail)
+    loop.call(partial(done.append, "stop"), urgent=True)
+    assert done == ["stop", *range(100)]
+
+
+def test_operations_that_never_cease_do_not_keep_time_from_passing(
+    start: Starter,
+) -> None:
+    loop, _, _ = start()
+
+    def again() -> None:
+        loop.post(again, pytest.fail)
+
+    again()
+    before = loop.time
+    loop.run(0.01)
+    assert loop.time > before
+
+
 def test_a_first_snapshot_is_there_before_anything_runs(start: Starter) -> None:
     _, bus, _ = start()
     assert bus.latest is not None

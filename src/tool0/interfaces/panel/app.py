@@ -51,6 +51,8 @@ _HEADERS: Final = {
     "cross-origin-opener-policy": "same-origin",
     "cross-origin-resource-policy": "same-origin",
 }
+_HTTP_COST: Final = 1e-3
+"""Of answering a request [s]."""
 _SECRET_PATHS: Final = ("/ws", "/robot.urdf", "/meshes/", "/cameras/")
 _READING: Final = frozenset({"GET", "HEAD"})
 
@@ -74,6 +76,9 @@ class Guard:
             visitor = Visitor.of(scope)
             visitor.is_stranger &= not _is_secret(scope)
             with visitor.answered():
+                if scope["type"] == "http":
+                    await visitor.account.admit()
+                    visitor.account.charge(_HTTP_COST)
                 await self._app(scope, receive, _with_headers(scope, send))
             return
         status, text = refusal

@@ -12,6 +12,8 @@ import socket
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, Final, final
 
+from tool0.interfaces.budget import Account, Budget
+from tool0.interfaces.panel.paced_reading import PacedProtocol
 from tool0.interfaces.server.accepting import accept_forever, descriptor_limit
 
 if TYPE_CHECKING:
@@ -34,8 +36,9 @@ class Visitor:
 
     transport: asyncio.Transport
 
-    def __init__(self, peer: socket.socket) -> None:
+    def __init__(self, peer: socket.socket, account: Account) -> None:
         self._socket = peer
+        self.account = account
         self.is_stranger = True
         self._n_requests = 0
         self._idle_since = asyncio.get_running_loop().time()
@@ -84,13 +87,16 @@ class Entrance:
         self,
         listener: socket.socket,
         make_protocol: Callable[[dict[str, Any]], asyncio.Protocol],
+        budget: Budget,
     ) -> None:
         """Start accepting, in the running event loop.
 
         Args:
             listener: The listening socket.
             make_protocol: Makes a protocol from the state of its ASGI scopes.
+            budget: Of all connections.
         """
+        self._budget = budget
         self._make_protocol = make_protocol
         self._visitors: list[Visitor] = []
         limit = descriptor_limit()
@@ -113,8 +119,9 @@ class Entrance:
         if (is_short or is_full) and not self._drop_a_stranger():
             peer.close()
             return
-        visitor = Visitor(peer)
-        protocol = self._make_protocol({"visitor": visitor})
+        visitor = Visitor(peer, self._budget.account())
+        inner = self._make_protocol({"visitor": visitor})
+        protocol = PacedProtocol(visitor.account, inner)
         loop = asyncio.get_running_loop()
         transport, _ = await loop.connect_accepted_socket(lambda: protocol, peer)
         visitor.transport = transport

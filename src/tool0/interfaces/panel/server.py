@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import threading
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     import uvicorn
     from starlette.types import ASGIApp
 
+    from tool0.interfaces.budget import Account
     from tool0.interfaces.panel.camera_images import CameraImages
     from tool0.interfaces.panel.entrance import Entrance
     from tool0.interfaces.panel.replay.view import Replay
@@ -137,7 +138,7 @@ class WebService:
             )
             return protocol
 
-        self._entrance = Entrance(self.listener, make_protocol)
+        self._entrance = Entrance(self.listener, make_protocol, hub.budget)
 
     async def stop(self) -> None:
         if self._entrance is not None:
@@ -181,12 +182,22 @@ class _PageTransport:
     is_trusted: Final = False
 
     def __init__(self, socket: WebSocket) -> None:
-        self._socket = socket
+        from tool0.interfaces.panel.entrance import Visitor
 
-    async def send(self, text: bytes) -> None:
+        self._socket = socket
+        self._visitor = Visitor.of(socket.scope)
+
+    @property
+    def account(self) -> Account:
+        return self._visitor.account
+
+    async def send(self, texts: Sequence[bytes]) -> None:
         try:
-            await self._socket.send_text(text.decode())
-        except WebSocketDisconnect:
+            for text in texts:
+                await self._socket.send_text(text.decode())
+                await self.account.give_way()
+        except (WebSocketDisconnect, RuntimeError):
+            # uvicorn raises the latter once it has closed for a bad frame.
             raise ConnectionError from None
 
     async def receive(self) -> bytes | str | None:
@@ -201,10 +212,7 @@ class _PageTransport:
         await self._socket.close(GOING_AWAY, "the server ends")
 
     def abort(self) -> None:
-        from tool0.interfaces.panel.entrance import Visitor
-
-        # Closing would wait until the page reads.
-        Visitor.of(self._socket.scope).drop()
+        self._visitor.drop()  # closing would wait until the page reads
 
 
 @final

@@ -7,6 +7,7 @@ import contextlib
 import logging
 import os
 import socket
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -15,6 +16,7 @@ from typing import Any, Final, Protocol, final
 
 from tool0.control.goal import Goal
 from tool0.errors import ControlError, Tool0Error
+from tool0.interfaces.budget import Budget
 from tool0.interfaces.server.backend import Backend
 from tool0.interfaces.server.session import Ident, Session, Transport
 from tool0.interfaces.server.streams import (
@@ -34,7 +36,14 @@ from tool0.requests.codec import (
     outcome_of,
 )
 from tool0.requests.motion import GoalStarted, SteerJoints
-from tool0.requests.state import Subscribe, SubscribeView, Unsubscribe, ViewShown
+from tool0.requests.state import (
+    Run,
+    Step,
+    Subscribe,
+    SubscribeView,
+    Unsubscribe,
+    ViewShown,
+)
 from tool0.requests.table import Request, entry_of
 from tool0.requests.updates import SubscribeUpdates
 
@@ -43,6 +52,15 @@ logger = logging.getLogger(__name__)
 
 _STREAMS: Final = (Subscribe, SubscribeUpdates, SubscribeView, Unsubscribe)
 """Requests that concern the streams of one connection."""
+
+
+_ADVANCING: Final = (Run, Step)
+"""Requests that may execute the ticks of a simulation without real time: those are
+nobody's to pay."""
+_POST_COST: Final = 0.1e-3
+"""Of a streamed request in the thread of the tick [s]."""
+_STREAM_COST: Final = 2e-3
+"""Of starting or ending a stream, which takes threads of its own [s]."""
 
 
 class Service(Protocol):
@@ -80,6 +98,7 @@ class Hub:
 
     def __init__(self, backend: Backend, name: str) -> None:
         self.backend = backend
+        self.budget = Budget()
         self.sessions: set[Session] = set()
         self._setpoints = SetpointStreams(self._carry_out_setpoint)
         self._snapshots = (
@@ -112,7 +131,7 @@ class Hub:
 
     async def serve(self, transport: Transport) -> None:
         """Serve a peer until it disconnects."""
-        session = Session(transport, self._take_at_once, self._answer)
+        session = Session(transport, self._take_at_once, self._answer, self._stop)
         self.sessions.add(session)
         session.send(self._hello)
         try:
@@ -157,17 +176,22 @@ class Hub:
         if ident is None and entry.is_streamed and not session.is_busy:
             self._post(session, request)
             return True
-        if not entry.is_urgent:
-            return False
+        if entry.is_urgent and not entry.revokes:
+            self._stop(session, ident, request)
+            return True
+        return False
+
+    def _stop(self, session: Session, ident: Ident, request: Request[Any]) -> None:
+        """Carry out a stop, before everything that waits."""
         self._setpoints.drop(self.backend.superseded(request))
         answer = self._carry_out(session, ident, request, self._urgent_worker)
         task = asyncio.create_task(answer)
         self._urgent.add(task)
         task.add_done_callback(self._urgent.discard)
-        return True
 
     def _post(self, session: Session, request: Request[Any]) -> None:
         """Hand a request to the thread of the tick, without waiting for it."""
+        session.account.charge(_POST_COST)
         loop = asyncio.get_running_loop()
 
         def refuse(error: Exception) -> None:
@@ -184,6 +208,7 @@ class Hub:
         self, session: Session, ident: Ident, request: Request[Any]
     ) -> None:
         if isinstance(request, _STREAMS):
+            session.account.charge(_STREAM_COST)
             await self._change_streams(session, ident, request)
             return
         if isinstance(request, ViewShown):
@@ -191,7 +216,9 @@ class Hub:
             session.send(encode_reply(ident, request, None))
             return
         await self._setpoints.settle(self.backend.superseded(request))
-        if not await self._carry_out(session, ident, request, self._workers):
+        is_urgent = entry_of(type(request)).is_urgent
+        workers = self._urgent_worker if is_urgent else self._workers
+        if not await self._carry_out(session, ident, request, workers):
             return
         if isinstance(request, TakeArm | ReturnArm):
             self._note_taken(session, request)
@@ -262,12 +289,13 @@ class Hub:
         """Send the reply; return whether the request succeeded."""
         loop = asyncio.get_running_loop()
         try:
-            text, goals = await loop.run_in_executor(
+            text, goals, seconds = await loop.run_in_executor(
                 workers, self._reply, ident, request
             )
         except Exception as error:
             session.send(encode_error(ident, _logged(error)))
             return False
+        session.account.charge(seconds)
         if ident is not None:
             session.send(text)
         for number, goal in goals:
@@ -276,8 +304,12 @@ class Hub:
 
     def _reply(
         self, ident: Ident, request: Request[Any]
-    ) -> tuple[bytes, list[tuple[int, Goal]]]:
-        """Return the reply and the goals that the request started, in a worker."""
+    ) -> tuple[bytes, list[tuple[int, Goal]], float]:
+        """Return the reply, the goals that the request started, and what it took [s].
+
+        In a worker.
+        """
+        start = time.thread_time()
         response = self.backend.carry_out(request)
         started = response if isinstance(response, tuple) else (response,)
         simulation = self.backend.simulation
@@ -286,7 +318,9 @@ class Hub:
             for item in started
             if isinstance(item, GoalStarted) and simulation is not None
         ]
-        return encode_reply(ident, request, response), goals
+        text = encode_reply(ident, request, response)
+        is_paid = not isinstance(request, _ADVANCING)
+        return text, goals, (time.thread_time() - start) * is_paid
 
     def _report_end(
         self,

@@ -80,18 +80,20 @@ async def _serve(hub: Hub, peer: socket.socket, has_room: bool) -> None:
     """Serve a program until it disconnects, or reject it if there are too many."""
     import asyncio
 
-    from tool0.interfaces.server.session import MAX_LINE, LineTransport
+    from tool0.interfaces.server.lines import LineTransport
     from tool0.requests.codec import encode_error
 
-    reader, writer = await asyncio.open_unix_connection(sock=peer, limit=MAX_LINE)
+    lines = LineTransport(hub.budget.account())
+    loop = asyncio.get_running_loop()
+    await loop.connect_accepted_socket(lambda: lines, peer)
     if has_room:
-        await hub.serve(LineTransport(reader, writer))
+        await hub.serve(lines)
     else:
         text = f"{MAX_PEERS} programs are connected already; close one"
-        writer.write(encode_error(None, TransportError(text)) + b"\n")
-    writer.close()
-    with contextlib.suppress(OSError):  # the peer closed first
-        await writer.wait_closed()
+        with contextlib.suppress(OSError):  # the peer closed first
+            await lines.send([encode_error(None, TransportError(text))])
+    await lines.close()
+    await lines.closed()
 
 
 def _listen(claim: Claim) -> socket.socket:

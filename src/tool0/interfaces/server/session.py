@@ -1,37 +1,63 @@
-"""One connection: its send queue, and its rate limit."""
+"""One connection: what it sends, and the requests that wait for each other.
+
+::
+
+    transport ─► is it a stop? ─► texts ─► decode ─► streamed: at once
+                    │             (raw)   (as its      │
+                    ▼                      account     └► requests, in order ─► hub
+                  hub: at once             admits)
+
+A stop waits for nothing that was sent before it: it is found in the text as it arrives.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 from collections import deque
-from collections.abc import Awaitable, Callable
-from typing import Any, Final, Protocol, final
+from collections.abc import Awaitable, Callable, Collection, Sequence
+from typing import Any, Final, NamedTuple, Protocol, final
 
-from tool0.errors import TransportError
-from tool0.requests.codec import RequestReadError, decode_request, encode_error
-from tool0.requests.table import Request
+from tool0.errors import ControlError, TransportError
+from tool0.interfaces.budget import Account
+from tool0.requests.codec import (
+    RequestReadError,
+    decode_request,
+    encode_error,
+    may_be_urgent,
+)
+from tool0.requests.table import Request, entry_of
 
 logger = logging.getLogger(__name__)
 
 MAX_QUEUE: Final = 256
 """Replies and events that may wait for a page that reads slowly."""
+MAX_UNREAD: Final = 1 << 24
+"""Replies that may wait for a program [bytes]; then no request of it is decoded."""
 MAX_SNAPSHOTS: Final = 1024
 """Snapshots that may wait for a slow reader, before it loses the oldest."""
 STUCK_AFTER: Final = 10.0
 """Wall time after which a connection that does not read is dropped [s]."""
-RATE: Final = 200.0
-"""Messages that a page may send per second in the long run; sliders send 30."""
-BURST: Final = 1000.0
-"""Messages that it may send in one burst."""
 _CHUNK: Final = 4096
 """Bytes that count as one message."""
+MAX_TEXTS: Final = 1 << 18
+"""Messages that may wait until they are decoded [bytes], each with ``_OVERHEAD``.  Then
+nothing more is read."""
+_OVERHEAD: Final = 64
+"""[bytes]"""
 MAX_BACKLOG: Final = 4096
 """Requests of one connection that may wait for each other, in chunks: 16 MiB.  Further
-ones are rejected, so that an emergency stop behind them is always read."""
-MAX_LINE: Final = 1 << 23
-"""Longest request [bytes]; 10 000 points of 6 joints with velocities and accelerations
-fit."""
+ones are rejected, so that what is behind them is always read."""
+_SENT_AT_ONCE: Final = 1 << 14
+"""Replies that are sent together [bytes]: sending costs more than encoding them."""
+_REPLY_COST: Final = 0.1e-3
+"""Of sending a reply [s]."""
+_REQUEST_COST: Final = 0.3e-3
+"""Of a request in other threads: that of the tick, and waking it [s]."""
+_OVERTAKEN: Final = ControlError(
+    "a stop overtook this request, which would have undone it; send it again"
+)
 
 _TOO_MANY: Final = TransportError(
     "too many requests of this connection wait already; wait for replies"
@@ -40,6 +66,8 @@ _TOO_MANY: Final = TransportError(
 Ident = int | str | None
 TakeAtOnce = Callable[["Session", Ident, Request[Any]], bool]
 """Takes a request that need not wait for others; returns whether it did."""
+Stop = Callable[["Session", Ident, Request[Any]], None]
+"""Carries out a stop, at once."""
 CarryOut = Callable[["Session", Ident, Request[Any]], Awaitable[None]]
 """Carries out the other requests, one after the other."""
 
@@ -49,10 +77,14 @@ class Transport(Protocol):
 
     @property
     def is_trusted(self) -> bool:
-        """Whether the peer is a program of this user, which has no rate limit."""
+        """Whether the peer is a program of this user, which may read late."""
 
-    async def send(self, text: bytes) -> None:
-        """Send one message; ConnectionError if the peer has disconnected."""
+    @property
+    def account(self) -> Account:
+        """What is charged for the peer."""
+
+    async def send(self, texts: Sequence[bytes]) -> None:
+        """Send messages; ConnectionError if the peer has disconnected."""
 
     async def receive(self) -> bytes | str | None:
         """Return the next message; None if the peer has disconnected.
@@ -68,35 +100,58 @@ class Transport(Protocol):
         """End the connection at once."""
 
 
+class _Waiting(NamedTuple):
+    """A request that waits for those before it."""
+
+    n_chunks: int
+    ident: Ident
+    request: Request[Any]
+
+
 @final
 class Session:
     """Sends at the reader's pace, so that no other connection has to wait."""
 
     def __init__(
-        self, transport: Transport, take_at_once: TakeAtOnce, carry_out: CarryOut
+        self,
+        transport: Transport,
+        take_at_once: TakeAtOnce,
+        carry_out: CarryOut,
+        stop: Stop,
     ) -> None:
         self._transport = transport
         self._take_at_once = take_at_once
         self._carry_out = carry_out
+        self._stop = stop
+        self.account = transport.account
         self._wake = asyncio.Event()
         self._queue: deque[bytes] = deque()
+        self._n_unread = 0
+        """In the queue [bytes]."""
+        self._was_read = asyncio.Event()
         self._snapshots: deque[bytes] = deque()
         self.missed = 0
         """Snapshots that were dropped since the last one that was queued."""
         self.arms: dict[str, str] = {}
         """The arms that it has taken, and the program that it named."""
         self._latest: dict[str, bytes] = {}
-        self._waiting: asyncio.Queue[tuple[int, Ident, Request[Any]] | None]
-        self._waiting = asyncio.Queue()
+        self._texts: deque[bytes | str | None] = deque()
+        """Messages that are not decoded yet; None is the end."""
+        self._n_texts = 0
+        """Their size [bytes]."""
+        self._has_text, self._has_room = asyncio.Event(), asyncio.Event()
+        self._waiting: deque[_Waiting | None] = deque()
+        """Requests; None is the end."""
+        self._current: Request[Any] | None = None
+        """The request that is carried out."""
+        self._has_work = asyncio.Event()
         self._backlog = 0
         """Chunks of the requests that wait or are carried out."""
         self._loop = asyncio.get_running_loop()
-        self._allowance = BURST
-        self._allowance_at = self._loop.time()
         self._sending_since: float | None = None
         self._tasks: list[asyncio.Task[None]] = []
         self._is_gone = False
-        """Whether it can neither send nor receive any more."""
+        """Whether the peer reads nothing any more."""
 
     @property
     def is_busy(self) -> bool:
@@ -114,6 +169,7 @@ class Session:
             self.drop()
             return
         self._queue.append(text)
+        self._n_unread += len(text)
         self._wake.set()
 
     def send_snapshot(self, text: bytes) -> None:
@@ -147,7 +203,7 @@ class Session:
     async def serve(self) -> None:
         """Send and receive until the connection ends and its requests are answered."""
         worker = asyncio.create_task(self._work())
-        parts = (self._write(), self._read())
+        parts = (self._write(), self._read(), self._decode())
         self._tasks = [worker, *map(asyncio.create_task, parts)]
         try:
             await asyncio.wait([worker])
@@ -158,26 +214,38 @@ class Session:
             if isinstance(end, Exception):
                 logger.error("a connection failed", exc_info=end)
 
+    # ---- what is sent ---------------------------------------------------------------
+
     async def _write(self) -> None:
         try:
             while True:
                 await self._wake.wait()
                 self._wake.clear()
-                while (text := self._next()) is not None:
+                while texts := self._next():
                     self._sending_since = self._loop.time()
-                    await self._transport.send(text)
+                    await self._transport.send(texts)
                     self._sending_since = None
         except ConnectionError:
             self._is_gone = True
+            self._was_read.set()
 
-    def _next(self) -> bytes | None:
+    def _next(self) -> list[bytes]:
+        """Return what is sent next, several replies at once; nothing if that is all."""
         if self._queue:
-            return self._queue.popleft()
+            texts, size = [], 0
+            while self._queue and size < _SENT_AT_ONCE:
+                texts.append(self._queue.popleft())
+                size += len(texts[-1])
+            self._n_unread -= size
+            self._was_read.set()
+            return texts
         if self._snapshots:
-            return self._snapshots.popleft()
+            return [self._snapshots.popleft()]
         if self._latest:
-            return self._latest.pop(next(iter(self._latest)))
-        return None
+            return [self._latest.pop(next(iter(self._latest)))]
+        return []
+
+    # ---- what arrives ---------------------------------------------------------------
 
     async def _read(self) -> None:
         try:
@@ -188,75 +256,142 @@ class Session:
             pass  # the peer has disconnected
         except Exception:
             logger.exception("a connection failed")
-        self._is_gone = True
-        self._waiting.put_nowait(None)
+        self._texts.append(None)
+        self._has_text.set()
 
     async def _read_all(self) -> None:
         while (text := await self._transport.receive()) is not None:
-            n_chunks = 1 + len(text) // _CHUNK
-            if not self._transport.is_trusted:
-                # Meanwhile nothing is read, so TCP flow control slows the page down.
-                await self._pace(n_chunks)
-            try:
-                ident, request = decode_request(text)
-            except RequestReadError as error:
-                self.send(encode_error(error.ident, error.error))
-                continue
-            if self._take_at_once(self, ident, request):
-                continue
-            if self._backlog + n_chunks > MAX_BACKLOG:
-                self.send(encode_error(ident, _TOO_MANY))
-                continue
-            self._backlog += n_chunks
-            self._waiting.put_nowait((n_chunks, ident, request))
+            with self.account.working():
+                self._take(text)
+            await self.account.give_way()
+            while self._n_texts >= MAX_TEXTS:
+                # Nothing is read, so flow control slows the peer down.
+                self._has_room.clear()
+                await self._has_room.wait()
 
-    async def _pace(self, cost: int) -> None:
-        """Wait until the page may send ``cost`` more messages."""
-        now = self._loop.time()
-        gained = (now - self._allowance_at) * RATE
-        self._allowance = min(BURST, self._allowance + gained) - cost
-        self._allowance_at = now
-        if self._allowance < 0.0 and not self._is_gone:
-            await asyncio.sleep(-self._allowance / RATE)
+    def _take(self, text: bytes | str) -> None:
+        """Take a message: a stop at once, before those that wait are decoded."""
+        if may_be_urgent(text) and self._take_stop(text):
+            return
+        if not self._texts and self._may_decode():
+            self._process(text)
+            return
+        self._texts.append(text)
+        self._n_texts += len(text) + _OVERHEAD
+        self._has_text.set()
+
+    def _take_stop(self, text: bytes | str) -> bool:
+        """Carry out a stop; return False if it is none."""
+        try:
+            ident, request = decode_request(text, suggests=False)
+        except RequestReadError:
+            return False  # it is answered in its turn
+        if not entry_of(type(request)).is_urgent:
+            return False
+        self._revoke(request)
+        if self._current is not None and _undoes(self._current, request):
+            self._waiting.appendleft(_Waiting(1, ident, request))
+            self._backlog += 1
+            self._has_work.set()
+        else:
+            self._stop(self, ident, request)
+        return True
+
+    def _revoke(self, stop: Request[Any]) -> None:
+        """Refuse what waits and would undo a stop that overtakes it."""
+        methods = entry_of(type(stop)).revokes
+        for text in [text for text in self._texts if _names(text, methods)]:
+            assert text is not None  # it names something
+            with contextlib.suppress(RequestReadError):  # answered in its turn
+                ident, request = decode_request(text, suggests=False)
+                if _undoes(request, stop):
+                    self._texts.remove(text)
+                    self._n_texts -= len(text) + _OVERHEAD
+                    self.send(encode_error(ident, _OVERTAKEN))
+        for item in [item for item in self._waiting if item is not None]:
+            if _undoes(item.request, stop):
+                self._waiting.remove(item)
+                self._backlog -= item.n_chunks
+                self.send(encode_error(item.ident, _OVERTAKEN))
+
+    def _may_decode(self) -> bool:
+        return self.account.may_go_on and self._n_unread < MAX_UNREAD
+
+    async def _decode(self) -> None:
+        """Decode what waits, as fast as the account allows and the peer reads."""
+        while True:
+            await self._has_text.wait()
+            self._has_text.clear()
+            while self._texts:
+                await self.account.admit()
+                while self._n_unread >= MAX_UNREAD and not self._is_gone:
+                    self._was_read.clear()
+                    await self._was_read.wait()
+                if not self._texts:
+                    break  # revoked meanwhile
+                text = self._texts.popleft()
+                if text is None:
+                    self._waiting.append(None)
+                    self._has_work.set()
+                    return
+                self._n_texts -= len(text) + _OVERHEAD
+                self._has_room.set()
+                with self.account.working():
+                    self._process(text)
+
+    def _process(self, text: bytes | str) -> None:
+        """Decode a message; carry it out, or let it wait for those before it."""
+        self.account.charge(_REPLY_COST)
+        try:
+            ident, request = decode_request(text, suggests=self.account.has_spare)
+        except RequestReadError as error:
+            self.send(encode_error(error.ident, error.error))
+            return
+        if self._take_at_once(self, ident, request):
+            return
+        n_chunks = _n_chunks(text)
+        if self._backlog + n_chunks > MAX_BACKLOG:
+            self.send(encode_error(ident, _TOO_MANY))
+            return
+        self.account.charge(_REQUEST_COST)
+        self._backlog += n_chunks
+        self._waiting.append(_Waiting(n_chunks, ident, request))
+        self._has_work.set()
 
     async def _work(self) -> None:
-        while (item := await self._waiting.get()) is not None:
-            n_chunks, ident, request = item
-            await self._carry_out(self, ident, request)
-            self._backlog -= n_chunks
-
-
-@final
-class LineTransport:
-    """Lines of JSON over the Unix socket."""
-
-    is_trusted: Final = True
-
-    def __init__(
-        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
-    ) -> None:
-        self._reader = reader
-        self._writer = writer
-
-    async def send(self, text: bytes) -> None:
-        self._writer.write(text + b"\n")
-        await self._writer.drain()
-
-    async def receive(self) -> bytes | None:
+        """Carry out requests, one after the other."""
         while True:
-            try:
-                line = await self._reader.readuntil(b"\n")
-            except asyncio.IncompleteReadError:
-                return None
-            except asyncio.LimitOverrunError:
-                raise TransportError(
-                    f"a line is longer than {MAX_LINE} bytes; send fewer waypoints"
-                ) from None
-            if line.strip():
-                return line
+            await self._has_work.wait()
+            self._has_work.clear()
+            while self._waiting:
+                await self.account.admit()
+                if not self._waiting:
+                    break  # revoked meanwhile
+                item = self._waiting.popleft()
+                if item is None:
+                    return
+                self._current = item.request
+                await self._carry_out(self, item.ident, item.request)
+                self._current = None
+                self._backlog -= item.n_chunks
 
-    async def close(self) -> None:
-        self._writer.close()
 
-    def abort(self) -> None:
-        self._writer.transport.abort()
+def _n_chunks(text: bytes | str) -> int:
+    return 1 + len(text) // _CHUNK
+
+
+def _names(text: bytes | str | None, methods: Collection[str]) -> bool:
+    """Return whether a message has one of ``methods`` in it."""
+    if text is None:
+        return False
+    if isinstance(text, str):
+        return any(method in text for method in methods)
+    return any(method.encode() in text for method in methods)
+
+
+def _undoes(request: Request[Any], stop: Request[Any]) -> bool:
+    """Return whether ``request``, sent before ``stop``, would undo it."""
+    if entry_of(type(request)).name not in entry_of(type(stop)).revokes:
+        return False
+    arms = {getattr(request, "arm", None), getattr(stop, "arm", None)}
+    return None in arms or len(arms) == 1

@@ -20,7 +20,7 @@ from tool0.errors import ControlError, Tool0Error
 from tool0.hardware.control_box import SafetyMode
 from tool0.interfaces.ur.client_interface.robot_state import robot_model
 from tool0.interfaces.ur.compiling import compiled
-from tool0.interfaces.ur.listening import Peer, Port
+from tool0.interfaces.ur.listening import REQUEST_COST, Peer, Port
 from tool0.interfaces.ur.program_files import ProgramFile, ProgramFiles
 from tool0.interfaces.ur.programs import RuntimeState
 from tool0.requests.control_box import (
@@ -118,6 +118,7 @@ class Dashboard:
             if text.strip().lower() in {"quit", "shutdown"}:
                 await peer.close()
                 return
+            await peer.account.pay(REQUEST_COST)
 
     def _commands(self) -> tuple[Command, ...]:
         box, arm = self._box, self._box.arm
@@ -193,8 +194,9 @@ class Dashboard:
             elif self._loaded is None or box.programs.is_running:
                 raise ControlError("no program is loaded, or one is running already")
             else:
-                loaded = self._loaded
-                await box.programs.start(await compiled(loaded.text, loaded.name))
+                loaded, n_stops = self._loaded, box.programs.n_stops
+                program = await compiled(loaded.text, loaded.name)
+                await box.programs.start(program, n_stops)
         except Tool0Error as error:
             logger.warning("%s: play: %s", box.arm, error)
             return "Failed to execute: play"

@@ -9,13 +9,17 @@ import os
 import socket
 from collections.abc import Awaitable, Callable
 from typing import Final, final
+from weakref import WeakKeyDictionary
 
 from tool0.errors import TransportError
+from tool0.interfaces.budget import Budget
 
 logger = logging.getLogger(__name__)
 
 MAX_CLIENTS: Final = 16
 """Of one port; further ones are refused."""
+REQUEST_COST: Final = 0.1e-3
+"""Of answering a line or a frame [s]."""
 MAX_OWED: Final = 1 << 20
 """What a client may leave unread before it is dropped [bytes]."""
 
@@ -29,6 +33,8 @@ class Peer:
     ) -> None:
         self.reader = reader
         self._writer = writer
+        self.account = _budget().account()
+        """Of what it sends: it is read no faster than all clients together may be."""
         self.address = str(writer.get_extra_info("peername"))
 
     def send(self, data: bytes) -> None:
@@ -56,6 +62,21 @@ class Peer:
         self._writer.close()
         with contextlib.suppress(OSError):
             await self._writer.wait_closed()
+
+
+_budgets: WeakKeyDictionary[asyncio.AbstractEventLoop, Budget] = WeakKeyDictionary()
+
+
+def _budget() -> Budget:
+    """Return what the clients of all ports may use together.
+
+    It is strict: what a client sends ends in requests to the bring-up, which reads
+    those of this process no faster.
+    """
+    loop = asyncio.get_running_loop()
+    if loop not in _budgets:
+        _budgets[loop] = Budget(is_strict=True)
+    return _budgets[loop]
 
 
 Serve = Callable[[Peer], Awaitable[None]]

@@ -77,6 +77,8 @@ class ProgramSlot(Generic[BoxT]):
         self.state = RuntimeState.STOPPED
         self.name = ""
         """Of the program that runs, or ran last."""
+        self.n_stops = 0
+        """A program that was sent before the last stop is not started after it."""
 
     @property
     def is_running(self) -> bool:
@@ -88,14 +90,26 @@ class ProgramSlot(Generic[BoxT]):
         """Whether a program waits to be resumed."""
         return self.state in {RuntimeState.PAUSING, RuntimeState.PAUSED}
 
-    async def start(self, program: Program[BoxT]) -> None:
+    def require_no_stop(self, name: str, n_stops: int) -> None:
+        """Raise ControlError if a stop came after the first ``n_stops``."""
+        if n_stops != self.n_stops:
+            raise ControlError(
+                f"{name}: not started, since a stop came after it; send it again"
+            )
+
+    async def start(self, program: Program[BoxT], n_stops: int) -> None:
         """Start a program; it replaces the one that runs, whose motion stops.
 
+        Args:
+            program: The program.
+            n_stops: The stops so far when it was sent.
+
         Raises:
-            ControlError: If the arm may not move now.
+            ControlError: If the arm may not move now, or was stopped meanwhile.
         """
         arm = self._box.arm
         async with self._changing:
+            self.require_no_stop(program.name, n_stops)
             was_running = await self._cancel()
             try:
                 if was_running:  # the arm stays taken
@@ -112,7 +126,8 @@ class ProgramSlot(Generic[BoxT]):
             self._task = asyncio.create_task(self._run(program))
 
     async def stop(self) -> None:
-        """Stop the program and the arm; without a program, do nothing."""
+        """Stop the program and the arm, and start none that was sent before."""
+        self.n_stops += 1
         async with self._changing:
             if await self._cancel():
                 await self._release()

@@ -13,7 +13,7 @@ from tool0.interfaces.ur.client_interface.realtime import realtime_packet
 from tool0.interfaces.ur.client_interface.robot_state import robot_state
 from tool0.interfaces.ur.client_interface.scripts import ScriptReader
 from tool0.interfaces.ur.client_interface.uploads import Uploads
-from tool0.interfaces.ur.listening import Peer, Port, Serve
+from tool0.interfaces.ur.listening import REQUEST_COST, Peer, Port, Serve
 from tool0.interfaces.ur.messages import Message, MessageKind
 
 if TYPE_CHECKING:
@@ -29,6 +29,8 @@ MAX_BEHIND: Final = 1 << 16
 """A client that has not read so much gets nothing further until it reads [bytes]: many
 only send programs, and never read."""
 BUILD_DATE: Final = "01-01-2024, 00:00:00"
+_SCRIPT_COST: Final = 5e-3
+"""Of compiling and starting a program [s]."""
 _CHUNK: Final = 1 << 16
 _PLACE: Final = re.compile(r"[^:]*:(\d+):(\d+): (.*)", re.DOTALL)
 """Where an error of a program is."""
@@ -92,11 +94,13 @@ class ClientInterface:
                 peer.send(version + robot_state(self._box, is_first=True))
             reader = ScriptReader()
             while data := await peer.reader.read(_CHUNK):
+                await peer.account.pay(REQUEST_COST)
                 if not is_open:
                     continue
                 try:
                     for script in reader.read(data):
                         self._uploads.put(script)
+                        await peer.account.pay(_SCRIPT_COST)
                 except TransportError as error:
                     self._box.report(error)
                     return

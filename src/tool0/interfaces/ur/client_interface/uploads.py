@@ -37,25 +37,35 @@ class Uploads:
 
     def __init__(self, box: Box) -> None:
         self._box = box
-        self._waiting: deque[Script] = deque()
+        self._waiting: deque[tuple[Script, int]] = deque()
+        """With the number of stops before each."""
         self._arrived = asyncio.Event()
         self._is_flooded = False
         self._secondary: set[asyncio.Task[None]] = set()
+        self._stopping: set[asyncio.Task[None]] = set()
         self._task = asyncio.create_task(self._execute_all())
         arm = box.arm
         self._commands: dict[str, Callable[[], Awaitable[object]]] = {
             "power on": lambda: box.call(PowerOn(arm=arm)),
-            "power off": lambda: box.call(PowerOff(arm=arm)),
             "set robotmode run": lambda: box.call(ReleaseBrakes(arm=arm)),
             "set unlock protective stop": lambda: box.call(
                 UnlockProtectiveStop(arm=arm)
             ),
-            "stop program": box.programs.stop,
         }
         """Lines that are no URScript; UR's own client library sends these."""
+        self._stops: dict[str, Callable[[], Awaitable[object]]] = {
+            "power off": self._power_off,
+            "stop program": box.programs.stop,
+        }
+        """Those that wait for nothing."""
 
     def put(self, script: Script) -> None:
-        """Execute a script after those that wait."""
+        """Execute a script after those that wait; a stop at once."""
+        if (stop := self._stops.get(_line(script))) is not None:
+            task = asyncio.create_task(self._attempt(script, stop()))
+            self._stopping.add(task)
+            task.add_done_callback(self._stopping.discard)
+            return
         if len(self._waiting) >= MAX_WAITING:
             self._waiting.popleft()
             if not self._is_flooded:
@@ -63,12 +73,12 @@ class Uploads:
                 self._box.report(
                     ControlError("programs arrive faster than they can be started")
                 )
-        self._waiting.append(script)
+        self._waiting.append((script, self._box.programs.n_stops))
         self._arrived.set()
 
     async def close(self) -> None:
         """End the secondary programs, and drop what waits."""
-        tasks = (self._task, *self._secondary)
+        tasks = (self._task, *self._secondary, *self._stopping)
         for task in tasks:
             task.cancel()
         await asyncio.wait(tasks)
@@ -79,24 +89,33 @@ class Uploads:
                 self._is_flooded = False
                 self._arrived.clear()
                 await self._arrived.wait()
-            script = self._waiting.popleft()
-            try:
-                await self._execute(script)
-            except Tool0Error as error:
-                self._box.report(error)
-            except Exception as error:  # one program must not stop the others
-                logger.exception("the program '%s' could not be started", script.name)
-                self._box.messages.error(f"{script.name}: {error!r}")
+            script, n_stops = self._waiting.popleft()
+            await self._attempt(script, self._execute(script, n_stops))
 
-    async def _execute(self, script: Script) -> None:
-        if script.name == UNNAMED:
-            command = self._commands.get(" ".join(script.text.split()).lower())
-            if command is not None:
-                await command()
-                return
+    async def _attempt(self, script: Script, execution: Awaitable[object]) -> None:
+        """Report what goes wrong: one program must not stop the others."""
+        try:
+            await execution
+        except Tool0Error as error:
+            self._box.report(error)
+        except Exception as error:
+            logger.exception("the program '%s' could not be started", script.name)
+            self._box.messages.error(f"{script.name}: {error!r}")
+
+    async def _power_off(self) -> None:
+        """Switch the arm off, and start nothing that was sent before."""
+        self._box.programs.n_stops += 1
+        await self._box.call(PowerOff(arm=self._box.arm))
+
+    async def _execute(self, script: Script, n_stops: int) -> None:
+        self._box.programs.require_no_stop(script.name, n_stops)
+        command = self._commands.get(_line(script))
+        if command is not None:
+            await command()
+            return
         program = await compiled(script.text, script.name)
         if not script.is_secondary:
-            await self._box.programs.start(program)
+            await self._box.programs.start(program, n_stops)
             return
         if len(self._secondary) >= MAX_SECONDARY:
             raise ControlError(
@@ -115,3 +134,8 @@ class Uploads:
         except Exception as error:
             logger.exception("the program '%s' failed", program.name)
             self._box.messages.error(f"{program.name}: {error!r}")
+
+
+def _line(script: Script) -> str:
+    """Return the line that is a whole script; nothing for a program with a name."""
+    return " ".join(script.text.split()).lower() if script.name == UNNAMED else ""

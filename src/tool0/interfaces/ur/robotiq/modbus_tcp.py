@@ -5,12 +5,11 @@
 
 from __future__ import annotations
 
-import asyncio
 import socket
 import struct
 from typing import Final, final
 
-from tool0.interfaces.ur.listening import Peer, Port
+from tool0.interfaces.ur.listening import REQUEST_COST, Peer, Port
 from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
 from tool0.interfaces.ur.robotiq.modbus import Refusal, refusal, respond
 
@@ -59,7 +58,7 @@ class ModbusTcp:
                 response = refusal(request[0], Refusal.NO_RESPONSE)
             size = len(response) + 1
             peer.send(_HEADER.pack(transaction, 0, size, unit) + response)
-            await asyncio.sleep(0)  # a flood must not stop the others
+            await peer.account.pay(REQUEST_COST)
 
 
 def _may_listen(host: str, port: int) -> bool:

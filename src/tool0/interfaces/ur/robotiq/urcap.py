@@ -17,7 +17,7 @@ import re
 from collections.abc import Callable
 from typing import Final, final
 
-from tool0.interfaces.ur.listening import Peer, Port
+from tool0.interfaces.ur.listening import REQUEST_COST, Peer, Port
 from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
 from tool0.interfaces.ur.robotiq.registers import Command, Status
 
@@ -150,7 +150,7 @@ class UrcapSocket:
                 peer.send(b"?")
                 await peer.close()
                 return
-            await asyncio.sleep(0)  # a flood must not stop the others
+            await peer.account.pay(len(lines) * REQUEST_COST)
 
     def _answer(self, line: bytes, *, is_short: bool = False) -> bytes:
         text = line.decode("ascii", errors="replace")

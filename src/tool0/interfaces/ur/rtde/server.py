@@ -153,7 +153,9 @@ class _Client:
         while data := await self.peer.reader.read(_CHUNK):
             try:
                 for kind, payload in buffer.feed(data):
-                    self._take(kind, payload)
+                    with self.peer.account.working():
+                        self._take(kind, payload)
+                    await self.peer.account.admit()
             except TransportError as error:
                 logger.warning("RTDE: %s: %s", self.peer.address, error)
                 self._tell(str(error))

@@ -79,7 +79,7 @@ def texts_of(served: ServedGripper, script: str) -> list[str]:
     async def run() -> None:
         programs = served.box.programs
         served.box.messages.listeners.add(take)
-        await programs.start(compile_program(script, "gripper"))
+        await programs.start(compile_program(script, "gripper"), programs.n_stops)
         await served.box.until(lambda: programs.state is RuntimeState.STOPPED)
         served.box.messages.listeners.discard(take)
 
