@@ -192,6 +192,8 @@ class ProgramExecution:
             raise _EndedError("stopped", f"protective stop: {box.protective_stop}")
         if not box.may_move:
             raise _EndedError("stopped", "the arm was switched off")
+        if box.motion_failure:
+            raise _EndedError("failed", box.motion_failure)
         motions = self._simulation.core.arm_motions
         if not box.taken_by or motions.is_returning(self.arm):
             raise _EndedError(
@@ -344,7 +346,8 @@ class ProgramExecution:
 
     def _require_whole(self, path: ProgramPath) -> None:
         duration = path.plan.duration
-        if duration > 0.0 and self._path_time < duration - _ROUNDING:
+        is_left = self._motion.mode != "path"
+        if duration > 0.0 and (is_left or self._path_time < duration - _ROUNDING):
             raise _EndedError("stopped", "something else stopped the arm on its path")
 
     def _search(self, path: StepPath, step: UntilStep) -> Waiting[None]:

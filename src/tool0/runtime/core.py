@@ -33,6 +33,7 @@ from tool0.kernel.program import Ended, Program
 from tool0.runtime.arm_modes import ArmModes
 from tool0.runtime.arm_motions import ArmMotions
 from tool0.runtime.arm_samples import ArmSamples
+from tool0.runtime.arm_supervision import ArmSupervision
 from tool0.runtime.control_boxes import ControlBoxes
 from tool0.runtime.joint_motion import (
     joints_by_controller,
@@ -83,6 +84,9 @@ class Core:
             model, hardware, manager, self.control_boxes, self.arm_modes
         )
         self.protective_stops = ProtectiveStops(model, hardware, manager, engine.world)
+        self.arm_supervision = ArmSupervision(
+            model, hardware, self.arm_motions, engine.world
+        )
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
@@ -227,6 +231,14 @@ class Core:
             self.settle()
             self.arm_modes.stop_protectively(arm, reason, self.state)
 
+    def look_at_motions(self) -> None:
+        """End the motions of taken arms that fail, between two ticks."""
+        program = self._program
+        command = self.hardware.command if program is None else program.command
+        for arm, reason in self.arm_supervision.look(self.state, command):
+            self.settle()
+            self.arm_motions.fail(arm, reason, self.state)
+
     # ---- controllers ----------------------------------------------------------------
 
     def follow(
@@ -366,9 +378,10 @@ class Core:
         self._note_command(controller)
         self.manager.release_brakes(controller, self.state)
 
-    def take_arm(self, arm: str | None, by: str) -> None:
+    def take_arm(self, arm: str | None, by: str, *, protected: bool = False) -> None:
         """Let a program move an arm in place of its controllers."""
-        self._note_command(self.arm_motions.take(arm, by, self.state))
+        name = self.arm_motions.take(arm, by, self.state, protected=protected)
+        self._note_command(name)
 
     def cancel(self, goal: Goal) -> None:
         """Stop the motion of an active goal; one that has ended is left alone."""
@@ -452,7 +465,8 @@ class Core:
             return
         self.hardware.set_stopped(engaged, self.state)
         self.manager.restart(self.state)
-        self.arm_motions.note_restart(self.state)
+        stopped = "the emergency stop was engaged" if engaged else ""
+        self.arm_motions.note_restart(self.state, stopped)
         self.arm_modes.note_emergency_stop()
 
     def drift(self, at_least: float = 0.0) -> float:

@@ -20,11 +20,9 @@ from tool0.hardware.control_box import ControlBoxState
 from tool0.hardware.engine import Contact, JointState, World, joint_selector
 from tool0.hardware.payload import modelled_payload
 from tool0.hardware.robot_hardware import RobotHardware
+from tool0.runtime.arm_supervision import TrackedJoint
 from tool0.sensing.stalls import contacts_text, external_contacts
 
-LARGEST_LAG: Final = 0.05
-"""How far the measured position may be behind its setpoint [s at full speed]: a guess,
-for UR does not publish its bound.  For a UR5 it is 0.16 rad."""
 DETECTION_TIME: Final = 0.1
 """Time constant of the low-pass filter of contact forces [s]: an impact is no clamping.
 25 N above the limit are detected after 0.2 s; a UR's force limit has a trueness of 25 N
@@ -42,14 +40,9 @@ UR's joint positions (the same table)."""
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Joint:
-    name: str
-    index: int
+    tracked: TrackedJoint
     lower: float
     upper: float
-    error: float
-    """Largest distance from the setpoint [rad]."""
-    links: frozenset[str]
-    """All that it moves."""
 
 
 @final
@@ -139,22 +132,20 @@ class _Arm:
         ]
         self._joints = [
             _Joint(
-                name=joint.name,
-                index=hardware.index[joint.name],
+                tracked=TrackedJoint.of(joint, limits, model, hardware),
                 lower=limits.lower,
                 upper=limits.upper,
-                error=LARGEST_LAG * limits.velocity,
-                links=links,
             )
-            for joint, links in zip(arm.joints, moved, strict=True)
+            for joint in arm.joints
             if (limits := hardware.limits.get(joint.name)) is not None
         ]
         self._running: object = None
         """The running controllers when the claims were looked up."""
         self._is_servoed = False
         """Whether servos drive all joints to positions."""
-        self._select = joint_selector([joint.index for joint in self._joints])
-        self._least_error = min((j.error for j in self._joints), default=math.inf)
+        tracked = [joint.tracked for joint in self._joints]
+        self._select = joint_selector([joint.index for joint in tracked])
+        self._least_error = min((joint.error for joint in tracked), default=math.inf)
         self.forget()
 
     def forget(self) -> None:
@@ -190,7 +181,8 @@ class _Arm:
         if running is not self._running:
             claimed, self._running = self._hardware.claimed, running
             self._is_servoed = all(
-                claimed.get(joint.name) is Interface.POSITION for joint in self._joints
+                claimed.get(joint.tracked.name) is Interface.POSITION
+                for joint in self._joints
             )
         if not self._is_servoed:
             return False  # by efforts or velocities: the setpoints are checked at times
@@ -201,23 +193,19 @@ class _Arm:
         """Return which joint is beyond a limit, or off its path."""
         wanted = self._wanted(command)
         for joint in self._joints:
-            target = wanted.get(joint.name)
+            tracked = joint.tracked
+            target = wanted.get(tracked.name)
             if target is None:
                 continue
             beyond = max(joint.lower - target, target - joint.upper)
             if not beyond <= LIMIT_MARGIN:
                 return (
-                    f"joint '{joint.name}' is commanded to {target:.4g} rad; its "
+                    f"joint '{tracked.name}' is commanded to {target:.4g} rad; its "
                     f"limits are [{joint.lower:.4g}, {joint.upper:.4g}] rad"
                 )
-            error = abs(target - state.position[joint.index])
-            if not error <= joint.error:
-                touching = external_contacts(joint.links, self._world.contacts())
-                why = contacts_text(touching) or "no contact: the load, or its stop"
-                return (
-                    f"joint '{joint.name}' is {error:.3f} rad off its path, more than "
-                    f"{joint.error:.3f} rad ({why})"
-                )
+            error = abs(target - state.position[tracked.index])
+            if not error <= tracked.error:
+                return tracked.off_path(error, self._world)
         return ""
 
     def _wanted(self, command: list[float]) -> Mapping[str, float]:
@@ -225,7 +213,7 @@ class _Arm:
         claimed = self._hardware.claimed
         wanted = {
             joint.name: command[joint.index]
-            for joint in self._joints
+            for joint in (joint.tracked for joint in self._joints)
             if claimed.get(joint.name) is Interface.POSITION
         }
         for setpoint in self._manager.setpoints().values():

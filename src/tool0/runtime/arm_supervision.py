@@ -1,0 +1,135 @@
+"""Whether the arms that programs move follow their setpoints, and arrive.
+
+It is looked at every 8 ms of simulated time, for every mode of ``ArmMotionController``
+but those that give way (force mode, freedrive): nothing is computed in the tick, and
+nothing depends on who reads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from operator import sub
+from typing import Final, NamedTuple, final
+
+from tool0.control.arm_motion import ArmMotionController
+from tool0.description.model import Joint, JointLimits, RobotModel
+from tool0.description.parts import ArmParts, find_arms
+from tool0.hardware.engine import JointState, World, joint_selector
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.runtime.arm_motions import ArmMotions
+from tool0.sensing.stalls import contacts_text, external_contacts
+
+LARGEST_LAG: Final = 0.05
+"""How far the measured position may be behind its setpoint [s at full speed]: a guess,
+for UR does not publish its bound.  For a UR5 it is 0.16 rad."""
+SUSPICIOUS: Final = 0.5
+"""Part of the largest lag from which contacts are read: an engine may record them only
+after the first call."""
+
+
+@final
+class TrackedJoint(NamedTuple):
+    """A joint that is to be where it is sent."""
+
+    name: str
+    index: int
+    error: float
+    """Largest distance from the setpoint [rad]."""
+    links: frozenset[str]
+    """All that it moves."""
+
+    @staticmethod
+    def of(
+        joint: Joint, limits: JointLimits, model: RobotModel, hardware: RobotHardware
+    ) -> TrackedJoint:
+        links = frozenset(model.links_from(joint.child))
+        largest = LARGEST_LAG * limits.velocity
+        return TrackedJoint(joint.name, hardware.index[joint.name], largest, links)
+
+    def off_path(self, error: float, world: World) -> str:
+        """Return that the joint is ``error`` [rad] off its path, and what touches."""
+        return (
+            f"joint '{self.name}' is {error:.3f} rad off its path, more than "
+            f"{self.error:.3f} rad ({self.touching(world)})"
+        )
+
+    def touching(self, world: World) -> str:
+        """Return what the links beyond the joint touch."""
+        found = external_contacts(self.links, world.contacts())
+        return contacts_text(found) or "no contact: the load, or its stop"
+
+
+@final
+class ArmSupervision:
+    """Finds motions that fail.  Only the thread of the tick may use it."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        hardware: RobotHardware,
+        motions: ArmMotions,
+        world: World,
+    ) -> None:
+        self._motions = motions
+        self._arms = {
+            name: _Arm(arm, model, hardware, world)
+            for name, arm in find_arms(model).items()
+        }
+
+    def look(
+        self, state: JointState, command: Sequence[float]
+    ) -> list[tuple[str, str]]:
+        """Return the arms whose motion has failed, with the reasons.
+
+        ``command`` is the last one of each joint.  It takes 2 µs for an arm that is
+        moved, unless something is wrong.
+        """
+        return [
+            (arm, reason)
+            for arm, controller in self._motions.supervised()
+            if (reason := self._arms[arm].look(controller, state, command))
+        ]
+
+
+@final
+class _Arm:
+    def __init__(
+        self,
+        arm: ArmParts,
+        model: RobotModel,
+        hardware: RobotHardware,
+        world: World,
+    ) -> None:
+        self._world = world
+        limits = hardware.limits
+        self._joints = [
+            TrackedJoint.of(joint, limits.get(joint.name, joint.limits), model, hardware)
+            for joint in arm.joints
+        ]
+        self._select = joint_selector([joint.index for joint in self._joints])
+        self._suspicious = SUSPICIOUS * min(joint.error for joint in self._joints)
+
+    def look(
+        self,
+        controller: ArmMotionController,
+        state: JointState,
+        command: Sequence[float],
+    ) -> str:
+        """Return why the motion has failed; empty if it has not."""
+        if controller.gives_way:
+            return ""
+        errors = map(sub, self._select(command), self._select(state.position))
+        sizes = list(map(abs, errors))
+        largest = max(sizes)
+        if not largest <= self._suspicious:
+            self._world.contacts()
+            for joint, size in zip(self._joints, sizes, strict=True):
+                if not size <= joint.error:
+                    return joint.off_path(size, self._world)
+        if controller.is_overdue(largest, state.time):
+            joint = self._joints[sizes.index(largest)]
+            return (
+                f"joint '{joint.name}' is {largest:.3f} rad from the end of its path "
+                f"({joint.touching(self._world)})"
+            )
+        return ""
