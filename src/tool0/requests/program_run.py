@@ -398,6 +398,11 @@ class ProgramExecution:
                 )
         if goal.status is GoalStatus.PREEMPTED:
             raise _EndedError("stopped", "something else moved the gripper")
+        if state.motion == "blocked":
+            reason = self._simulation.core.gripper_obstacle(geometry.joint)
+            raise _EndedError(
+                "failed", f"the gripper is blocked and holds nothing ({reason})"
+            )
         if step.must_hold and not state.motion.startswith("holding"):
             raise _EndedError(
                 "failed", f"the gripper holds nothing: it is '{state.motion}'"

@@ -7,7 +7,6 @@ nothing depends on who reads.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from operator import sub
 from typing import Final, NamedTuple, final
 
@@ -32,7 +31,8 @@ class TrackedJoint(NamedTuple):
     """A joint that is to be where it is sent."""
 
     name: str
-    index: int
+    number: int
+    """In the engine's order."""
     error: float
     """Largest distance from the setpoint [rad]."""
     links: frozenset[str]
@@ -42,6 +42,7 @@ class TrackedJoint(NamedTuple):
     def of(
         joint: Joint, limits: JointLimits, model: RobotModel, hardware: RobotHardware
     ) -> TrackedJoint:
+        """Return a joint with these limits."""
         links = frozenset(model.links_from(joint.child))
         largest = LARGEST_LAG * limits.velocity
         return TrackedJoint(joint.name, hardware.index[joint.name], largest, links)
@@ -77,7 +78,7 @@ class ArmSupervision:
         }
 
     def look(
-        self, state: JointState, command: Sequence[float]
+        self, state: JointState, command: list[float]
     ) -> list[tuple[str, str]]:
         """Return the arms whose motion has failed, with the reasons.
 
@@ -106,14 +107,14 @@ class _Arm:
             TrackedJoint.of(joint, limits.get(joint.name, joint.limits), model, hardware)
             for joint in arm.joints
         ]
-        self._select = joint_selector([joint.index for joint in self._joints])
+        self._select = joint_selector([joint.number for joint in self._joints])
         self._suspicious = SUSPICIOUS * min(joint.error for joint in self._joints)
 
     def look(
         self,
         controller: ArmMotionController,
         state: JointState,
-        command: Sequence[float],
+        command: list[float],
     ) -> str:
         """Return why the motion has failed; empty if it has not."""
         if controller.gives_way:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from operator import sub
 from typing import final
@@ -16,7 +16,7 @@ from tool0.control.controller import (
     SpeedScalable,
     TrajectoryFollower,
 )
-from tool0.control.goal import Goal, GoalResult, Result
+from tool0.control.goal import Goal, GripperResult, Result
 from tool0.control.manager import ControllerManager
 from tool0.control.status import KIND_OF
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
@@ -523,25 +523,43 @@ class Core:
                     self.hardware.set_drive_limits(joint, (bounds or {}).get(joint))
 
     def _started(self, goal: Goal) -> Goal:
-        goal.explain = lambda result: self._with_contacts(goal, result)
+        goal.explain = lambda result: self._explained(goal, result)
         self.when_goal_starts(goal)
         return goal
 
-    def _with_contacts(self, goal: Goal, result: Result) -> Result:
+    def _explained(self, goal: Goal, result: Result) -> Result:
         """Return an outcome with the reason why the joints stopped, if it is known."""
-        if not isinstance(result, GoalResult) or not result.is_violation:
+        if isinstance(result, GripperResult):
+            return self._with_grip(goal, result) if result.stalled else result
+        if not result.is_violation:
             return result
         joints = self.manager.spec(goal.controller).joints
-        links = {
-            link
-            for joint in joints
-            for link in self._model.links_from(self._model.joint(joint).child)
-        }
-        touching = external_contacts(frozenset(links), self.engine.world.contacts())
+        touching = self._touching(self._model.joint(name).child for name in joints)
         if not touching:
             return result
-        why = f"{result.error_string}; {contacts_text(touching)}"
-        return replace(result, error_string=why)
+        return replace(result, error_string=f"{result.error_string}; {touching}")
+
+    def _with_grip(self, goal: Goal, result: GripperResult) -> GripperResult:
+        """Return the outcome of a stalled gripper, with what stopped it."""
+        (joint,) = self.manager.spec(goal.controller).joints
+        holds = any(
+            gripper.joint == joint and gripper.name in self.grip_contacts.gripping
+            for gripper in self._model.grippers
+        )
+        why = self.gripper_obstacle(joint)
+        text = f"stopped by what it holds ({why})" if holds else f"blocked ({why})"
+        return replace(result, holds=holds, error_string=text)
+
+    def gripper_obstacle(self, joint: str) -> str:
+        """Return what stops the gripper that ``joint`` drives."""
+        touching = self._touching((self._model.joint(joint).parent,))
+        return touching or "no contact: its stop, or the load"
+
+    def _touching(self, roots: Iterable[str]) -> str:
+        """Return what the links from ``roots`` on touch; empty for nothing."""
+        links = {link for root in roots for link in self._model.links_from(root)}
+        contacts = self.engine.world.contacts()
+        return contacts_text(external_contacts(frozenset(links), contacts))
 
 
 def _whole_multiple(period: float, dt: float) -> int:

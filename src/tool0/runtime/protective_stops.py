@@ -144,7 +144,7 @@ class _Arm:
         self._is_servoed = False
         """Whether servos drive all joints to positions."""
         tracked = [joint.tracked for joint in self._joints]
-        self._select = joint_selector([joint.index for joint in tracked])
+        self._select = joint_selector([joint.number for joint in tracked])
         self._least_error = min((joint.error for joint in tracked), default=math.inf)
         self.forget()
 
@@ -203,7 +203,7 @@ class _Arm:
                     f"joint '{tracked.name}' is commanded to {target:.4g} rad; its "
                     f"limits are [{joint.lower:.4g}, {joint.upper:.4g}] rad"
                 )
-            error = abs(target - state.position[tracked.index])
+            error = abs(target - state.position[tracked.number])
             if not error <= tracked.error:
                 return tracked.off_path(error, self._world)
         return ""
@@ -212,7 +212,7 @@ class _Arm:
         """Return the setpoint of each joint that is moved by position [rad | m]."""
         claimed = self._hardware.claimed
         wanted = {
-            joint.name: command[joint.index]
+            joint.name: command[joint.number]
             for joint in (joint.tracked for joint in self._joints)
             if claimed.get(joint.name) is Interface.POSITION
         }

@@ -123,6 +123,7 @@ class JointTrajectoryController:
     It behaves as ROS 2's controller of that name, but for these of its faults:
 
     * a goal whose command timed out is aborted; ROS reports it as reached;
+    * without a goal tolerance, a joint must come within DEFAULT_GOAL_TOLERANCE;
     * after the end of a trajectory with a velocity there, the joints are to rest;
     * continuous joints go to the nearest turn of a point, instead of jumping to the
       point's own turn;
