@@ -271,6 +271,14 @@ class Engine(Protocol):
             DivergenceError: If it is not finite.
         """
 
+    def set_brakes(self, torques: Mapping[int, float]) -> None:
+        """Engage the brakes of these joints, by number, and release all others.
+
+        A brake is dry friction of at most that torque [N·m | N] in the joint: it slows
+        the joint, and holds it at rest against any load that is smaller.  The state
+        does not change, and a reset leaves the brakes as they are.
+        """
+
     def step(self) -> None:
         """Advance simulated time by ``dt``."""
 
@@ -307,12 +315,19 @@ class NativeStepper(NamedTuple):
     """Of the efforts that the engine applies [N·m | N]."""
     motor_joints: tuple[int, ...]
     """The joint that each motor drives."""
+    brakes: tuple[int, ...]
+    """The joints with engaged brakes.  One that is slower than ``BRAKE_STANDSTILL``
+    after a step stands: it keeps its position from before the step, with velocity 0."""
     steps: Callable[[], int]
     """Returns the steps of the engine since its time was 0."""
     note_steps: Callable[[int, list[float]], None]
     """Tells the engine the steps since its time was 0, and the last effort."""
 
 
+BRAKE_STANDSTILL = 3e-4
+"""Speed below which a joint with an engaged brake stands [rad/s | m/s].  Friction that a
+solver regularises creeps; with MuJoCo and rated payloads, at 1e-4 rad/s at most.  To
+move a joint that stands takes 0.3 rad/s² in a step of 1 ms beyond its friction."""
 LARGEST_VELOCITY = 1e4
 """Speed from which a simulation counts as diverged [rad/s | m/s].  No drive and no fall
 gets near it, and growing numbers pass it some steps before infinity."""

@@ -1,8 +1,9 @@
 """Joint commands in, joint efforts out: interfaces, servos, limits and brakes.
 
-A joint is driven in one of three ways: by the effort of its controller; by the position
-or velocity of its controller, through a servo; or by the brake, if no controller claims
-it.  A drive may offer several command interfaces; the claim selects one of them.
+A joint is driven in one of two ways: by the effort of its controller, or by the position
+or velocity of its controller, through a servo.  If no controller claims it, or while it
+is stopped, its drive is off and the engine holds it by its brake, which knows no model
+of the load.  A drive may offer several command interfaces; the claim selects one of them.
 
 Without gains, Gazebo's position interface sets the joint position directly; ours never
 does.  The effort of a servo is gravity compensation, plus a PD law scaled by the
@@ -25,6 +26,7 @@ from tool0.description.model import (
     Interface,
     Joint,
     JointLimits,
+    JointType,
     RobotModel,
     Transmission,
 )
@@ -39,8 +41,9 @@ from tool0.hardware.limits import (
     EffortLimits,
 )
 from tool0.hardware.payload import Payload, replaced_tools
+from tool0.hardware.servo_masses import bounded_masses, integral_rate, largest_ratio
 from tool0.hardware.servos import (
-    Brake,
+    INTEGRAL_RATE,
     PositionServo,
     Servo,
     ServoLaw,
@@ -79,8 +82,10 @@ class DriveSetup(NamedTuple):
 
     drive_limits: Mapping[int, DriveLimits]
     """Limits of goals, by joint."""
+    brakes: Mapping[int, float]
+    """Largest torque of each engaged brake, by joint [N·m | N]."""
     servos: tuple[tuple[int, ServoLaw], ...]
-    """Joints with a servo or a brake, in the order of the mass matrix."""
+    """Joints with a servo, in the order of the mass matrix."""
     masses: tuple[list[float], ...]
     """The mass matrix of these joints, by row; empty if it is to be computed."""
     fastest: list[float]
@@ -140,7 +145,8 @@ class RobotHardware:
         }
         self._model, self._gravity_vector = model, gravity
         self._payloads: dict[str, Payload] = {}
-        self._dynamics = JointDynamics(model, gravity)
+        self._own_dynamics = self._dynamics = JointDynamics(model, gravity)
+        """Without and with the declared payloads."""
         self.speed_scaling = {
             flange.removesuffix(FLANGE): 1.0 for flange in model.flanges
         }
@@ -149,6 +155,13 @@ class RobotHardware:
         inertias = self._dynamics.mass_matrix([0.0] * len(joint_names)).diagonal()
         # Joints that others mimic are left to ROS's rule, as the recordings have it.
         masters = {joint.mimic.joint for joint in model.movable_joints if joint.mimic}
+        loaded = _joints_before_flanges(model)
+        self._integral_rates = {
+            joint.name: integral_rate(float(inertia), joint.limits.effort)
+            for joint, inertia in zip(model.movable_joints, inertias, strict=True)
+            if joint.name in loaded and not self._armatures.get(joint.name)
+        }
+        """Of the joints that carry a payload."""
         inertia_by_joint = {
             joint.name: math.inf if joint.name in masters else float(inertia)
             for joint, inertia in zip(model.movable_joints, inertias, strict=True)
@@ -179,6 +192,7 @@ class RobotHardware:
         self._fastest: list[float] = []
         """For each joint with a servo, the largest acceleration of its drive."""
         self._servos: dict[int, Servo] = {}
+        self._brakes: Mapping[int, float] = {}
         self._compensated = [
             self.index[name]
             for name, interfaces in self.interfaces.items()
@@ -211,8 +225,17 @@ class RobotHardware:
         """Whether the emergency stop is engaged."""
         return self._is_stopped
 
+    @property
+    def brakes(self) -> Mapping[int, float]:
+        """Largest torque of each engaged brake, by joint, for the engine [N·m | N].
+
+        It is that of the drive, for no datasheet has the brake's: what the drive can
+        move, the brake can hold.  The mapping is the same object until a brake changes.
+        """
+        return self._brakes
+
     def restart(self, state: JointState) -> None:
-        """Reset servos and brakes, and hold ``state`` from now on."""
+        """Reset servos, and hold ``state`` from now on."""
         self._steps = 0
         self._limiter.restart()
         for name in self.interfaces:
@@ -239,8 +262,6 @@ class RobotHardware:
 
     def claim_servos(self, joints: Sequence[str], state: JointState) -> None:
         """Let ``joints`` follow positions, also if their drives offer efforts only.
-
-        Every drive has a servo: its brake uses it as well.
 
         Raises:
             ControlError: If a joint has no drive.
@@ -348,6 +369,8 @@ class RobotHardware:
             self._run_servos(effort, state)
         self._steps += 1
         self._limiter.saturate(effort, state, self._gravity_effort)
+        for i in self._brakes:
+            effort[i] = 0.0
         return effort
 
     @property
@@ -387,6 +410,7 @@ class RobotHardware:
         """What changes in few steps only."""
         return DriveSetup(
             dict(self._limiter.drive_limits),
+            self._brakes,
             self._servo_laws(),
             tuple(row for _, row in self._masses),
             self._fastest,
@@ -408,6 +432,7 @@ class RobotHardware:
 
     def restore(self, setup: DriveSetup, state: DriveState) -> None:
         """Continue from ``setup`` and ``state``; claims and commands stay."""
+        self._brakes = setup.brakes
         if setup.servos != self._servo_laws():
             self._servos = {i: servo_of(law) for i, law in setup.servos}
         self._masses = list(zip(self._servos, setup.masses, strict=False))
@@ -422,23 +447,27 @@ class RobotHardware:
             servo.restore(memory)
 
     def _select_servo(self, name: str, position: float) -> None:
-        """Give the joint the servo or brake for its claim and interface."""
+        """Give the joint the servo for its claim and interface, or engage its brake."""
         i, interface = self.index[name], self._claimed.get(name)
         drive = self._drives[name]
         self._servos.pop(i, None)
         self._masses, self._compensation = [], []
         self._gravity_effort[i] = 0.0
+        brakes = {k: torque for k, torque in self._brakes.items() if k != i}
         if interface is None or self._is_stopped:
-            self._servos[i] = Brake()
+            brakes[i] = drive.hard.effort
         elif interface is Interface.POSITION:
             self._servos[i] = PositionServo(
                 position,
                 drive.hard,
                 drive.soft,
                 is_stiff=self._armatures[name] > 0.0,
+                integral_rate=self._integral_rates.get(name, INTEGRAL_RATE),
             )
         elif interface is Interface.VELOCITY:
             self._servos[i] = VelocityServo(drive.hard, drive.soft)
+        if brakes != self._brakes:
+            self._brakes = brakes
 
     def _add_gravity_compensation(self, effort: list[float], state: JointState) -> None:
         """Add gravity compensation to the efforts of the drives that have it."""
@@ -470,10 +499,21 @@ class RobotHardware:
         return [weights[self.index[name]] for name in joints]
 
     def masses_of(self, joints: Sequence[str], state: JointState) -> Matrix:
-        """Return the mass matrix of ``joints`` [kg·m² | kg], shape (n, n)."""
-        matrix = self._dynamics.mass_matrix([state.position[i] for i in self._to_model])
-        rows = [self._to_model.index(self.index[name]) for name in joints]
-        return matrix[rows][:, rows]
+        """Return the mass matrix of ``joints`` [kg·m² | kg], shape (n, n).
+
+        A declared payload counts as far as a law that is scaled by the matrix stays
+        stable without it.
+        """
+        return self._masses_of([self.index[name] for name in joints], state)
+
+    def _masses_of(self, indices: Sequence[int], state: JointState) -> Matrix:
+        position = [state.position[i] for i in self._to_model]
+        rows = [self._to_model.index(i) for i in indices]
+        own = self._own_dynamics.mass_matrix(position)[rows][:, rows]
+        if not self._payloads:
+            return own
+        declared = self._dynamics.mass_matrix(position)[rows][:, rows]
+        return bounded_masses(own, declared, largest_ratio(self._dt))
 
     def _run_servos(self, effort: list[float], state: JointState) -> None:
         """Set the efforts for the accelerations that the servos request.
@@ -502,16 +542,23 @@ class RobotHardware:
             effort[i] = gravity[i] + reduce(add, map(mul, masses, wanted), 0.0)
 
     def _servo_masses(self, state: JointState) -> list[tuple[int, list[float]]]:
-        matrix = self._dynamics.mass_matrix([state.position[i] for i in self._to_model])
-        rows = [self._to_model.index(i) for i in self._servos]
+        matrix = self._masses_of(list(self._servos), state)
         efforts = [self.limits[self.joint_names[i]].effort for i in self._servos]
-        inertia = matrix.diagonal()[rows].tolist()
+        inertia = matrix.diagonal().tolist()
         # Other drives must not compensate for one that is at its limit.
         self._fastest = list(map(truediv, efforts, inertia))
-        return [
-            (i, matrix[row, rows].tolist())
-            for i, row in zip(self._servos, rows, strict=True)
-        ]
+        return list(zip(self._servos, matrix.tolist(), strict=True))
+
+
+def _joints_before_flanges(model: RobotModel) -> set[str]:
+    """Return the revolute joints that move a flange."""
+    found = set()
+    for link in model.flanges:
+        while joint := model.parent_joint.get(link):
+            if joint.is_movable and joint.type is not JointType.PRISMATIC:
+                found.add(joint.name)
+            link = joint.parent
+    return found
 
 
 def _effort_limits(

@@ -1,4 +1,4 @@
-"""Servos and brakes: the acceleration of one joint towards its command."""
+"""Servos: the acceleration of one joint towards its command."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ BLOCKED = 0.02
 """Lag at a standstill from which any servo counts as blocked [rad | m]: more than a
 load causes."""
 STANDSTILL = 0.02
-"""Velocity below which a brake considers the joint at rest [rad/s | m/s]."""
+"""Velocity below which a joint counts as blocked, if it lags [rad/s | m/s]."""
 
 
 class ServoKind(IntEnum):
@@ -33,10 +33,6 @@ class ServoKind(IntEnum):
     """It moves the joint to the controller's position."""
     VELOCITY = 1
     """It moves the joint at the controller's velocity."""
-    SLOWING = 2
-    """It slows the joint until it is at rest, and then holds it."""
-    HOLDING = 3
-    """It keeps the joint where it came to rest."""
 
 
 class ServoLaw(NamedTuple):
@@ -46,8 +42,8 @@ class ServoLaw(NamedTuple):
     limits: JointLimits
     soft: SafetyController | None
     is_stiff: bool = False
-    held_at: float = 0.0
-    """Position that a brake holds [rad | m], or velocity 0 while it slows."""
+    integral_rate: float = INTEGRAL_RATE
+    """[1/s]"""
 
 
 class ServoState(NamedTuple):
@@ -73,8 +69,10 @@ class PositionServo:
         soft: SafetyController | None = None,
         *,
         is_stiff: bool = False,
+        integral_rate: float = INTEGRAL_RATE,
     ) -> None:
-        self.law = ServoLaw(ServoKind.POSITION, limits, soft, is_stiff)
+        self.law = ServoLaw(ServoKind.POSITION, limits, soft, is_stiff, integral_rate)
+        self._integral_rate = integral_rate
         self._limits = limits
         self._soft = soft
         self._is_stiff = is_stiff
@@ -116,7 +114,7 @@ class PositionServo:
         if is_stopped or is_blocked:
             self._integral = 0.0  # an obstacle is no load
         else:
-            self._integral += stiffness * INTEGRAL_RATE * error * dt
+            self._integral += stiffness * self._integral_rate * error * dt
         speed_error = (target - previous) / dt - velocity
         return (
             stiffness * error
@@ -156,50 +154,17 @@ class VelocityServo:
         return gain * error + self._integral
 
 
-@final
-class Brake:
-    """Slows one joint to rest and then holds it there."""
-
-    def __init__(self) -> None:
-        # With an integral, so that a payload does not make the joint creep.
-        self._servo: PositionServo | VelocityServo = VelocityServo(JointLimits())
-        self.law = self._servo.law._replace(kind=ServoKind.SLOWING)
-
-    @property
-    def state(self) -> ServoState:
-        """What it remembers."""
-        return self._servo.state
-
-    def restore(self, state: ServoState) -> None:
-        """Continue from ``state``, of the same law."""
-        self._servo.restore(state)
-
-    def hold(self, position: float) -> None:
-        """Hold the joint at ``position`` [rad | m] from now on."""
-        self._servo = PositionServo(position, JointLimits())
-        kind = ServoKind.HOLDING
-        self.law = self._servo.law._replace(kind=kind, held_at=position)
-
-    def acceleration(
-        self, command: float, position: float, velocity: float, dt: float, left: int
-    ) -> float:
-        """Return the braking acceleration [rad/s² | m/s²]; ``command`` is not read."""
-        if self.law.kind is ServoKind.SLOWING and abs(velocity) <= STANDSTILL:
-            self.hold(position)
-        # A joint that is slowed down has velocity 0 as its target.
-        return self._servo.acceleration(self.law.held_at, position, velocity, dt, left)
-
-
-Servo = PositionServo | VelocityServo | Brake
+Servo = PositionServo | VelocityServo
 
 
 def servo_of(law: ServoLaw) -> Servo:
     """Return a servo with this law; its state is to be restored."""
     if law.kind is ServoKind.POSITION:
-        return PositionServo(0.0, law.limits, law.soft, is_stiff=law.is_stiff)
-    if law.kind is ServoKind.VELOCITY:
-        return VelocityServo(law.limits, law.soft)
-    brake = Brake()
-    if law.kind is ServoKind.HOLDING:
-        brake.hold(law.held_at)
-    return brake
+        return PositionServo(
+            0.0,
+            law.limits,
+            law.soft,
+            is_stiff=law.is_stiff,
+            integral_rate=law.integral_rate,
+        )
+    return VelocityServo(law.limits, law.soft)

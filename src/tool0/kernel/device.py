@@ -305,8 +305,10 @@ def _laws(
                 f"controller '{name}' cannot run on a GPU; only ROS 1's Joint"
                 "TrajectoryControllers with an effort interface can: use device='cpu'"
             )
-    if hardware.setup.servos:
-        joints = [hardware.joint_names[i] for i, _ in hardware.setup.servos]
+    setup = hardware.setup
+    held = [*(i for i, _ in setup.servos), *setup.brakes]
+    if held:
+        joints = [hardware.joint_names[i] for i in sorted(held)]
         raise ConfigError(
             f"the servos and brakes of {', '.join(joints)} cannot run on a GPU; only "
             "joints with a running effort controller can: use device='cpu'"

@@ -121,7 +121,7 @@ static double to_position(const DriveTable *table, DriveServo *servo, double com
     if (is_stopped || is_blocked)
         servo->integral = 0.0;
     else
-        servo->integral += stiffness * table->integral_rate * error * dt;
+        servo->integral += stiffness * servo->integral_rate * error * dt;
     double speed_error = (target - previous) / dt - velocity;
     return stiffness * error
            + 2.0 * table->damping_ratio * servo->bandwidth * speed_error
@@ -142,16 +142,9 @@ static double at_velocity(const DriveTable *table, DriveServo *servo, double com
 static double acceleration(const DriveTable *table, DriveServo *servo, double command,
                            double position, double velocity, int left)
 {
-    switch (servo->kind) {
-    case SERVO_POSITION:
+    if (servo->kind == SERVO_POSITION)
         return to_position(table, servo, command, position, velocity, left);
-    case SERVO_VELOCITY:
-        return at_velocity(table, servo, command, position, velocity);
-    case SERVO_SLOWING:
-        return at_velocity(table, servo, 0.0, position, velocity);
-    default:
-        return to_position(table, servo, servo->held_at, position, velocity, left);
-    }
+    return at_velocity(table, servo, command, position, velocity);
 }
 
 /* ---- limits: hardware/limits.py -------------------------------------------------- */
@@ -247,15 +240,7 @@ static int needs_python(const Drives *drives, const double *command,
             return 1;
     if (!drives->n_servos)
         return 0;
-    if (!drives->has_masses || drives->steps % table->pose_period == 0)
-        return 1;
-    for (int k = 0; k < drives->n_servos; k++) {
-        const DriveServo *servo = &drives->servos[k];
-        if (servo->kind == SERVO_SLOWING
-            && !(fabs(velocity[servo->joint]) > table->standstill))
-            return 1;
-    }
-    return 0;
+    return !drives->has_masses || drives->steps % table->pose_period == 0;
 }
 
 static void run_servos(Drives *drives, const double *loads, const double *command,
@@ -332,6 +317,8 @@ TOOL0_EXPORT int drives_efforts(Drives *drives, const double *command,
         u = saturate(bounds, speed, u, q, qd);
         requested[i] = bounds->limits_effort ? soften(bounds, u, q, qd) : u;
     }
+    for (int k = 0; k < drives->n_brakes; k++)
+        requested[drives->brakes[k]] = 0.0;
     memcpy(effort, requested, sizeof requested);
     return DRIVES_OK;
 }

@@ -39,7 +39,7 @@ typedef struct DriveTable {
     int n_joints, n_bodies, n_springs, n_drives, n_compensated, pose_period;
     int steps_per_command; /* in which a position servo reaches a command */
     double dt, gravity;
-    double damping_ratio, velocity_bandwidth, integral_rate;
+    double damping_ratio, velocity_bandwidth, integral_rate; /* that of velocities */
     double stopped, blocked, standstill; /* servos.py */
     const DriveBody *bodies;
     const DriveSpring *springs;
@@ -55,12 +55,12 @@ typedef struct DriveGoal {
     double pad_cos, pad_sin, pad_slope;
 } DriveGoal;
 
-enum { SERVO_POSITION, SERVO_VELOCITY, SERVO_SLOWING, SERVO_HOLDING };
+enum { SERVO_POSITION, SERVO_VELOCITY };
 
-/* A servo or a brake (servos.py, ServoLaw and ServoState). */
+/* A servo (servos.py, ServoLaw and ServoState). */
 typedef struct DriveServo {
     int joint, kind, is_stiff;
-    double bandwidth, lower, upper, held_at;
+    double bandwidth, lower, upper, integral_rate;
     double fastest; /* largest acceleration */
     DriveWindow window;
     double target, integral, speed;
@@ -71,20 +71,21 @@ typedef struct Drives {
     const DriveTable *table;
     long long steps;
     int has_compensation; /* 0: it is to be computed */
-    int n_servos, has_masses;
+    int n_servos, has_masses, n_brakes;
     double *gravity;      /* (n_joints), the part of the effort that compensates it */
     double *before;       /* (n_joints), velocity in the last step; NaN: not limited */
     double *compensation; /* (n_compensated) */
     DriveGoal *goals;     /* (n_joints) */
     DriveServo *servos;   /* (n_servos) */
     double *masses;       /* (n_servos, n_servos) */
+    int *brakes;          /* (n_brakes), joints with an engaged brake: no effort */
 } Drives;
 
 /* Compute the efforts of the next step; all arrays have shape (n_joints).
  *
  * effort: in, the effort applied in the last step; out, that of the next one.
  * Returns DRIVES_EVENT, with nothing changed, when Python must execute this step: the
- * mass matrix is due, a brake comes to rest, or a value is not finite.
+ * mass matrix is due, or a value is not finite.
  */
 int drives_efforts(Drives *drives, const double *command, const double *position,
                    const double *velocity, double *effort);

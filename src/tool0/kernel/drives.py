@@ -98,7 +98,7 @@ class _Goal(ctypes.Structure):
 class _Servo(ctypes.Structure):
     _fields_ = (
         *_integers("joint", "kind", "is_stiff"),
-        *_numbers("bandwidth", "lower", "upper", "held_at", "fastest"),
+        *_numbers("bandwidth", "lower", "upper", "integral_rate", "fastest"),
         ("window", _Window),
         *_numbers("target", "integral", "speed"),
     )
@@ -110,13 +110,14 @@ class Drives(ctypes.Structure):
     _fields_ = (
         ("table", POINTER(_Table)),
         ("steps", c_longlong),
-        *_integers("has_compensation", "n_servos", "has_masses"),
+        *_integers("has_compensation", "n_servos", "has_masses", "n_brakes"),
         ("gravity", POINTER(c_double)),
         ("before", POINTER(c_double)),
         ("compensation", POINTER(c_double)),
         ("goals", POINTER(_Goal)),
         ("servos", POINTER(_Servo)),
         ("masses", POINTER(c_double)),
+        ("brakes", POINTER(c_int)),
     )
 
 
@@ -136,7 +137,7 @@ class NativeDrives:
         self._hardware = hardware
         self._bounds = {drive.joint: drive for drive in table.bounds}
         self._rotors = {drive.joint for drive in table.bounds if drive.rotor < math.inf}
-        self._setup = DriveSetup({}, (), (), [])
+        self._setup = DriveSetup({}, {}, (), (), [])
         n_joints, n_drives = len(hardware.joint_names), len(table.bounds)
         self._gravity: ctypes.Array[Any] = (c_double * n_joints)()
         self._before: ctypes.Array[Any] = (c_double * n_joints)(*[math.nan] * n_joints)
@@ -144,12 +145,13 @@ class NativeDrives:
         self._goals = (_Goal * n_joints)()
         self._servos = (_Servo * n_drives)()
         self._masses: ctypes.Array[Any] = (c_double * n_drives**2)()
+        self._brakes: ctypes.Array[Any] = (c_int * n_drives)()
         self._table = table
         self.struct = Drives(
             ctypes.pointer(_table(n_joints, table)),
-            *(0, 0, 0, 0),
+            *(0, 0, 0, 0, 0),
             *(self._gravity, self._before, self._compensation),
-            *(self._goals, self._servos, self._masses),
+            *(self._goals, self._servos, self._masses, self._brakes),
         )
         self.load()
 
@@ -214,6 +216,8 @@ class NativeDrives:
         for i in before.drive_limits.keys() | setup.drive_limits.keys():
             self._set_goal(i, setup.drive_limits.get(i))
         struct = self.struct
+        struct.n_brakes = len(setup.brakes)
+        self._brakes[: len(setup.brakes)] = list(setup.brakes)
         struct.n_servos, struct.has_masses = len(setup.servos), bool(setup.masses)
         if setup.servos != before.servos:
             for k, (i, law) in enumerate(setup.servos):
@@ -304,7 +308,7 @@ def _servo(joint: int, law: ServoLaw) -> _Servo:
         STIFF_BANDWIDTH if law.is_stiff else BANDWIDTH,
         law.limits.lower,
         law.limits.upper,
-        law.held_at,
+        law.integral_rate,
         0.0,
         _window(law.limits, law.soft),
     )

@@ -71,6 +71,18 @@ static int step_engine(Robot *robot)
     return !is_error;
 }
 
+/* Let joints stand that their brakes have brought to rest: friction alone creeps. */
+static void stick(Robot *robot)
+{
+    for (int k = 0; k < robot->n_brakes; k++) {
+        int i = robot->brakes[k];
+        if (fabs(robot->velocity[i]) < robot->standstill) {
+            robot->position[i] = robot->step_position[i];
+            robot->velocity[i] = 0.0;
+        }
+    }
+}
+
 /* Execute one physics step; on an event, return RUN_EVENT before it. */
 static int step(Robot *robot)
 {
@@ -85,6 +97,7 @@ static int step(Robot *robot)
         robot->motors[j] = robot->effort[robot->motor_joints[j]];
     if (!step_engine(robot))
         return RUN_EVENT;
+    stick(robot);
     robot->steps++;
     return is_suspicious(robot->velocity, robot->n_velocities) ? RUN_CHECK : RUN_DONE;
 }

@@ -21,7 +21,7 @@ from tool0.control.law import (
 )
 from tool0.control.sampler import GoalMonitor, pieces_from
 from tool0.control.watch import TrajectoryWatch
-from tool0.hardware.engine import JointState, NativeStepper
+from tool0.hardware.engine import BRAKE_STANDSTILL, JointState, NativeStepper
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.drives import NativeDrives, goal_limits
@@ -65,6 +65,9 @@ class RobotMemory:
         struct.n_velocities, struct.motors = stepper.n_velocities, stepper.motors
         struct.n_motors = len(self._motor_joints)
         struct.motor_joints = self._motor_joints.ctypes.data
+        self._brakes = np.array(stepper.brakes, dtype=np.int32)
+        struct.n_brakes, struct.brakes = len(self._brakes), self._brakes.ctypes.data
+        struct.standstill = BRAKE_STANDSTILL
 
     def tick_start(self) -> JointState:
         """Return the state at the start of the last tick, or of an unfinished one."""

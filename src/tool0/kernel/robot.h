@@ -19,6 +19,7 @@ typedef struct {
     int32_t n_velocities; /* of the engine, those of objects included */
     int32_t n_motors;
     int32_t n_laws;
+    int32_t n_brakes;
     int32_t steps_per_tick;
     int32_t steps_left; /* out: of a tick that Python must finish */
     int64_t steps;      /* since the time was 0 */
@@ -27,9 +28,11 @@ typedef struct {
     void (**on_error)(const char *); /* what the engine calls on an error; may be null */
     const void *model;
     void *data;
-    const double *position, *velocity; /* of the engine */
-    double *motors;                    /* efforts that the engine reads */
+    double *position, *velocity; /* of the engine */
+    double *motors;              /* efforts that the engine reads */
     const int32_t *motor_joints;
+    const int32_t *brakes; /* (n_brakes), joints whose engaged brakes stick ... */
+    double standstill;     /* ... below this speed */
     Law *laws;
     Drives *drives;
     double *command, *effort; /* shape (n_joints) as all below */

@@ -94,6 +94,8 @@ class Core:
         self._kernel = Kernel(engine, hardware, manager, self.control_period)
         self._program: Program | None = None
         """What executes the ticks, while it has the state of controllers and drives."""
+        self._brakes: Mapping[int, float] = {}
+        """Those that the engine has."""
         self._initial = list(initial_position)
         self._start = self._initial
         self._commanded: set[str] = set()
@@ -125,6 +127,7 @@ class Core:
     def tick(self) -> None:
         """Update the controllers once and advance by one control period."""
         self.settle()
+        self._set_brakes()
         state = self.state
         if not self.pulls.is_idle:
             self.pulls.tick(state)
@@ -135,6 +138,13 @@ class Core:
             self.arm_motions.tick(state)
         self.manager.update(state, self.control_period)
         self._finish_tick(state, self._steps_per_tick)
+
+    def _set_brakes(self) -> None:
+        """Let the engine have the brakes that are engaged now."""
+        brakes = self.hardware.brakes
+        if brakes is not self._brakes:
+            self._brakes = brakes
+            self.engine.set_brakes(brakes)
 
     def _finish_tick(self, state: JointState, n_steps: int) -> None:
         """Execute the last steps of a tick, from ``state`` on."""
@@ -154,8 +164,8 @@ class Core:
 
         The kernel executes what it can; after a tick in Python, this returns.
         """
-        stepper = self.engine.stepper
-        program = None if stepper is None else self.program()
+        program = None if self.engine.stepper is None else self.program()
+        stepper = self.engine.stepper  # another one, if brakes changed
         if program is None or stepper is None:
             self.tick()
             return 1
@@ -172,6 +182,7 @@ class Core:
             and self.control_boxes.is_steady
             and self.arm_motions.is_idle
         ):
+            self._set_brakes()
             self._program = self._kernel.load(self.state)
         return self._program
 

@@ -77,6 +77,7 @@ class ToyEngine:
         self.dt = dt
         self.world = ToyWorld()
         self.mass = mass
+        self._braked: frozenset[int] = frozenset()
         self.reset([0.0] * len(joint_names))
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
@@ -88,13 +89,19 @@ class ToyEngine:
         time = self._start + self._steps * self.dt
         return JointState(time, self._position, self._velocity, self._effort)
 
+    def set_brakes(self, torques: Mapping[int, float]) -> None:
+        self._braked = frozenset(torques)
+
     def write(self, effort: Sequence[float]) -> None:
         self._effort = list(effort)
 
     def step(self) -> None:
         dt, mass = self.dt, self.mass
         state = list(zip(self._position, self._velocity, self._effort, strict=True))
-        self._velocity = [(mass * v + u * dt) / (mass + 20.0 * dt) for _, v, u in state]
+        self._velocity = [
+            0.0 if i in self._braked else (mass * v + u * dt) / (mass + 20.0 * dt)
+            for i, (_, v, u) in enumerate(state)
+        ]
         self._position = [
             q + v * dt for (q, _, _), v in zip(state, self._velocity, strict=True)
         ]

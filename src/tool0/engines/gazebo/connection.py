@@ -17,7 +17,7 @@ import numpy as np
 from tool0.errors import EngineError, EngineUnavailableError
 from tool0.hardware.bodies import Matrix
 
-VERSION = 7
+VERSION = 8
 """Version of the packets, as ``kVersion`` in bridge.cc."""
 ANSWER_TIMEOUT = 1.5
 """Timeout of an answer [s]: a hang is reported within two seconds."""
@@ -44,6 +44,7 @@ class RequestKind(IntEnum):
     DETACH = 10
     CENTER = 11
     WRENCHES = 12
+    BRAKES = 13
 
 
 @final

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import final
 
@@ -36,6 +36,9 @@ from tool0.hardware.engine import (
 )
 from tool0.installation.gazebo.installation import find_installation
 from tool0.installation.gazebo.plugin import bridge_libraries
+
+_STRONGEST_BRAKE = 1e6
+"""Of a drive without an effort limit [N·m | N]."""
 
 
 @final
@@ -143,6 +146,12 @@ class GazeboEngine:
         if not math.isfinite(sum(held)):
             raise effort_divergence(self.joint_names, held, self._steps * self.dt)
         self._effort = held
+
+    def set_brakes(self, torques: Mapping[int, float]) -> None:
+        self._finish_step()
+        joints = range(len(self.joint_names))
+        values = [min(torques.get(i, 0.0), _STRONGEST_BRAKE) for i in joints]
+        self._connection.request(RequestKind.BRAKES, pack_floats(values))
 
     def step(self) -> None:
         """Advance simulated time by ``dt``; ``read`` waits for the result."""

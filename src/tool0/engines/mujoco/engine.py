@@ -7,12 +7,13 @@ import ctypes
 import logging
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, final
 
 import mujoco
+import numpy as np
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
@@ -20,6 +21,7 @@ from tool0.engines.mujoco.model import build_spec
 from tool0.engines.mujoco.world import MujocoWorld
 from tool0.errors import ConfigError, DivergenceError, ModelError
 from tool0.hardware.engine import (
+    BRAKE_STANDSTILL,
     JointState,
     NativeStepper,
     check_dt,
@@ -30,6 +32,14 @@ from tool0.hardware.engine import (
 )
 
 logger = logging.getLogger(__name__)
+
+_BRAKE_SOLREF = (0.002, 1.0)
+"""Time constant and damping ratio of a brake's friction: as stiff as steps of 1 ms
+permit."""
+_BRAKE_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
+"""Its impedance, the largest that MuJoCo has: a brake does not yield."""
+_MOST_FRICTION = 1e6
+"""Of a drive without an effort limit [N·m | N]."""
 
 
 def _log_warning(message: str) -> None:
@@ -83,6 +93,7 @@ class MujocoEngine:
         self._steps = 0
         n = len(self.joint_names)
         self._effort = [0.0] * n
+        self._brakes: Mapping[int, float] = {}
         robot_spec = build_spec(model, dt=dt, ground=ground)
         self.world = MujocoWorld(
             model, robot_spec, scene or Scene(), ground=ground, on_compiled=self._use
@@ -115,9 +126,24 @@ class MujocoEngine:
         self._effort = held
         self._pack(self._ctrl, 0, *self._motors(held))
 
+    def set_brakes(self, torques: Mapping[int, float]) -> None:
+        self._brakes = torques
+        self._engage_brakes()
+
     def step(self) -> None:
-        mujoco.mj_step(self.model, self.data)
+        if self._braked.size:
+            self._step_with_brakes()
+        else:
+            mujoco.mj_step(self.model, self.data)
         self._steps += 1
+
+    def _step_with_brakes(self) -> None:
+        braked = self._braked
+        before = self._position[braked]
+        mujoco.mj_step(self.model, self.data)
+        stands = np.abs(self._velocity[braked]) < BRAKE_STANDSTILL
+        self._position[braked[stands]] = before[stands]
+        self._velocity[braked[stands]] = 0.0
 
     def close(self) -> None:
         """Do nothing: MuJoCo runs inside the process."""
@@ -131,6 +157,24 @@ class MujocoEngine:
         self._velocity = data.qvel
         self._has_objects = model.nv > n  # movable ones
         self._ctrl = memoryview(data.ctrl)
+        friction, solref, solimp = (
+            model.dof_frictionloss,
+            model.dof_solref,
+            model.dof_solimp,
+        )
+        self._friction = friction[:n].copy(), solref[:n].copy(), solimp[:n].copy()
+        self._engage_brakes()
+
+    def _engage_brakes(self) -> None:
+        """Give the joints the friction of their brakes, beside that of the model."""
+        model, n = self.model, len(self.joint_names)
+        friction, solref, solimp = self._friction
+        model.dof_frictionloss[:n] = friction
+        model.dof_solref[:n], model.dof_solimp[:n] = solref, solimp
+        for joint, torque in self._brakes.items():
+            model.dof_frictionloss[joint] += min(torque, _MOST_FRICTION)
+            model.dof_solref[joint], model.dof_solimp[joint] = _BRAKE_SOLREF, _BRAKE_SOLIMP
+        self._braked = np.array(sorted(self._brakes), dtype=np.intp)
         self.stepper = self._stepper()
 
     def motor_joints(self) -> tuple[int, ...]:
@@ -160,6 +204,7 @@ class MujocoEngine:
             n_velocities=model.nv,
             motors=data.ctrl.ctypes.data,
             motor_joints=self.motor_joints(),
+            brakes=tuple(self._brakes),
             steps=lambda: self._steps,
             note_steps=note_steps,
         )

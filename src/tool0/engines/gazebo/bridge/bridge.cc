@@ -58,7 +58,7 @@ using ignition::math::Quaterniond;
 using ignition::math::Vector3d;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kVersion = 7;
+constexpr std::uint32_t kVersion = 8;
 constexpr std::size_t kMaxPacket = 1 << 16;               // [bytes]
 constexpr auto kModelTimeout = std::chrono::seconds(10);  // to add or remove a model
 constexpr auto kRequestsDone = std::chrono::milliseconds(1500);  // twice, at 5 Hz
@@ -81,7 +81,8 @@ enum Kind : std::uint32_t {
   kAttach,
   kDetach,
   kCenter,
-  kWrenches
+  kWrenches,
+  kBrakes
 };
 
 /// A packet that is being read or written, piece by piece.
@@ -172,13 +173,15 @@ bool IsFinite(const gazebo::physics::LinkPtr& link) {
   return std::isfinite(sum) && std::inner_product(q, q + 4, q, 0.0) > 0.5;
 }
 
-/// A joint of the robot, at zero when it is made, with what Gazebo's own lacks: full turns
-/// and armature.
+/// A joint of the robot, at zero when it is made, with what Gazebo's own lacks: full turns,
+/// armature, and a brake.
 ///
 /// An armature A resists by -A (v' - v) / dt, where v' is the velocity after the step, and a
 /// damping D by -D v'.  Both are a motor of ODE's, beside the joint, that wants the velocity
 /// v A / (A + D dt), is as strong as it takes, but yields by dt / (A + D dt).  Gazebo's own
 /// damper of the joint could do the same, but not at a stop, where it ceases.
+///
+/// A brake is such a motor, too: it wants the joint to stand, with at most its torque.
 class Drive {
  public:
   explicit Drive(gazebo::physics::JointPtr its)
@@ -209,34 +212,43 @@ class Drive {
   }
   void ApplyEffort(double effort) {
     joint->SetForce(0, effort);
-    if (!motor_) return;
-    SetMotor(dParamVel, velocity_gain_ * Speed());
+    if (motor_) Set(motor_, dParamVel, velocity_gain_ * Speed());
+  }
+  /// Engages the brake with a torque [N·m | N]; releases it if that is 0.
+  void SetBrake(double torque, dWorldID world) {
+    if (!brake_ && torque > 0.0) brake_ = MakeMotor(world);
+    if (brake_) Set(brake_, dParamFMax, torque);
   }
   /// Adds an armature [kg·m² | kg], and takes over the joint's damping.
   void AddArmature(double armature, double dt, dWorldID world) {
     const double inert = armature / dt, all = inert + joint->GetDamping(0);
     joint->SetDamping(0, 0.0);
     velocity_gain_ = inert / all;
-    motor_ = turns ? dJointCreateAMotor(world, 0) : dJointCreateLMotor(world, 0);
-    dJointAttach(motor_, below, above);
-    const Vector3d along = joint->GlobalAxis(0);
-    (turns ? dJointSetAMotorNumAxes : dJointSetLMotorNumAxes)(motor_, 1);
-    (turns ? dJointSetAMotorAxis : dJointSetLMotorAxis)(
-        motor_, 0, kOfFirstBody, along.X(), along.Y(), along.Z());
-    SetMotor(dParamFMax, dInfinity);
-    SetMotor(dParamCFM, 1.0 / all);
+    motor_ = MakeMotor(world);
+    Set(motor_, dParamFMax, dInfinity);
+    Set(motor_, dParamCFM, 1.0 / all);
   }
 
  private:
   dBodyID above, below;  // of the parent, which may be none, and of the child
   Quaterniond back;      // from how the child is turned in its parent, at zero
   Vector3d axis;         // in the child
-  dJointID motor_ = nullptr;
+  dJointID motor_ = nullptr, brake_ = nullptr;
   double velocity_gain_ = 1.0;  // of the velocity, in a step
   static constexpr int kOfFirstBody = 1;
 
-  void SetMotor(int parameter, double value) const {
-    (turns ? dJointSetAMotorParam : dJointSetLMotorParam)(motor_, parameter, value);
+  /// Returns a motor of ODE's along the joint, without any strength.
+  dJointID MakeMotor(dWorldID world) const {
+    const dJointID motor = turns ? dJointCreateAMotor(world, 0) : dJointCreateLMotor(world, 0);
+    dJointAttach(motor, below, above);
+    const Vector3d along = joint->GlobalAxis(0);
+    (turns ? dJointSetAMotorNumAxes : dJointSetLMotorNumAxes)(motor, 1);
+    (turns ? dJointSetAMotorAxis : dJointSetLMotorAxis)(
+        motor, 0, kOfFirstBody, along.X(), along.Y(), along.Z());
+    return motor;
+  }
+  void Set(dJointID motor, int parameter, double value) const {
+    (turns ? dJointSetAMotorParam : dJointSetLMotorParam)(motor, parameter, value);
   }
   /// Returns the joint's velocity.  ODE's own of a slider is wrong while its parent turns:
   /// it compares the centres of both bodies.
@@ -611,6 +623,7 @@ class Bridge : public gazebo::SystemPlugin {
       case kDetach: Detach(packet_.TakeText()), BeginAnswer(); return false;
       case kCenter: Center(); return false;
       case kWrenches: HoldWrenches(); return false;
+      case kBrakes: SetBrakes(); return false;
     }
     throw std::runtime_error("unknown request");
   }
@@ -627,6 +640,12 @@ class Bridge : public gazebo::SystemPlugin {
     UpdateGears();
     contacts_.BeginStep();
     return stepping_ = true;
+  }
+
+  /// In: torque of each joint's brake [N·m | N], 0 for one that is released.
+  void SetBrakes() {
+    for (Drive& drive : drives_) drive.SetBrake(packet_.Take<double>(), Ode());
+    BeginAnswer();
   }
 
   void UpdateGears() {

@@ -1,0 +1,67 @@
+"""The masses by which servos are scaled, and how a wrong payload leaves them stable.
+
+A servo of natural frequency ω and damping ratio ζ is scaled by a mass matrix Mₛ, where
+the joints have M.  With Mₛ = r M its gains are r times too large.  In continuous time
+proportional and derivative gains are stable for every r > 0; two bounds remain:
+
+* In steps of dt, the derivative gain must remain below 2 ζ ω r dt = 2.  The joints have
+  at least the masses of the description, whatever payload is declared, so that Mₛ may
+  exceed these by a limited factor only.
+* The integral of rate k needs r > k / (2 ζ ω) (Routh's criterion).  The joints may carry
+  more than was declared, so that k is limited by the largest load of the drive.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from tool0.hardware.bodies import STANDARD_GRAVITY, Matrix
+from tool0.hardware.servos import BANDWIDTH, DAMPING_RATIO, INTEGRAL_RATE
+
+_RATE: Final = 2.0 * DAMPING_RATIO * BANDWIDTH
+"""[1/s]"""
+_STEP_GAIN: Final = 0.8
+"""Largest 2 ζ ω r dt, of the 2 at which a servo becomes unstable."""
+_INTEGRAL_SHARE: Final = 0.25
+"""Largest part of the rate at which an integral becomes unstable."""
+_LEVER: Final = 0.2
+"""Distance of the largest load from the joint [m]: it is as heavy as the drive can just
+carry there.  Of the order of the offsets in UR's payload diagrams."""
+
+
+def largest_ratio(dt: float) -> float:
+    """Return the largest ratio r of the masses for steps of ``dt`` [s]."""
+    return max(1.0, _STEP_GAIN / (_RATE * dt))
+
+
+def bounded_masses(own: Matrix, declared: Matrix, ratio: float) -> Matrix:
+    """Return the ``declared`` mass matrix within 1 … ``ratio`` times its ``own`` one.
+
+    Both have shape (n, n); ``own`` is that of the description, which is positive
+    definite.  The ratio is limited along each of the generalised eigenvectors: the
+    light direction of a wrist does not limit the shoulder.
+    """
+    lower = np.linalg.cholesky(own)
+    inverse = np.linalg.inv(lower)
+    ratios, axes = np.linalg.eigh(inverse @ declared @ inverse.T)
+    if 1.0 <= ratios[0] and ratios[-1] <= ratio:
+        return declared
+    root = lower @ axes
+    return np.asarray((root * np.clip(ratios, 1.0, ratio)) @ root.T)
+
+
+def integral_rate(inertia: float, effort: float) -> float:
+    """Return the rate of the integral of a joint that carries a payload [1/s].
+
+    Args:
+        inertia: The joint's in the description [kg·m²].
+        effort: Of its drive at most [N·m].
+    """
+    if math.isinf(effort):
+        return INTEGRAL_RATE
+    load = effort * _LEVER / -STANDARD_GRAVITY[2]
+    smallest = inertia / (inertia + load)
+    return min(INTEGRAL_RATE, _INTEGRAL_SHARE * _RATE * smallest)
