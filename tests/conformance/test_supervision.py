@@ -131,7 +131,7 @@ def require_no_false_success(robot: tool0.Robot, attempt: Attempt, goal: Aim) ->
 def test_the_floor_in_the_way(robot_for: Robot, way: str) -> None:
     robot = robot_for(way)
     attempt = WAYS[way].start(robot, aim(robot, down=0.25))
-    follow(robot, attempt, 4.0)
+    follow(robot, attempt, 2.0 if way == "hand guiding" else 4.0)
     assert attempt.outcome() in {"failed", "aborted", "none"}
     if way == "hand guiding":  # the hand feels it
         robot.clear_wrenches()
@@ -148,12 +148,12 @@ def test_a_blocked_joint(robot_for: Robot, way: str) -> None:
     robot = robot_for(way)
     robot.scene.add("wall", Box(size=(0.4, 0.05, 1.0)), xyz=(0.5, -0.1, 0.4))
     attempt = WAYS[way].start(robot, aim(robot, turn=-0.8))
-    follow(robot, attempt, 4.0)
+    follow(robot, attempt, 2.0 if way == "hand guiding" else 4.0)
     assert attempt.outcome() in {"failed", "aborted", "none"}
     if way == "hand guiding":
         robot.clear_wrenches()
-    else:
-        assert "'wall'" in attempt.reason
+    else:  # a goal may be judged while the arm rebounds
+        assert "'wall'" in attempt.reason or "_joint" in attempt.reason
     if attempt.outcome() != "none":
         require_rest(robot, attempt)
 
@@ -168,11 +168,11 @@ def test_a_target_beyond_limits_is_refused(robot_for: Robot, way: str) -> None:
     joints = list(aim(robot).joints)
     joints[2] = 3.5  # the elbow's limit is pi
     far = Aim(tuple(joints), Pose(xyz=(3.0, 0.0, 0.5)), 1.5)
-    if way == "speed":
-        far = far._replace(duration=0.1)
+    if way in {"servo", "speed"}:
+        far = far._replace(duration=0.05)
     if way == "jog":
         attempt = WAYS[way].start(robot, far)
-        follow(robot, attempt, 3.0)
+        follow(robot, attempt, 1.5)
         model = robot.description.model
         for name, q in robot.arm.joints.items():
             limits = model.joint(name).limits

@@ -16,11 +16,8 @@ from tool0.description.parts import ArmParts, find_arms
 from tool0.hardware.engine import JointState, World, joint_selector
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.arm_motions import ArmMotions
-from tool0.sensing.stalls import contacts_text, external_contacts
+from tool0.sensing.stalls import LARGEST_LAG, contacts_text, external_contacts
 
-LARGEST_LAG: Final = 0.05
-"""How far the measured position may be behind its setpoint [s at full speed]: a guess,
-for UR does not publish its bound.  For a UR5 it is 0.16 rad."""
 SUSPICIOUS: Final = 0.5
 """Part of the largest lag from which contacts are read: an engine may record them only
 after the first call."""

@@ -40,7 +40,7 @@ from tool0.runtime.joint_motion import (
     planned_motion,
     require_velocities,
 )
-from tool0.runtime.protective_stops import ProtectiveStops
+from tool0.runtime.protective_stops import ProtectiveStops, wanted_positions
 from tool0.runtime.pull_springs import PullSprings
 from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
@@ -121,8 +121,16 @@ class Core:
     @property
     def command(self) -> tuple[float, ...]:
         """The last command of each joint, in the unit of its interface."""
+        return tuple(self._newest_command())
+
+    def _newest_command(self) -> list[float]:
         program = self._program
-        return tuple(self.hardware.command if program is None else program.command)
+        return self.hardware.command if program is None else program.command
+
+    def _wanted(self) -> Mapping[str, float]:
+        """Return the setpoint of each joint that is moved by position [rad | m]."""
+        command = self._newest_command()
+        return wanted_positions(self.hardware, self.manager, command)
 
     def tick(self) -> None:
         """Update the controllers once and advance by one control period."""
@@ -230,13 +238,12 @@ class Core:
     def look_at_contacts(self) -> None:
         """Find joints that push without moving, and grips, between two ticks."""
         contacts = self.engine.world.contacts
-        self.stall_monitor.look(self.state, contacts)
+        self.stall_monitor.look(self.state, contacts, self._wanted)
         self.grip_contacts.look(self.state, contacts)
 
     def look_at_limits(self) -> None:
         """Stop arms whose safety limits are exceeded, between two ticks."""
-        boxes, program = self.control_boxes.states, self._program
-        command = self.hardware.command if program is None else program.command
+        boxes, command = self.control_boxes.states, self._newest_command()
         found = self.protective_stops.look(boxes, self.state, command)
         for arm, reason in found:
             self.settle()
@@ -244,8 +251,7 @@ class Core:
 
     def look_at_motions(self) -> None:
         """End the motions of taken arms that fail, between two ticks."""
-        program = self._program
-        command = self.hardware.command if program is None else program.command
+        command = self._newest_command()
         for arm, reason in self.arm_supervision.look(self.state, command):
             self.settle()
             self.arm_motions.fail(arm, reason, self.state)

@@ -191,7 +191,7 @@ class _Arm:
 
     def _joint_reason(self, state: JointState, command: list[float]) -> str:
         """Return which joint is beyond a limit, or off its path."""
-        wanted = self._wanted(command)
+        wanted = wanted_positions(self._hardware, self._manager, command)
         for joint in self._joints:
             tracked = joint.tracked
             target = wanted.get(tracked.name)
@@ -207,20 +207,6 @@ class _Arm:
             if not error <= tracked.error:
                 return tracked.off_path(error, self._world)
         return ""
-
-    def _wanted(self, command: list[float]) -> Mapping[str, float]:
-        """Return the setpoint of each joint that is moved by position [rad | m]."""
-        claimed = self._hardware.claimed
-        wanted = {
-            joint.name: command[joint.number]
-            for joint in (joint.tracked for joint in self._joints)
-            if claimed.get(joint.name) is Interface.POSITION
-        }
-        for setpoint in self._manager.setpoints().values():
-            models, splines = setpoint.joint_models, setpoint.splines
-            for joint, spline in zip(models, splines, strict=True):
-                wanted[joint.name] = spline.sample(setpoint.time).position
-        return wanted
 
     def _force_reason(self, share: float, box: ControlBoxState) -> str:
         """Filter the forces on all bodies; return which one is too large."""
@@ -243,6 +229,22 @@ class _Arm:
                     f"{largest:.0f} N ({why})"
                 )
         return ""
+
+
+def wanted_positions(
+    hardware: RobotHardware, manager: ControllerManager, command: Sequence[float]
+) -> Mapping[str, float]:
+    """Return the setpoint of each joint that is moved by position [rad | m]."""
+    wanted = {
+        name: command[hardware.index[name]]
+        for name, interface in hardware.claimed.items()
+        if interface is Interface.POSITION
+    }
+    for setpoint in manager.setpoints().values():
+        models, splines = setpoint.joint_models, setpoint.splines
+        for joint, spline in zip(models, splines, strict=True):
+            wanted[joint.name] = spline.sample(setpoint.time).position
+    return wanted
 
 
 def _exerted(links: frozenset[str], touching: Sequence[Contact]) -> list[float]:
