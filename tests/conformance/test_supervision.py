@@ -104,7 +104,7 @@ def speed(robot: tool0.Robot) -> float:
 
 def require_rest(robot: tool0.Robot, attempt: Attempt | None) -> None:
     """Nothing moves, whatever its client goes on sending."""
-    robot.run(0.6)
+    robot.run(1.2)  # a light wrist may spin at first, after a contact
     before = robot.arm.joints
     for _ in range(25):
         if attempt is not None:
@@ -242,7 +242,7 @@ def test_a_protective_stop(robot_for: Robot, way: str) -> None:
     box.stop_protectively("a test")
     require_rest(robot, attempt)
     assert attempt.outcome() not in {"succeeded", "active"}
-    robot.run(UNLOCK_AFTER - 1.0)
+    robot.run(UNLOCK_AFTER - 1.7)
     box.unlock()
     box.play()
     require_rest(robot, attempt)
