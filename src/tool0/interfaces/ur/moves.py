@@ -300,7 +300,7 @@ class Moves:
 
         def is_over() -> bool:
             is_there = not must_arrive and self._path_time(running) >= time - _ROUNDING
-            return is_there or self._has_ended(running) or not box.state.may_move
+            return is_there or self._has_ended(running) or bool(box.stopped)
 
         try:
             await box.until(is_over)
@@ -308,8 +308,8 @@ class Moves:
             if not self._has_ended(running):
                 box.send(StopArm(arm=box.arm, deceleration=STOP))
             raise
-        if not box.state.may_move:
-            raise ControlError(box.state.protective_stop or "the arm was stopped")
+        if box.stopped:
+            raise ControlError(box.stopped)
 
     def _path_time(self, running: _Running) -> float:
         """Return where a path is, 0 before it [s]."""
