@@ -242,7 +242,9 @@ class ArmMotionController:
         Whoever supervises the motion calls this at regular times, with the largest
         ``distance`` of a joint from its setpoint [rad].
         """
-        if self._has_arrived or not self._must_arrive or not self._splines.is_done(now):
+        if self._has_arrived or self._splines.mode != "path":
+            return False
+        if not (self._must_arrive and self._splines.is_done(now)):
             return False
         if distance <= ARRIVED:
             self._has_arrived = True

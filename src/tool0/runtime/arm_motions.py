@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Final, final
@@ -17,6 +16,7 @@ from tool0.control.manager import ControllerManager
 from tool0.description.model import FLANGE, Interface, RobotModel
 from tool0.description.parts import find_arms
 from tool0.errors import ControlError
+from tool0.hardware.control_box import ControlBoxState
 from tool0.hardware.engine import JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.hardware.tool_dynamics import Wrench
@@ -39,6 +39,14 @@ SETTLING: Final = 0.1
 STIFFENING: Final = 10.0
 """Deceleration when force mode or freedrive ends while the arm moves, or a motion fails
 [rad/s²]."""
+
+
+_Supervised = tuple[
+    object,
+    tuple[ControlBoxState, ...],
+    tuple[tuple[str, ArmMotionController], ...],
+]
+"""Running controllers, control boxes, and what follows from them until they change."""
 
 
 @final
@@ -78,6 +86,7 @@ class ArmMotions:
         """The taken arms, and whether a failed motion of each is a protective stop."""
         self._returning: dict[str, float] = {}
         """The arms that are given back once they rest, and from when they do [s]."""
+        self._supervised: _Supervised | None = None
         self._paths = dict.fromkeys(self.specs, 0)
         """How many paths each arm was given."""
         modes.when_stopped = self.abort
@@ -158,11 +167,18 @@ class ArmMotions:
             self._manager.stop_own(self.specs[arm].name, now)
             self._boxes.change(self._boxes.find(arm), motion_failure="")
 
-    def supervised(self) -> Iterator[tuple[str, ArmMotionController]]:
+    def supervised(self) -> tuple[tuple[str, ArmMotionController], ...]:
         """Return the taken arms whose motion has not failed, and what moves them."""
-        for arm in self._taken:
-            if not self._boxes.find(arm).motion_failure:
-                yield arm, self._controller(arm)
+        running, boxes = self._manager.running_controllers, self._boxes.states
+        known = self._supervised
+        if known is None or running is not known[0] or boxes is not known[1]:
+            found = tuple(
+                (box.arm, self._controller(box.arm))
+                for box in boxes
+                if box.arm in self._taken and not box.motion_failure
+            )
+            self._supervised = known = running, boxes, found
+        return known[2]
 
     def fail(self, arm: str, reason: str, now: JointState) -> None:
         """End the motion of a taken arm: it rests where it is, and pushes no more.

@@ -7,6 +7,7 @@ nothing depends on who reads.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from operator import sub
 from typing import Final, NamedTuple, final
 
@@ -51,6 +52,13 @@ class TrackedJoint(NamedTuple):
             f"{self.error:.3f} rad ({self.touching(world)})"
         )
 
+    def not_arrived(self, error: float, world: World) -> str:
+        """Return that the joint has not reached the end of its path, and why."""
+        return (
+            f"joint '{self.name}' is {error:.3f} rad from the end of its path "
+            f"({self.touching(world)})"
+        )
+
     def touching(self, world: World) -> str:
         """Return what the links beyond the joint touch."""
         found = external_contacts(self.links, world.contacts())
@@ -82,11 +90,12 @@ class ArmSupervision:
         ``command`` is the last one of each joint.  It takes 2 µs for an arm that is
         moved, unless something is wrong.
         """
-        return [
-            (arm, reason)
-            for arm, controller in self._motions.supervised()
-            if (reason := self._arms[arm].look(controller, state, command))
-        ]
+        found = []
+        for arm, controller in self._motions.supervised():
+            reason = self._arms[arm].look(controller, state, command)
+            if reason:
+                found.append((arm, reason))
+        return found
 
 
 @final
@@ -117,17 +126,21 @@ class _Arm:
         if controller.gives_way:
             return ""
         errors = map(sub, self._select(command), self._select(state.position))
-        sizes = list(map(abs, errors))
-        largest = max(sizes)
+        largest = max(map(abs, errors))
         if not largest <= self._suspicious:
             self._world.contacts()
-            for joint, size in zip(self._joints, sizes, strict=True):
-                if not size <= joint.error:
-                    return joint.off_path(size, self._world)
+            for joint, error in self._errors(state, command):
+                if not error <= joint.error:
+                    return joint.off_path(error, self._world)
         if controller.is_overdue(largest, state.time):
-            joint = self._joints[sizes.index(largest)]
-            return (
-                f"joint '{joint.name}' is {largest:.3f} rad from the end of its path "
-                f"({joint.touching(self._world)})"
-            )
+            for joint, error in self._errors(state, command):
+                if error == largest:
+                    return joint.not_arrived(error, self._world)
         return ""
+
+    def _errors(
+        self, state: JointState, command: list[float]
+    ) -> Iterator[tuple[TrackedJoint, float]]:
+        for joint in self._joints:
+            k = joint.number
+            yield joint, abs(command[k] - state.position[k])
