@@ -194,10 +194,13 @@ def test_too_short_a_time(robot_for: Robot, way: str) -> None:
     """Planned motions choose their own time."""
     robot = robot_for(way)
     goal = aim(robot, turn=1.0, duration=0.05)
+    told = ""
     try:
         attempt = WAYS[way].start(robot, goal)
     except Tool0Error as error:
-        assert "rad/s" in str(error)
+        told = str(error)
+    if told:
+        assert "rad/s" in told
         require_rest(robot, None)
         return
     follow(robot, attempt, 3.0)

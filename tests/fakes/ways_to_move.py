@@ -112,7 +112,10 @@ def _of_goal(robot: tool0.Robot, goal: GoalHandle) -> Attempt:
         result = goal.result
         return result.error_string if isinstance(result, GoalResult) else ""
 
-    return Attempt(robot, lambda: goal.status.value.lower(), told, goal.cancel)
+    def outcome() -> str:
+        return goal.status.value.lower()
+
+    return Attempt(robot, outcome, told, goal.cancel)
 
 
 def goal_of(controller: str) -> Start:
@@ -226,7 +229,9 @@ def speed_joints(robot: tool0.Robot, aim: Aim) -> Attempt:
     motion = robot.arm.motion
     motion.take()
     start = motion.state.target_position
-    velocities = [(b - a) / aim.duration for a, b in zip(start, aim.joints, strict=True)]
+    velocities = [
+        (b - a) / aim.duration for a, b in zip(start, aim.joints, strict=True)
+    ]
     motion.speed_joints(velocities)
     return _of_motion(robot, lambda: motion.speed_joints(velocities))
 

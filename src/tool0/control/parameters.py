@@ -301,8 +301,8 @@ def read_tolerances(
 ) -> dict[str, JointTolerances]:
     """Return the tolerances of a trajectory controller's joints.
 
-    A joint that drives a gripper has no default at the goal: what it holds keeps it from
-    arriving.
+    A joint that drives a gripper has no default at the goal: what it holds keeps it
+    from arriving.
     """
     read = parameters.not_negative
     stopped = read("constraints/stopped_velocity_tolerance", DEFAULT_STOPPED_VELOCITY)

@@ -79,8 +79,8 @@ class ArmUpdate(Struct, frozen=True, kw_only=True):
     """External force [N] and torque [N·m] on the tool at the flange, in its axes, less
     the payload and the tare."""
     failure: str = ""
-    """Why the motion failed: the arm rests where it was, and no motion is accepted until
-    the arm is taken again.  Empty if it did not."""
+    """Why the motion failed: the arm rests where it was, and accepts no motion until it
+    is taken again.  Empty if it did not."""
 
 
 @final

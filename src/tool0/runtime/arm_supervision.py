@@ -82,9 +82,7 @@ class ArmSupervision:
             for name, arm in find_arms(model).items()
         }
 
-    def look(
-        self, state: JointState, command: list[float]
-    ) -> list[tuple[str, str]]:
+    def look(self, state: JointState, command: list[float]) -> list[tuple[str, str]]:
         """Return the arms whose motion has failed, with the reasons.
 
         ``command`` is the last one of each joint.  It takes 2 µs for an arm that is
@@ -110,7 +108,9 @@ class _Arm:
         self._world = world
         limits = hardware.limits
         self._joints = [
-            TrackedJoint.of(joint, limits.get(joint.name, joint.limits), model, hardware)
+            TrackedJoint.of(
+                joint, limits.get(joint.name, joint.limits), model, hardware
+            )
             for joint in arm.joints
         ]
         self._select = joint_selector([joint.number for joint in self._joints])

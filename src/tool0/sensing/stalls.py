@@ -1,4 +1,4 @@
-"""Stalled joints: they push at their effort limit, or lag far behind, and do not move."""
+"""Stalled joints: at their effort limit, or far from their setpoint, and still."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ class _Drive:
         return Stall(self.joint, state.effort[self.index], contacts)
 
     def lags(self, state: JointState, wanted: Mapping[str, float]) -> bool:
-        """Return whether the joint is far from its setpoint; note since when at rest."""
+        """Return whether the joint is far from its setpoint; note since when."""
         position = state.position[self.index]
         self.lag = abs(wanted.get(self.joint, position) - position)
         if self.lag <= self._most:
