@@ -16,8 +16,10 @@ from conformance_types import BringUp
 from ways_to_move import WAYS, Aim, Attempt
 
 import tool0
+from tool0 import TrajectoryPoint
+from tool0.control.goal import GoalStatus, Tolerance
 from tool0.description.transform import Pose
-from tool0.errors import Tool0Error
+from tool0.errors import ControlError, GoalTimeoutError, Tool0Error
 from tool0.scene import Box
 
 ARRIVED = 0.1
@@ -251,3 +253,40 @@ def test_a_protective_stop(robot_for: Robot, way: str) -> None:
     require_rest(robot, attempt)
     assert attempt.outcome() not in {"succeeded", "active"}
     assert way not in STREAMS or "take it" in attempt.reason
+
+
+# ---- what clients choose -------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dialect", ["goal of ROS 1", "goal of ROS 2"])
+def test_a_client_can_switch_the_check_off(robot_for: Robot, dialect: str) -> None:
+    """With -1, as in ROS: the goal succeeds wherever the joints are."""
+    robot = robot_for(f"{dialect} without tolerances")
+    down, names = aim(robot, down=0.25), robot.arm.joint_names
+    goal = robot.controller("arm").follow(
+        [TrajectoryPoint(down.joints, [0.0] * 6, time_from_start=1.5)],
+        joint_names=names,
+        goal_tolerance=dict.fromkeys(names, Tolerance(-1.0, -1.0)),
+    )
+    assert goal.wait(5.0).status is GoalStatus.SUCCEEDED
+
+
+def test_waiting_for_a_path_tells_how_it_ended(robot_for: Robot) -> None:
+    robot = robot_for("path")
+    motion = robot.arm.motion
+    with motion.taken():
+        motion.execute_path([1.0], [aim(robot, turn=0.3).joints], [[0.0] * 6])
+        with pytest.raises(GoalTimeoutError):
+            motion.wait(0.2)
+        motion.wait(5.0)
+        assert motion.state.is_done
+        motion.execute_path([1.5], [aim(robot, down=0.25).joints], [[0.0] * 6])
+        with pytest.raises(ControlError, match=r"failed: joint '.*'ground'"):
+            motion.wait(5.0)
+        assert not motion.state.is_done
+        with pytest.raises(ControlError, match="take it again"):
+            motion.execute_path([1.0], [aim(robot, turn=0.3).joints], [[0.0] * 6])
+        motion.take()
+        motion.speed_joints([0.0, -0.2, 0.0, 0.0, 0.0, 0.0], duration=0.5)
+        robot.run(1.0)
+        assert not motion.state.failure
