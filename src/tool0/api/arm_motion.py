@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from typing import Literal, cast, final
 
 from tool0.api.channel import Channel
+from tool0.api.controller import checked_timeout
+from tool0.errors import ControlError, GoalTimeoutError
 from tool0.requests import arm_motion as requests
 from tool0.requests.updates import ArmUpdate
 
@@ -88,6 +90,34 @@ class ArmMotion:
             at=at,
         )
         return self._channel.call(request)
+
+    def wait(self, timeout: float | None = None) -> None:
+        """Wait until the path has arrived at its end, or the stop has ended.
+
+        Args:
+            timeout: As for ``GoalHandle.wait`` [s].
+
+        Raises:
+            ControlError: If the motion failed, with the joint and what it touches, or
+                the arm is no longer taken.
+            GoalTimeoutError: If the arm still moves then.
+        """
+        state = self.state
+
+        def is_over() -> bool:
+            nonlocal state
+            state = self.state
+            return state.is_done or bool(state.failure)
+
+        is_in_time = self._channel.wait_until(is_over, checked_timeout(timeout))
+        if state.failure:
+            raise ControlError(f"the motion failed: {state.failure}")
+        if state.mode == "free":
+            raise ControlError(
+                f"the arm '{self._arm}' is not taken: it was given back or stopped"
+            )
+        if not is_in_time:
+            raise GoalTimeoutError(f"the arm still moves after {timeout} s")
 
     def stop(self, deceleration: float = 2.0, *, along_path: bool = False) -> None:
         """Ramp down to rest.

@@ -69,6 +69,10 @@ class GripperResult:
     """Whether the joint stood still before it arrived."""
     reached_goal: bool
     """Whether the joint arrived within the goal tolerance."""
+    holds: bool = False
+    """Whether something presses on both fingers: what stopped the joint is held."""
+    error_string: str = ""
+    """What stopped the joint before it arrived; empty if it arrived."""
 
 
 Result = GoalResult | GripperResult
@@ -132,6 +136,17 @@ not yet below ``stopped_velocity_tolerance`` in the very cycle in which the moti
 
 DEFAULT_STOPPED_VELOCITY = 0.01
 """``constraints/stopped_velocity_tolerance`` where YAML has none [rad/s], as in ROS."""
+
+
+DEFAULT_GOAL_TOLERANCE = 0.1
+"""Largest distance from the end of a trajectory [rad] where neither YAML nor the goal
+has one: that of ur_gazebo's controllers.
+
+ROS checks nothing there, and reports that a goal has succeeded wherever its joints are.
+"""
+
+DEFAULT_SLIDING_TOLERANCE = 0.01
+"""The same for a prismatic joint [m]."""
 
 
 class Tolerance(NamedTuple):

@@ -9,6 +9,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, final
 
+from tool0.control.goal import (
+    DEFAULT_GOAL_TOLERANCE,
+    DEFAULT_SLIDING_TOLERANCE,
+    DEFAULT_STOPPED_VELOCITY,
+    JointTolerances,
+    Tolerance,
+)
 from tool0.description.finding import quoted
 from tool0.description.hardware_component import HardwareComponent
 from tool0.description.model import Interface, Joint, JointType, ParallelGripper
@@ -287,6 +294,29 @@ def single_joint(
     name = parameters.text("joint")
     entry = parameters.find("joint") or parameters.entry
     return controlled_joint(robot, name, interface, entry)
+
+
+def read_tolerances(
+    parameters: Namespace, joints: Sequence[Joint], robot: RobotJoints
+) -> dict[str, JointTolerances]:
+    """Return the tolerances of a trajectory controller's joints.
+
+    A joint that drives a gripper has no default at the goal: what it holds keeps it
+    from arriving.
+    """
+    read = parameters.not_negative
+    stopped = read("constraints/stopped_velocity_tolerance", DEFAULT_STOPPED_VELOCITY)
+    grippers = {gripper.joint for gripper in robot.grippers}
+    found = {}
+    for joint in joints:
+        is_sliding = joint.type is JointType.PRISMATIC
+        default = DEFAULT_SLIDING_TOLERANCE if is_sliding else DEFAULT_GOAL_TOLERANCE
+        default = 0.0 if joint.name in grippers else default
+        found[joint.name] = JointTolerances(
+            path=Tolerance(read(f"constraints/{joint.name}/trajectory", 0.0)),
+            goal=Tolerance(read(f"constraints/{joint.name}/goal", default), stopped),
+        )
+    return found
 
 
 def read_gains(parameters: Namespace, path: str, why: str) -> Gains:

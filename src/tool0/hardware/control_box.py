@@ -172,6 +172,9 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     """What the program that controls the arm does."""
     taken_by: str = ""
     """The program that moves the arm in place of controllers; empty without one."""
+    motion_failure: str = ""
+    """Why the motion of that program failed: nothing moves the arm until the program
+    takes it again.  Empty if it did not."""
     ur: UrReport | None = None
     """Of UR's protocols; None unless they are served."""
 

@@ -44,11 +44,15 @@ class _OfArm(Request[Response], Generic[Response], frozen=True, kw_only=True):
 class TakeArm(_OfArm[None], frozen=True):
     """Let a program move an arm: its controllers stop, and it holds still.
 
-    An arm that is taken already only gets the name of the program.
+    An arm that is taken already only gets the name of the program, and may move again
+    after a motion that failed, or the emergency stop.
     """
 
     by: Name
     """The program, for people."""
+    protected: bool = False
+    """Whether a motion that fails is a protective stop, as on a UR; otherwise the arm
+    stays taken."""
 
 
 class ReturnArm(_OfArm[None], frozen=True):
@@ -195,7 +199,7 @@ class ZeroWrench(_OfArm[None], frozen=True):
 
 @handles(TakeArm, in_tick=True)
 def _take(simulation: Simulation, request: TakeArm) -> None:
-    simulation.core.take_arm(request.arm, request.by)
+    simulation.core.take_arm(request.arm, request.by, protected=request.protected)
 
 
 @handles(ReturnArm, in_tick=True)
@@ -231,7 +235,7 @@ def _execute(simulation: Simulation, request: ExecutePath, path: ArmPath) -> int
 @handles(StopArm, in_tick=True)
 def _stop(simulation: Simulation, request: StopArm) -> None:
     core = simulation.core
-    core.arm_motions.find(request.arm).stop_motion(
+    core.arm_motions.find_to_stop(request.arm).stop_motion(
         request.deceleration, core.time, along_path=request.along_path
     )
 

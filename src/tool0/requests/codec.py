@@ -69,6 +69,7 @@ class Outcome(Struct, frozen=True, kw_only=True, omit_defaults=True):
     effort: float | None = None
     stalled: bool | None = None
     reached_goal: bool | None = None
+    holds: bool | None = None
 
 
 _ERRORS: Final[dict[str, type[Tool0Error]]] = {

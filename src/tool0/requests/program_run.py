@@ -192,6 +192,8 @@ class ProgramExecution:
             raise _EndedError("stopped", f"protective stop: {box.protective_stop}")
         if not box.may_move:
             raise _EndedError("stopped", "the arm was switched off")
+        if box.motion_failure:
+            raise _EndedError("failed", box.motion_failure)
         motions = self._simulation.core.arm_motions
         if not box.taken_by or motions.is_returning(self.arm):
             raise _EndedError(
@@ -344,7 +346,8 @@ class ProgramExecution:
 
     def _require_whole(self, path: ProgramPath) -> None:
         duration = path.plan.duration
-        if duration > 0.0 and self._path_time < duration - _ROUNDING:
+        is_left = self._motion.mode != "path"
+        if duration > 0.0 and (is_left or self._path_time < duration - _ROUNDING):
             raise _EndedError("stopped", "something else stopped the arm on its path")
 
     def _search(self, path: StepPath, step: UntilStep) -> Waiting[None]:
@@ -390,11 +393,18 @@ class ProgramExecution:
             if goal.status.is_terminal and state.motion != "moving":
                 break
             if self._snapshot.time > end:
+                if state.motion == "blocked":
+                    break  # it may creep, and so has not stalled
                 raise _EndedError(
                     "failed", f"the gripper still moves after {_GRIP_TIMEOUT} s"
                 )
         if goal.status is GoalStatus.PREEMPTED:
             raise _EndedError("stopped", "something else moved the gripper")
+        if state.motion == "blocked":
+            reason = self._simulation.core.gripper_obstacle(geometry.joint)
+            raise _EndedError(
+                "failed", f"the gripper is blocked and holds nothing ({reason})"
+            )
         if step.must_hold and not state.motion.startswith("holding"):
             raise _EndedError(
                 "failed", f"the gripper holds nothing: it is '{state.motion}'"

@@ -71,12 +71,16 @@ class ArmUpdate(Struct, frozen=True, kw_only=True):
     path_time: float
     """On that path [s]; it passes more slowly if the speed is scaled."""
     is_done: bool
-    """Whether the path or the stop has ended: the setpoint is at rest."""
+    """Whether the path has arrived at its end, or the stop has ended: the setpoint is
+    at rest.  Not after a failure."""
     force_mode: bool
     """Whether it pushes with a force; the setpoint is the motion without it."""
     wrench: Six
     """External force [N] and torque [N·m] on the tool at the flange, in its axes, less
     the payload and the tare."""
+    failure: str = ""
+    """Why the motion failed: the arm rests where it was, and accepts no motion until it
+    is taken again.  Empty if it did not."""
 
 
 @final
@@ -183,6 +187,7 @@ def arm_update(snapshot: Snapshot, sample: ArmSample) -> ArmUpdate:
         is_done=sample.is_done,
         force_mode=sample.force_mode,
         wrench=sample.wrench,
+        failure=sample.failure,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from dataclasses import replace
 from functools import partial
@@ -15,6 +16,7 @@ from tool0.control.manager import ControllerManager
 from tool0.description.model import FLANGE, Interface, RobotModel
 from tool0.description.parts import find_arms
 from tool0.errors import ControlError
+from tool0.hardware.control_box import ControlBoxState
 from tool0.hardware.engine import JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.hardware.tool_dynamics import Wrench
@@ -22,6 +24,8 @@ from tool0.runtime.arm_mechanics import ArmMechanics
 from tool0.runtime.arm_modes import ArmModes
 from tool0.runtime.control_boxes import ControlBoxes
 from tool0.sensing.snapshot import ArmSample
+
+logger = logging.getLogger(__name__)
 
 RETURN_BRAKE: Final = 4.0
 """Change of a path's speed when its arm is given back while it moves [1/s²]: a path at
@@ -33,7 +37,16 @@ SETTLING: Final = 0.1
 """From when the setpoint of an arm rests until the arm does [s]: its servos lag by some
 20 ms."""
 STIFFENING: Final = 10.0
-"""Deceleration when force mode or freedrive ends while the arm moves [rad/s²]."""
+"""Deceleration when force mode or freedrive ends while the arm moves, or a motion fails
+[rad/s²]."""
+
+
+_Supervised = tuple[
+    object,
+    tuple[ControlBoxState, ...],
+    tuple[tuple[str, ArmMotionController], ...],
+]
+"""Running controllers, control boxes, and what follows from them until they change."""
 
 
 @final
@@ -69,9 +82,11 @@ class ArmMotions:
             for prefix in [arm.flange.removesuffix(FLANGE)]
         }
         """What moves each arm while it is taken, by the arm's name."""
-        self._taken: set[str] = set()
+        self._taken: dict[str, bool] = {}
+        """The taken arms, and whether a failed motion of each is a protective stop."""
         self._returning: dict[str, float] = {}
         """The arms that are given back once they rest, and from when they do [s]."""
+        self._supervised: _Supervised | None = None
         self._paths = dict.fromkeys(self.specs, 0)
         """How many paths each arm was given."""
         modes.when_stopped = self.abort
@@ -80,6 +95,11 @@ class ArmMotions:
     def is_idle(self) -> bool:
         """Whether ``tick`` has nothing to do."""
         return not self._returning
+
+    @property
+    def has_taken(self) -> bool:
+        """Whether a program has taken an arm."""
+        return bool(self._taken)
 
     def tick(self, state: JointState) -> None:
         """Give back the arms that have come to rest."""
@@ -94,11 +114,14 @@ class ArmMotions:
 
     # ---- requests, between ticks ----------------------------------------------------
 
-    def take(self, arm: str | None, by: str, now: JointState) -> str:
+    def take(
+        self, arm: str | None, by: str, now: JointState, *, protected: bool = False
+    ) -> str:
         """Let a program move an arm; return the name of the controller that does.
 
         The arm holds still, and its controllers stop.  If the arm is taken already,
-        only the program's name changes.
+        the program's name changes, and it may move again after a failed motion.
+        ``protected`` makes a failed motion a protective stop.
 
         Raises:
             ControlError: If the arm may not move.
@@ -111,9 +134,10 @@ class ArmMotions:
                 controller.hold(now.time)
         if name not in self._taken:
             self._manager.start_own(self.specs[name], now)
-            self._taken.add(name)
             if held is not None:
                 self._controller(name).rest_at(held, now.time)
+        self._taken[name] = protected
+        self._boxes.change(self._boxes.find(name), motion_failure="")
         return self.specs[name].name
 
     def give_back(self, arm: str | None, now: JointState) -> None:
@@ -139,11 +163,52 @@ class ArmMotions:
     def abort(self, arm: str, now: JointState) -> None:
         """Take an arm from its program at once: the brakes stop it."""
         self._returning.pop(arm, None)
-        if arm in self._taken:
-            self._taken.remove(arm)
+        if self._taken.pop(arm, None) is not None:
             self._manager.stop_own(self.specs[arm].name, now)
+            self._boxes.change(self._boxes.find(arm), motion_failure="")
+
+    def supervised(self) -> tuple[tuple[str, ArmMotionController], ...]:
+        """Return the taken arms whose motion has not failed, and what moves them."""
+        running, boxes = self._manager.running_controllers, self._boxes.states
+        known = self._supervised
+        if known is None or running is not known[0] or boxes is not known[1]:
+            found = tuple(
+                (box.arm, self._controller(box.arm))
+                for box in boxes
+                if box.arm in self._taken and not box.motion_failure
+            )
+            self._supervised = known = running, boxes, found
+        return known[2]
+
+    def fail(self, arm: str, reason: str, now: JointState) -> None:
+        """End the motion of a taken arm: it rests where it is, and pushes no more.
+
+        What comes from its program is refused, with the reason, until the program
+        takes the arm again.
+        """
+        if self._taken[arm]:
+            self._modes.stop_protectively(arm, reason, now)
+            return
+        logger.warning("arm '%s' stops where it is: %s", arm, reason)
+        self._rest(arm, now)
+        self._refuse(arm, reason)
 
     def find(self, arm: str | None) -> ArmMotionController:
+        """Return what moves a taken arm that may move, and whose motion did not fail.
+
+        Raises:
+            ControlError: If the arm is not taken, or may not move.
+        """
+        controller = self.find_to_stop(arm)
+        box = self._boxes.find(arm)
+        if box.motion_failure:
+            raise ControlError(
+                f"the arm '{box.arm}' has stopped: {box.motion_failure}; take it "
+                "again with `take_arm` before you move it"
+            )
+        return controller
+
+    def find_to_stop(self, arm: str | None) -> ArmMotionController:
         """Return what moves a taken arm that may move.
 
         Raises:
@@ -203,15 +268,17 @@ class ArmMotions:
             return ArmSample(joints, "free", None, last, 0.0, True, False, wrench)
         controller = self._controller(arm)
         number, time = controller.progress(now)
+        failure = self._boxes.find(arm).motion_failure
         return ArmSample(
             joints,
             controller.mode,
             controller.unknown_setpoint(now),
             number,
             time,
-            controller.is_done(now),
+            not failure and controller.is_done(now),
             controller.is_in_force_mode,
             wrench,
+            failure,
         )
 
     # ---- force mode and freedrive ---------------------------------------------------
@@ -239,15 +306,20 @@ class ArmMotions:
         Raises:
             ControlError: If the arm is not taken, or may not move.
         """
-        controller, name = self.find(arm), self._boxes.find(arm).arm
+        controller, name = self.find_to_stop(arm), self._boxes.find(arm).arm
         if controller.is_guided == is_freedrive:
             self._stiffen(name, now)
 
-    def note_restart(self, now: JointState) -> None:
-        """Note that controllers were restarted: freedrive and force mode have ended."""
+    def note_restart(self, now: JointState, stopped: str = "") -> None:
+        """Note that controllers were restarted: freedrive and force mode have ended.
+
+        ``stopped`` is why no program may go on as if nothing had happened.
+        """
         self._returning = dict.fromkeys(self._returning, now.time)
         for arm in self._taken:
             self._modes.set_freedrive(arm, False, now)
+            if stopped:
+                self._refuse(arm, stopped)
 
     def _desired(self, arm: str, now: JointState) -> tuple[float, ...] | None:
         """Return where a controller wants an arm to rest, if one does.
@@ -271,11 +343,18 @@ class ArmMotions:
         return None
 
     def _stiffen(self, arm: str, now: JointState) -> None:
-        controller = self._controller(arm)
-        if controller.is_guided or controller.is_in_force_mode:
-            self._manager.drive_efforts(self.specs[arm].name, None, now)
-            controller.stiffen(now, STIFFENING)
+        if self._controller(arm).gives_way:
+            self._rest(arm, now)
             self._modes.set_freedrive(arm, False, now)
+
+    def _rest(self, arm: str, now: JointState) -> None:
+        """Ramp to rest from the measured motion, with servos that have no past."""
+        self._manager.drive_efforts(self.specs[arm].name, None, now)
+        self._controller(arm).stiffen(now, STIFFENING)
+
+    def _refuse(self, arm: str, reason: str) -> None:
+        box = self._boxes.find(arm)
+        self._boxes.change(box, motion_failure=box.motion_failure or reason)
 
     def _controller(self, arm: str) -> ArmMotionController:
         running = self._manager.running(self.specs[arm].name)

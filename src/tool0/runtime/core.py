@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from operator import sub
 from typing import final
@@ -16,7 +16,7 @@ from tool0.control.controller import (
     SpeedScalable,
     TrajectoryFollower,
 )
-from tool0.control.goal import Goal, GoalResult, Result
+from tool0.control.goal import Goal, GripperResult, Result
 from tool0.control.manager import ControllerManager
 from tool0.control.status import KIND_OF
 from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
@@ -33,13 +33,14 @@ from tool0.kernel.program import Ended, Program
 from tool0.runtime.arm_modes import ArmModes
 from tool0.runtime.arm_motions import ArmMotions
 from tool0.runtime.arm_samples import ArmSamples
+from tool0.runtime.arm_supervision import ArmSupervision
 from tool0.runtime.control_boxes import ControlBoxes
 from tool0.runtime.joint_motion import (
     joints_by_controller,
     planned_motion,
     require_velocities,
 )
-from tool0.runtime.protective_stops import ProtectiveStops
+from tool0.runtime.protective_stops import ProtectiveStops, wanted_positions
 from tool0.runtime.pull_springs import PullSprings
 from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
@@ -83,6 +84,9 @@ class Core:
             model, hardware, manager, self.control_boxes, self.arm_modes
         )
         self.protective_stops = ProtectiveStops(model, hardware, manager, engine.world)
+        self.arm_supervision = ArmSupervision(
+            model, hardware, manager, self.arm_motions, engine.world
+        )
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
@@ -117,8 +121,16 @@ class Core:
     @property
     def command(self) -> tuple[float, ...]:
         """The last command of each joint, in the unit of its interface."""
+        return tuple(self._newest_command())
+
+    def _newest_command(self) -> list[float]:
         program = self._program
-        return tuple(self.hardware.command if program is None else program.command)
+        return self.hardware.command if program is None else program.command
+
+    def _wanted(self) -> Mapping[str, float]:
+        """Return the setpoint of each joint that is moved by position [rad | m]."""
+        command = self._newest_command()
+        return wanted_positions(self.hardware, self.manager, command)
 
     def tick(self) -> None:
         """Update the controllers once and advance by one control period."""
@@ -226,17 +238,23 @@ class Core:
     def look_at_contacts(self) -> None:
         """Find joints that push without moving, and grips, between two ticks."""
         contacts = self.engine.world.contacts
-        self.stall_monitor.look(self.state, contacts)
+        self.stall_monitor.look(self.state, contacts, self._wanted)
         self.grip_contacts.look(self.state, contacts)
 
     def look_at_limits(self) -> None:
         """Stop arms whose safety limits are exceeded, between two ticks."""
-        boxes, program = self.control_boxes.states, self._program
-        command = self.hardware.command if program is None else program.command
+        boxes, command = self.control_boxes.states, self._newest_command()
         found = self.protective_stops.look(boxes, self.state, command)
         for arm, reason in found:
             self.settle()
             self.arm_modes.stop_protectively(arm, reason, self.state)
+
+    def look_at_motions(self) -> None:
+        """End the motions of taken arms that fail, between two ticks."""
+        command = self._newest_command()
+        for arm, reason in self.arm_supervision.look(self.state, command):
+            self.settle()
+            self.arm_motions.fail(arm, reason, self.state)
 
     # ---- controllers ----------------------------------------------------------------
 
@@ -377,9 +395,10 @@ class Core:
         self._note_command(controller)
         self.manager.release_brakes(controller, self.state)
 
-    def take_arm(self, arm: str | None, by: str) -> None:
+    def take_arm(self, arm: str | None, by: str, *, protected: bool = False) -> None:
         """Let a program move an arm in place of its controllers."""
-        self._note_command(self.arm_motions.take(arm, by, self.state))
+        name = self.arm_motions.take(arm, by, self.state, protected=protected)
+        self._note_command(name)
 
     def cancel(self, goal: Goal) -> None:
         """Stop the motion of an active goal; one that has ended is left alone."""
@@ -463,7 +482,8 @@ class Core:
             return
         self.hardware.set_stopped(engaged, self.state)
         self.manager.restart(self.state)
-        self.arm_motions.note_restart(self.state)
+        stopped = "the emergency stop was engaged" if engaged else ""
+        self.arm_motions.note_restart(self.state, stopped)
         self.arm_modes.note_emergency_stop()
 
     def drift(self, at_least: float = 0.0) -> float:
@@ -520,25 +540,43 @@ class Core:
                     self.hardware.set_drive_limits(joint, (bounds or {}).get(joint))
 
     def _started(self, goal: Goal) -> Goal:
-        goal.explain = lambda result: self._with_contacts(goal, result)
+        goal.explain = lambda result: self._explained(goal, result)
         self.when_goal_starts(goal)
         return goal
 
-    def _with_contacts(self, goal: Goal, result: Result) -> Result:
+    def _explained(self, goal: Goal, result: Result) -> Result:
         """Return an outcome with the reason why the joints stopped, if it is known."""
-        if not isinstance(result, GoalResult) or not result.is_violation:
+        if isinstance(result, GripperResult):
+            return self._with_grip(goal, result) if result.stalled else result
+        if not result.is_violation:
             return result
         joints = self.manager.spec(goal.controller).joints
-        links = {
-            link
-            for joint in joints
-            for link in self._model.links_from(self._model.joint(joint).child)
-        }
-        touching = external_contacts(frozenset(links), self.engine.world.contacts())
+        touching = self._touching(self._model.joint(name).child for name in joints)
         if not touching:
             return result
-        why = f"{result.error_string}; {contacts_text(touching)}"
-        return replace(result, error_string=why)
+        return replace(result, error_string=f"{result.error_string}; {touching}")
+
+    def _with_grip(self, goal: Goal, result: GripperResult) -> GripperResult:
+        """Return the outcome of a stalled gripper, with what stopped it."""
+        (joint,) = self.manager.spec(goal.controller).joints
+        holds = any(
+            gripper.joint == joint and gripper.name in self.grip_contacts.gripping
+            for gripper in self._model.grippers
+        )
+        why = self.gripper_obstacle(joint)
+        text = f"stopped by what it holds ({why})" if holds else f"blocked ({why})"
+        return replace(result, holds=holds, error_string=text)
+
+    def gripper_obstacle(self, joint: str) -> str:
+        """Return what stops the gripper that ``joint`` drives."""
+        touching = self._touching((self._model.joint(joint).parent,))
+        return touching or "no contact: its stop, or the load"
+
+    def _touching(self, roots: Iterable[str]) -> str:
+        """Return what the links from ``roots`` on touch; empty for nothing."""
+        links = {link for root in roots for link in self._model.links_from(root)}
+        contacts = self.engine.world.contacts()
+        return contacts_text(external_contacts(frozenset(links), contacts))
 
 
 def _whole_multiple(period: float, dt: float) -> int:

@@ -337,6 +337,8 @@ class Loop:
             return
         if core.control_boxes.has_limits:
             self._attempt(core.look_at_limits)
+        if core.arm_motions.has_taken:
+            self._attempt(core.look_at_motions)
         self._attempt(core.look_at_contacts)
         self._publish()
         snapshot, grasp_assist = self._bus.latest, core.grasp_assist

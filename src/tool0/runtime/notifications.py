@@ -78,8 +78,8 @@ def _outcome(goal: Goal) -> str:
     match goal.result:
         case GoalResult(error_string=reason) if reason:
             return f"{text}: {reason}"
-        case GripperResult(stalled=True):
-            return f"{text}: the gripper stopped before its goal"
+        case GripperResult(stalled=True, error_string=reason):
+            return f"{text}: the gripper stopped before its goal: {reason}"
     return text
 
 
@@ -133,6 +133,9 @@ def _mode_changes(
         found.append(("warning", "protective_stop", text))
     elif before.protective_stop and not now.protective_stop:
         found.append(("info", "protective_stop", f"{arm}: protective stop unlocked"))
+    failure = now.motion_failure
+    if failure and failure != before.motion_failure and not snapshot.is_stopped:
+        found.append(("warning", "arm_modes", f"{arm} stops where it is: {failure}"))
     if now.taken_by != before.taken_by:
         text = f"is moved by '{now.taken_by}'" if now.taken_by else "is given back"
         found.append(("info", "arm_modes", f"{arm} {text}"))

@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from operator import sub
 from typing import Final, final
 
-from tool0.control.arm_stream import SINGULAR
 from tool0.control.manager import ControllerManager
 from tool0.description.model import RECOVERABLE, Interface, RobotModel
 from tool0.description.parts import ArmParts, find_arms
@@ -21,11 +20,9 @@ from tool0.hardware.control_box import ControlBoxState
 from tool0.hardware.engine import Contact, JointState, World, joint_selector
 from tool0.hardware.payload import modelled_payload
 from tool0.hardware.robot_hardware import RobotHardware
+from tool0.runtime.path_errors import PathErrors
 from tool0.sensing.stalls import contacts_text, external_contacts
 
-LARGEST_LAG: Final = 0.05
-"""How far the measured position may be behind its setpoint [s at full speed]: a guess,
-for UR does not publish its bound.  For a UR5 it is 0.16 rad."""
 DETECTION_TIME: Final = 0.1
 """Time constant of the low-pass filter of contact forces [s]: an impact is no clamping.
 25 N above the limit are detected after 0.2 s; a UR's force limit has a trueness of 25 N
@@ -35,26 +32,9 @@ CHECK_PERIOD: Final = 0.1
 a joint beyond its limit (the same table)."""
 _NEGLIGIBLE: Final = 0.1
 """[N]"""
-_AT_LIMIT: Final = 0.02
-"""Distance from a limit at which a joint is held by it [rad]."""
-_FULL: Final = 0.98
-"""Part of its largest effort from which a drive gives all that it can."""
 LIMIT_MARGIN: Final = RECOVERABLE
 """Distance beyond a joint's limit that is tolerated [rad]: from there, an arm may rest,
 and be moved back.  (The trueness of a UR's joint positions is 0.02 rad.)"""
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Joint:
-    name: str
-    index: int
-    lower: float
-    upper: float
-    error: float
-    """Largest distance from the setpoint [rad]."""
-    links: frozenset[str]
-    """All that it moves."""
 
 
 @final
@@ -132,7 +112,8 @@ class _Arm:
         world: World,
     ) -> None:
         self._hardware, self._manager, self._world = hardware, manager, world
-        self._model, self._arm = model, arm
+        self._path_errors = PathErrors(arm, model, hardware, manager, world)
+        self._joints = self._path_errors.joints
         moved = [frozenset(model.links_from(joint.child)) for joint in arm.joints]
         further = [*moved[1:], frozenset[str]()]
         names = [*(joint.child for joint in arm.joints[:-1]), arm.flange]
@@ -143,23 +124,11 @@ class _Arm:
             _Body(name, links - rest)
             for name, links, rest in zip(names, moved, further, strict=True)
         ]
-        self._joints = [
-            _Joint(
-                name=joint.name,
-                index=hardware.index[joint.name],
-                lower=limits.lower,
-                upper=limits.upper,
-                error=LARGEST_LAG * limits.velocity,
-                links=links,
-            )
-            for joint, links in zip(arm.joints, moved, strict=True)
-            if (limits := hardware.limits.get(joint.name)) is not None
-        ]
         self._running: object = None
         """The running controllers when the claims were looked up."""
         self._is_servoed = False
         """Whether servos drive all joints to positions."""
-        self._select = joint_selector([joint.index for joint in self._joints])
+        self._select = joint_selector([joint.number for joint in self._joints])
         self._least_error = min((j.error for j in self._joints), default=math.inf)
         self.forget()
 
@@ -205,7 +174,7 @@ class _Arm:
 
     def _joint_reason(self, state: JointState, command: list[float]) -> str:
         """Return which joint is beyond a limit, or off its path."""
-        wanted = self._wanted(command)
+        wanted = wanted_positions(self._hardware, self._manager, command)
         for joint in self._joints:
             target = wanted.get(joint.name)
             if target is None:
@@ -216,72 +185,10 @@ class _Arm:
                     f"joint '{joint.name}' is commanded to {target:.4g} rad; its "
                     f"limits are [{joint.lower:.4g}, {joint.upper:.4g}] rad"
                 )
-            error = abs(target - state.position[joint.index])
+            error = abs(target - state.position[joint.number])
             if not error <= joint.error:
-                return (
-                    f"joint '{joint.name}' is {error:.3f} rad off its path, more than "
-                    f"{joint.error:.3f} rad ({self._cause(joint, state)})"
-                )
+                return self._path_errors.off_path(joint, error, state)
         return ""
-
-    def _cause(self, joint: _Joint, state: JointState) -> str:
-        """Return what most likely keeps a joint off its path."""
-        touching = external_contacts(joint.links, self._world.contacts())
-        if touching:
-            return contacts_text(touching)
-        position = state.position[joint.index]
-        for limit in (joint.lower, joint.upper):
-            if abs(position - limit) <= _AT_LIMIT:
-                return f"no contact: it is at its limit of {limit:.4g} rad"
-        if self._is_wanted_fast() and self._singular_value(state) < SINGULAR:
-            return (
-                "no contact: the arm is at a singularity, where its joints would have "
-                "to turn faster than they can"
-            )
-        most = self._hardware.limits[joint.name].effort
-        if abs(state.effort[joint.index]) >= _FULL * most:
-            return (
-                f"no contact: its drive gives all of its {most:.4g} N·m; the motion is "
-                "too fast for the load, or the payload is not the one that is set"
-            )
-        return "no contact: the motion is too fast, or the payload is not as set"
-
-    def _is_wanted_fast(self) -> bool:
-        """Return whether a joint is to turn at more than half of its speed."""
-        limits = self._hardware.limits
-        return any(
-            abs(spline.sample(setpoint.time).velocity) > limits[model.name].velocity / 2
-            for setpoint in self._manager.setpoints().values()
-            for model, spline in zip(
-                setpoint.joint_models, setpoint.splines, strict=True
-            )
-            if model.name in limits
-        )
-
-    def _singular_value(self, state: JointState) -> float:
-        """Return the smallest singular value of the Jacobian: 0 where singular."""
-        import numpy as np  # only once something is wrong
-
-        from tool0.kinematics.chain import ArmChain
-
-        model, arm = self._model, self._arm
-        position = [state.position[self._hardware.index[j.name]] for j in arm.joints]
-        posture = ArmChain(model, arm.flange, arm.joints).forward(np.array([position]))
-        return float(np.linalg.svd(posture.jacobian[0], compute_uv=False)[-1])
-
-    def _wanted(self, command: list[float]) -> Mapping[str, float]:
-        """Return the setpoint of each joint that is moved by position [rad | m]."""
-        claimed = self._hardware.claimed
-        wanted = {
-            joint.name: command[joint.index]
-            for joint in self._joints
-            if claimed.get(joint.name) is Interface.POSITION
-        }
-        for setpoint in self._manager.setpoints().values():
-            models, splines = setpoint.joint_models, setpoint.splines
-            for joint, spline in zip(models, splines, strict=True):
-                wanted[joint.name] = spline.sample(setpoint.time).position
-        return wanted
 
     def _force_reason(self, share: float, box: ControlBoxState) -> str:
         """Filter the forces on all bodies; return which one is too large."""
@@ -304,6 +211,22 @@ class _Arm:
                     f"{largest:.0f} N ({why})"
                 )
         return ""
+
+
+def wanted_positions(
+    hardware: RobotHardware, manager: ControllerManager, command: Sequence[float]
+) -> Mapping[str, float]:
+    """Return the setpoint of each joint that is moved by position [rad | m]."""
+    wanted = {
+        name: command[hardware.index[name]]
+        for name, interface in hardware.claimed.items()
+        if interface is Interface.POSITION
+    }
+    for setpoint in manager.setpoints().values():
+        models, splines = setpoint.joint_models, setpoint.splines
+        for joint, spline in zip(models, splines, strict=True):
+            wanted[joint.name] = spline.sample(setpoint.time).position
+    return wanted
 
 
 def _exerted(links: frozenset[str], touching: Sequence[Contact]) -> list[float]:

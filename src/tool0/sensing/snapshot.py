@@ -60,10 +60,12 @@ class ArmSample(Struct, frozen=True):
     path_time: float
     """On that path [s]."""
     is_done: bool
-    """Whether the path or the stop has ended."""
+    """Whether the path has arrived at its end, or the stop has ended."""
     force_mode: bool
     wrench: Wrench
     """At the flange, in its axes [N, N·m], less payload and tare."""
+    failure: str = ""
+    """Why the motion failed; empty if it did not."""
 
 
 @final

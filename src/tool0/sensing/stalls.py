@@ -1,10 +1,10 @@
-"""Stalled joints: those that push at their effort limit and do not move."""
+"""Stalled joints: at their effort limit, or far from their setpoint, and still."""
 
 from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from operator import ge
 from typing import NamedTuple, final
 
@@ -17,6 +17,12 @@ logger = logging.getLogger(__name__)
 
 STALL_TIME = 0.5
 """How long a joint pushes at its limit without moving before it is stalled [s]."""
+LARGEST_LAG = 0.05
+"""How far the measured position may be behind its setpoint [s at full speed]: a guess,
+for UR does not publish its bound.  For a UR5 it is 0.16 rad."""
+LAG_PERIOD = 0.1
+"""Simulated time between comparisons of the joints with their setpoints [s]: they take
+some 20 µs."""
 STILL = 0.005
 """Travel below which it has not moved [rad | m]."""
 BREAK = 0.05
@@ -26,7 +32,7 @@ WEAKEST = 0.1
 
 
 class Stall(NamedTuple):
-    """A joint that pushes at its effort limit and has not moved for ``STALL_TIME``."""
+    """A joint that is driven and has not moved for ``STALL_TIME``."""
 
     joint: str
     effort: float
@@ -34,13 +40,15 @@ class Stall(NamedTuple):
     contacts: tuple[tuple[str, str], ...] = ()
     """The links beyond the joint that touch something, and what they touch; the
     strongest contact first.  Empty if the joint is at its stop or overloaded."""
+    lag: float | None = None
+    """Distance from its setpoint [rad | m]; None if it pushes with its effort limit."""
 
     def __str__(self) -> str:
         touching = contacts_text(self.contacts) or "no contact: its stop, or the load"
-        return (
-            f"joint '{self.joint}' pushes with its limit of {abs(self.effort):.4g} "
-            f"and does not move ({touching})"
-        )
+        does = f"pushes with its limit of {abs(self.effort):.4g}"
+        if self.lag is not None:
+            does = f"is {self.lag:.3f} from its setpoint"
+        return f"joint '{self.joint}' {does} and does not move ({touching})"
 
 
 def contacts_text(contacts: Sequence[tuple[str, str]]) -> str:
@@ -78,35 +86,46 @@ class StallMonitor:
         ]
         self._select = joint_selector([drive.index for drive in self._drives])
         self._limits = [drive.limit for drive in self._drives]
-        self._last = -math.inf
-        """When any of them last pushed at its limit [s]."""
+        self._last = self._compared = -math.inf
+        """When a joint last pushed at its limit, and setpoints were compared [s]."""
+        self._lagging: list[_Drive] = []
+        """Those that are far from their setpoints."""
         self.stalls: tuple[Stall, ...] = ()
 
     def look(
-        self, state: JointState, contacts: Callable[[], tuple[Contact, ...]]
+        self,
+        state: JointState,
+        contacts: Callable[[], tuple[Contact, ...]],
+        wanted: Callable[[], Mapping[str, float]],
     ) -> None:
         """Take ``state`` into account; ``contacts`` is called while a joint pushes.
 
         It is called from the beginning of a push, because an engine may record
-        contacts only after the first call.
+        contacts only after the first call.  ``wanted`` returns the setpoint of each
+        joint that is moved by position [rad | m].
         """
+        if not 0.0 <= state.time - self._compared < LAG_PERIOD:
+            self._compared = state.time
+            positions = wanted()
+            self._lagging = [d for d in self._drives if d.lags(state, positions)]
         if any(map(ge, map(abs, self._select(state.effort)), self._limits)):
             self._last = state.time
-        elif not state.time - self._last < BREAK:
+        elif not (self._lagging or state.time - self._last < BREAK):
             self.stalls = ()
             return
         pushing = [drive for drive in self._drives if drive.pushes(state)]
         touching = contacts()
         known = {stall.joint for stall in self.stalls}
-        self.stalls = tuple(
-            Stall(
-                drive.joint,
-                state.effort[drive.index],
-                external_contacts(drive.links, touching),
-            )
+        found = {
+            drive.joint: drive.stall(state, touching)
             for drive in pushing
             if state.time - drive.since >= STALL_TIME
-        )
+        }
+        for drive in self._lagging:
+            if state.time - drive.lagging_since >= STALL_TIME:
+                stall = drive.stall(state, touching)._replace(lag=drive.lag)
+                found.setdefault(drive.joint, stall)
+        self.stalls = tuple(found.values())
         for stall in self.stalls:
             if stall.joint not in known:
                 logger.warning("%s", stall)
@@ -114,9 +133,11 @@ class StallMonitor:
     def forget(self) -> None:
         """Forget all pushes, as after a reset."""
         self.stalls = ()
-        self._last = -math.inf
+        self._last = self._compared = -math.inf
+        self._lagging = []
         for drive in self._drives:
             drive.since = drive.last = -math.inf
+            drive.lagging_since = math.inf
 
 
 @final
@@ -137,6 +158,29 @@ class _Drive:
         """Effort from which it pushes [N·m | N]."""
         self._position = 0.0
         self._sign = 0.0
+        self.lag = 0.0
+        """Distance from its setpoint [rad | m]."""
+        self.lagging_since = math.inf
+        """Since when it is far from it, without moving [s]."""
+        self._most = LARGEST_LAG * limits.velocity
+        self._lags_at = 0.0
+
+    def stall(self, state: JointState, touching: Sequence[Contact]) -> Stall:
+        """Return that it stalls."""
+        contacts = external_contacts(self.links, touching)
+        return Stall(self.joint, state.effort[self.index], contacts)
+
+    def lags(self, state: JointState, wanted: Mapping[str, float]) -> bool:
+        """Return whether the joint is far from its setpoint; note since when."""
+        position = state.position[self.index]
+        self.lag = abs(wanted.get(self.joint, position) - position)
+        if self.lag <= self._most:
+            self.lagging_since = math.inf
+            return False
+        has_moved = abs(position - self._lags_at) > STILL
+        if has_moved or not self.lagging_since <= state.time:
+            self.lagging_since, self._lags_at = state.time, position
+        return True
 
     def pushes(self, state: JointState) -> bool:
         """Return whether the joint pushes; note since when without moving."""

@@ -276,12 +276,12 @@ def test_a_violated_path_aborts_and_holds_the_measured_position(caplog) -> None:
     robot, _, handle = violated()
     with caplog.at_level(logging.WARNING):
         robot.run(0.3)
-    assert handle.result == GoalResult(
-        status=GoalStatus.ABORTED,
-        error_code=-4,
-        error_string="Aborted due to path tolerance violation",
+    result = handle.result
+    assert (result.status, result.error_code) == (GoalStatus.ABORTED, -4)
+    assert result.error_string.startswith(
+        "Aborted due to path tolerance violation; hip is off by 0.1"
     )
-    assert "hip 0.1" in caplog.text  # which joint, by how much
+    assert "hip 0.1" in caplog.text
     slide = robot.position[2]
     assert 0.05 < slide < 0.2
     robot.run(1.0)
@@ -295,7 +295,8 @@ def test_a_missed_goal_aborts_after_the_goal_time_and_says_by_how_much() -> None
     robot.run(0.01)
     assert handle.result.error_code == -5
     assert handle.result.error_string == (
-        "Aborted due to goal_time_tolerance exceeding by 0.501000 seconds"
+        "Aborted due to goal_time_tolerance exceeding by 0.501000 seconds; "
+        "hip is off by 0.500000"
     )
 
 
@@ -533,7 +534,9 @@ def test_a_command_times_out_some_time_after_its_end() -> None:
     robot.run(1.5)
     assert handle.status is GoalStatus.ACTIVE
     robot.run(0.01)
-    assert handle.result.error_string == "Aborted due to command timeout"
+    assert handle.result.error_string == (
+        "Aborted due to command timeout; hip is off by 0.500000"
+    )
     assert desired(controller, robot.time)[0] == 0.0
 
 

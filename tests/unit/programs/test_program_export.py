@@ -54,7 +54,7 @@ EVERY_STEP = Program(
         GripperStep(opening="closed"),
         UntilStep(direction=(0.0, 0.0, -1.0), distance=0.2, speed=0.02),
         UntilStep(
-            direction=(0.0, 0.0, 1.0),
+            direction=(0.0, 0.0, -1.0),  # up again: a search that is blocked fails
             frame="tool",
             distance=0.01,
             force=500.0,

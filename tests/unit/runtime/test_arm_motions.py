@@ -232,6 +232,13 @@ def test_stops_end_a_motion(robot: tool0.Robot) -> None:
     robot.run(0.1)
     assert motion.state.mode == "hold"
     assert motion.state.path == 0  # its path is not executed any more
+    for again in (
+        lambda: motion.execute_path([1.0], [DOWN], REST),
+        lambda: motion.servo_joints(DOWN),
+    ):
+        with pytest.raises(ControlError, match=r"emergency stop was engaged; take it"):
+            again()
+    motion.take()
     motion.execute_path([1.0], [DOWN], REST)
     robot.run(0.2)
     box.stop_protectively("test")

@@ -9,12 +9,9 @@ from typing import ClassVar, final
 
 from tool0.control.goal import (
     DEFAULT_GOAL_TIME,
-    DEFAULT_STOPPED_VELOCITY,
     Goal,
     GoalResult,
     GoalStatus,
-    JointTolerances,
-    Tolerance,
     TrajectoryTolerances,
 )
 from tool0.control.goal_motion import splines_by_plan
@@ -26,6 +23,7 @@ from tool0.control.parameters import (
     RobotJoints,
     controlled_joints,
     read_gains,
+    read_tolerances,
 )
 from tool0.control.ros1.goal_check import TrajectoryReplacement, check_names
 from tool0.control.sampler import GoalMonitor, TrajectorySampler
@@ -101,6 +99,7 @@ class JointTrajectoryController:
     * position errors are wrapped for continuous joints only, not for joints whose
       limits span more than a turn, nor for prismatic ones;
     * without ``constraints/goal_time`` a goal gets DEFAULT_GOAL_TIME to come to rest;
+    * without a goal tolerance, a joint must come within DEFAULT_GOAL_TOLERANCE;
     * goals are rejected as in ``goal_check``;
     * the stop ramp does not end beyond a joint's limits.
 
@@ -294,7 +293,12 @@ def parse(
         interface=interface,
         gains=gains,
         velocity_ff=velocity_ff,
-        tolerances=_tolerances(parameters, joints),
+        tolerances=TrajectoryTolerances(
+            joints=read_tolerances(parameters, joints, robot),
+            goal_time=parameters.not_negative(
+                "constraints/goal_time", DEFAULT_GOAL_TIME
+            ),
+        ),
         stop_trajectory_duration=parameters.not_negative(
             "stop_trajectory_duration", 0.0
         ),
@@ -303,21 +307,4 @@ def parse(
         ),
         state_publish_rate=parameters.not_negative("state_publish_rate", 50.0),
         action_monitor_rate=parameters.not_negative("action_monitor_rate", 20.0),
-    )
-
-
-def _tolerances(
-    parameters: Namespace, joints: tuple[Joint, ...]
-) -> TrajectoryTolerances:
-    read = parameters.not_negative
-    stopped = read("constraints/stopped_velocity_tolerance", DEFAULT_STOPPED_VELOCITY)
-    return TrajectoryTolerances(
-        joints={
-            joint.name: JointTolerances(
-                path=Tolerance(read(f"constraints/{joint.name}/trajectory", 0.0)),
-                goal=Tolerance(read(f"constraints/{joint.name}/goal", 0.0), stopped),
-            )
-            for joint in joints
-        },
-        goal_time=read("constraints/goal_time", DEFAULT_GOAL_TIME),
     )

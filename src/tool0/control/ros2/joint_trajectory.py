@@ -6,7 +6,7 @@ import contextlib
 import logging
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, NamedTuple, final
 
 from tool0.control.goal import Goal, GoalResult, GoalStatus
@@ -123,6 +123,7 @@ class JointTrajectoryController:
     It behaves as ROS 2's controller of that name, but for these of its faults:
 
     * a goal whose command timed out is aborted; ROS reports it as reached;
+    * without a goal tolerance, a joint must come within DEFAULT_GOAL_TOLERANCE;
     * after the end of a trajectory with a velocity there, the joints are to rest;
     * continuous joints go to the nearest turn of a point, instead of jumping to the
       point's own turn;
@@ -249,6 +250,8 @@ class JointTrajectoryController:
     ) -> None:
         """End the trajectory, and its goal: stay at its end, or stop."""
         goal = None if self._watch is None else self._watch.goal
+        if result.is_violation and errors:
+            result = self._with_joint(result, errors)
         if result.status is GoalStatus.ABORTED:
             self._log(result, goal, errors)
         if result.status is not GoalStatus.SUCCEEDED:
@@ -259,6 +262,12 @@ class JointTrajectoryController:
     def _finish(self, result: GoalResult) -> None:
         if self._watch is not None and self._watch.goal is not None:
             self._watch.goal.finish(result)
+
+    def _with_joint(self, result: GoalResult, errors: Sequence[float]) -> GoalResult:
+        """Return a violation with the joint that is farthest off; ROS only logs it."""
+        error, joint = max(zip(map(abs, errors), self.spec.joints, strict=True))
+        text = f"{result.error_string}; {joint} is off by {error:.6f}"
+        return replace(result, error_string=text)
 
     def _log(
         self, result: GoalResult, goal: Goal | None, errors: Sequence[float]

@@ -10,15 +10,11 @@ import logging
 import math
 from collections.abc import Sequence
 
-from tool0.control.goal import (
-    DEFAULT_STOPPED_VELOCITY,
-    JointTolerances,
-    Tolerance,
-)
 from tool0.control.parameters import (
     Gains,
     RobotJoints,
     controlled_joints,
+    read_tolerances,
 )
 from tool0.control.ros2.joint_trajectory import JointTrajectorySpec
 from tool0.control.ros2.trajectory_check import Acceptance, ActiveTolerances
@@ -63,7 +59,10 @@ def parse(
         gains, velocity_ff = (), ()
     elif interface is Interface.VELOCITY and is_open_loop:
         gains, velocity_ff = (Gains(p=0.0),) * len(joints), (1.0,) * len(joints)
-    tolerances = _tolerances(parameters, joints)
+    tolerances = ActiveTolerances(
+        read_tolerances(parameters, joints, robot),
+        parameters.not_negative("constraints/goal_time", 0.0),
+    )
     # Between two controllers the brakes hold the measured position anyway.
     parameters.boolean("set_last_command_interface_value_as_state_on_activation", True)
     parameters.mark_adjustable(
@@ -214,21 +213,6 @@ def _speed_interface(
 
 
 # ---- constraints and replacement -----------------------------------------------------
-
-
-def _tolerances(parameters: Namespace, joints: Sequence[Joint]) -> ActiveTolerances:
-    read = parameters.not_negative
-    stopped = read("constraints/stopped_velocity_tolerance", DEFAULT_STOPPED_VELOCITY)
-    return ActiveTolerances(
-        {
-            joint.name: JointTolerances(
-                path=Tolerance(read(f"constraints/{joint.name}/trajectory", 0.0)),
-                goal=Tolerance(read(f"constraints/{joint.name}/goal", 0.0), stopped),
-            )
-            for joint in joints
-        },
-        read("constraints/goal_time", 0.0),
-    )
 
 
 def _deceleration(

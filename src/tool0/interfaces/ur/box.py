@@ -205,6 +205,15 @@ class Box:
     # ---- the arm --------------------------------------------------------------------
 
     @property
+    def stopped(self) -> str:
+        """Why no program moves the arm any more; empty if one may."""
+        state = self.state
+        if state.protective_stop:
+            return f"protective stop: {state.protective_stop}"
+        is_off = "" if state.may_move else "the arm was stopped or switched off"
+        return state.motion_failure or is_off
+
+    @property
     def time(self) -> float:
         """Simulated time [s]."""
         return self.update.time

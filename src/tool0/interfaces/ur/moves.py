@@ -290,19 +290,26 @@ class Moves:
     # ---- waiting --------------------------------------------------------------------
 
     async def _until(self, running: _Running, time: float) -> None:
-        """Wait until a path is at a time; or until it ended, or was left."""
-        box = self._box
+        """Wait until a path is at a time, or has arrived; or until it was left.
+
+        Raises:
+            ControlError: If the arm has stopped.
+        """
+        box, end = self._box, running.plan.duration
+        must_arrive = time >= end - _ROUNDING
+
+        def is_over() -> bool:
+            is_there = not must_arrive and self._path_time(running) >= time - _ROUNDING
+            return is_there or self._has_ended(running) or bool(box.stopped)
+
         try:
-            await box.until(
-                lambda: (
-                    self._path_time(running) >= time - _ROUNDING
-                    or self._has_ended(running)
-                )
-            )
+            await box.until(is_over)
         except asyncio.CancelledError:
             if not self._has_ended(running):
                 box.send(StopArm(arm=box.arm, deceleration=STOP))
             raise
+        if box.stopped:
+            raise ControlError(box.stopped)
 
     def _path_time(self, running: _Running) -> float:
         """Return where a path is, 0 before it [s]."""

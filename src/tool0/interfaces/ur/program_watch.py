@@ -35,9 +35,11 @@ class ProgramWatch:
     def _look(self) -> None:
         box = self._box
         has_lost = box.programs.follow(box.state)
-        if box.programs.is_running and not box.state.may_move:
+        if box.programs.is_running and box.stopped:
             has_lost = True
         if has_lost and self._task is None:
+            if box.stopped:
+                box.messages.error(box.stopped)
             self._task = asyncio.create_task(self._stop())
 
     async def _stop(self) -> None:

@@ -115,7 +115,7 @@ class ProgramSlot(Generic[BoxT]):
                 if was_running:  # the arm stays taken
                     self._box.messages.program("")
                     await self._box.call(StopArm(arm=arm))
-                await self._box.call(TakeArm(arm=arm, by=program.name))
+                await self._box.call(TakeArm(arm=arm, by=program.name, protected=True))
             except Tool0Error:
                 await self._release()
                 raise
