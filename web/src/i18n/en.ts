@@ -64,6 +64,9 @@ export const en = {
   "confirm.delete": "Delete",
   "confirm.overwrite": "Overwrite",
   "confirm.reset": "Reset",
+  "confirm.letGo": "Let go",
+  "confirm.dropping":
+    "The gripper holds an object ({grippers}). Go to {name}, and let go of it?",
   "confirm.deletePose": "Delete the pose {name}? This cannot be undone.",
   "confirm.deletePoseAll":
     "Delete the pose {name} of all robots? This cannot be undone.",
@@ -304,6 +307,7 @@ export const en = {
   "shortcuts.add": "Add an object at the pointer",
 
   "poses.title": "Poses",
+  "poses.ofGripper": "Gripper",
   "poses.goLong": "Go to the pose {name}",
   "poses.name": "Name of a new pose",
   "poses.save": "Save current",

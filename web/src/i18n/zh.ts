@@ -66,6 +66,8 @@ export const zh: Texts = {
   "confirm.delete": "删除",
   "confirm.overwrite": "覆盖",
   "confirm.reset": "重置",
+  "confirm.letGo": "松开",
+  "confirm.dropping": "夹爪正夹着物体（{grippers}）。前往 {name} 并松开它？",
   "confirm.deletePose": "删除位形 {name}？此操作无法撤销。",
   "confirm.deletePoseAll": "删除所有机器人的位形 {name}？此操作无法撤销。",
   "confirm.overwritePose": "位形 {name} 已存在。用当前关节位置覆盖它？",
@@ -295,6 +297,7 @@ export const zh: Texts = {
   "shortcuts.add": "在指针处添加物体",
 
   "poses.title": "预设位形",
+  "poses.ofGripper": "夹爪",
   "poses.goLong": "前往位形 {name}",
   "poses.name": "新位形的名称",
   "poses.save": "保存当前位形",
