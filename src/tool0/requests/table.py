@@ -159,6 +159,7 @@ _MODULES = (
         "replay",
         "sensors",
         "state",
+        "stream_watch",
     ),
     "updates",
 )
