@@ -75,7 +75,8 @@ class Outages:
     """The outages of this process, as its connections see them."""
 
     def __init__(self) -> None:
-        self._freeze = FreezeMeter()
+        self._freeze: FreezeMeter | None = None
+        """From the first look on: a server may wait long for its first peer."""
         self._duration = 0.0
         self._until = 0.0
         self._errors: dict[Session, tuple[str, float]] = {}
@@ -84,6 +85,7 @@ class Outages:
 
     def look(self) -> bool:
         """Return whether the process was frozen since the last call."""
+        self._freeze = self._freeze or FreezeMeter()
         duration = self._freeze.look()
         if duration:
             self._duration = duration
