@@ -3,11 +3,17 @@ import { signal } from "@preact/signals";
 import { frames } from "./frames";
 import { connectionState } from "./store";
 
-const SILENT_AFTER_MS = 500;
+export const SILENT_AFTER_MS = 500;
 const CHECK_MS = 100;
 
 /** Time since the last frame [s]; null while frames arrive. */
 export const silence = signal<number | null>(null);
+
+/** Return whether the last frame is too old to move the robot by what it shows. */
+export function isSilent(): boolean {
+  const newest = frames.last.at(-1)?.arrival;
+  return newest !== undefined && performance.now() - newest > SILENT_AFTER_MS;
+}
 
 /** Watch the frames; call the result to end the watch. */
 export function watchSilence(): () => void {
@@ -24,5 +30,6 @@ export function watchSilence(): () => void {
   }, CHECK_MS);
   return () => {
     clearInterval(timer);
+    silence.value = null;
   };
 }

@@ -82,7 +82,9 @@ export const en = {
   "connection.refused": "Refused",
   "connection.outdated": "Outdated page",
   "connection.lostBanner":
-    "Connection lost. The robot continues its last command. Reconnecting…",
+    "Connection lost: driving has ended; the robot continues its last command. Reconnecting…",
+  "connection.silentBanner":
+    "No data from the server for {seconds} s. Nothing moves by itself when it answers again: press anew.",
   "connection.refusedBanner":
     "The server refused this page. Open the address that tool0 bringup printed, with its token.",
   "connection.outdatedBanner":
@@ -160,6 +162,8 @@ export const en = {
   "drive.ended.stopped": "Driving ended: the emergency stop is engaged.",
   "drive.ended.reset": "Driving ended: the simulation was reset.",
   "drive.ended.lost": "Driving ended: the connection was lost.",
+  "drive.ended.silent":
+    "Driving ended: no data came from the server. Turn Drive on again to move the robot.",
   "drive.ended.elsewhere": "Driving ended: another client moved the robot.",
   "drive.ended.past": "Driving ended: the 3D view shows the past.",
 

@@ -1,4 +1,7 @@
-/** The most important states, shown under the bar as long as they last. */
+/**
+ * The most important states, as long as they last.  They lie over the 3D view below the bar: what
+ * appears must not move a control that the pointer is about to press.
+ */
 import type { ComponentChildren } from "preact";
 import { connection, sendRequest } from "../connection";
 import { boxes, PROTECTIVE_STOP } from "../control-box";
@@ -6,6 +9,7 @@ import type { ControlBox } from "../control-box";
 import { t } from "../i18n";
 import type { StallInfo } from "../protocol";
 import { ownerOf, robots, withoutPrefix } from "../robots";
+import { silence } from "../silence";
 import { connectionState, joints, status, view } from "../store";
 import { Button } from "../ui/button";
 import { HoldButton } from "../ui/hold-button";
@@ -30,6 +34,15 @@ function Banner(props: {
 }
 
 function ConnectionBanner() {
+  const silent = silence.value;
+  if (silent !== null) {
+    return (
+      <Banner tone="danger" testId="silence-banner">
+        <WarningIcon />
+        <span>{t("connection.silentBanner", { seconds: silent.toFixed(1) })}</span>
+      </Banner>
+    );
+  }
   switch (connectionState.value) {
     case "lost":
       return (

@@ -87,7 +87,7 @@ export function PosesPanel() {
       {poses.length === 0 && <p class="muted">{t("poses.none")}</p>}
       <Poses poses={poses.filter((pose) => !pose.is_gripper)} />
       {ofGrippers.length > 0 && (
-        <div role="group" aria-labelledby="gripper-poses-title">
+        <div class="gripper-poses" role="group" aria-labelledby="gripper-poses-title">
           <h3 id="gripper-poses-title">{t("poses.ofGripper")}</h3>
           <Poses poses={ofGrippers} />
         </div>
