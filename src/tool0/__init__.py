@@ -111,6 +111,7 @@ if TYPE_CHECKING:
     from tool0.runtime.config import ControlConfig, SimulationConfig
     from tool0.runtime.poses import NamedPose
     from tool0.sensing.cameras import CameraImage, encode_depth, encode_png
+    from tool0.sensing.collisions import Collision
     from tool0.sensing.force_torque import WrenchReading
     from tool0.sensing.grasp import GraspState
     from tool0.sensing.snapshot import JointSetpoint, Snapshot
@@ -133,6 +134,7 @@ __all__ = [
     "CheckReport",
     "ClaimError",
     "CollectError",
+    "Collision",
     "CommentStep",
     "ConfigError",
     "Contact",
@@ -265,6 +267,7 @@ _HOMES = {
     "CheckReport": "tool0.lint.check",
     "ClaimError": "tool0.errors",
     "CollectError": "tool0.errors",
+    "Collision": "tool0.sensing.collisions",
     "CommentStep": "tool0.programs.model",
     "ConfigError": "tool0.errors",
     "Contact": "tool0.hardware.engine",

@@ -22,7 +22,12 @@ from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, RenderError, RequestError, did_you_mean
 from tool0.requests import motion, state
 from tool0.requests.arm import ListArms
-from tool0.requests.objects import ApplyWrench, ClearWrenches, ReadContacts
+from tool0.requests.objects import (
+    ApplyWrench,
+    ClearWrenches,
+    FindCollisions,
+    ReadContacts,
+)
 from tool0.requests.sensors import ListCameras
 from tool0.requests.table import checked_value
 from tool0.runtime.simulation import only_part
@@ -43,6 +48,7 @@ if TYPE_CHECKING:
     from tool0.runtime.bus import Subscription
     from tool0.runtime.poses import NamedPose
     from tool0.runtime.simulation import Simulation
+    from tool0.sensing.collisions import Collision
     from tool0.sensing.snapshot import Snapshot
 
 
@@ -286,6 +292,29 @@ class Robot(AbstractContextManager["Robot"]):
         only when asked.  Gazebo reports none the first time.
         """
         return self.channel.call(ReadContacts())
+
+    def find_collisions(self, positions: Mapping[str, float]) -> tuple[Collision, ...]:
+        """Return the collisions that the robot would have in a pose, and on the way.
+
+        On the way, all joints move in proportion from where they are now, and what a
+        gripper holds is carried along.  Pairs that are as deep in each other now are
+        left out.  Links collide as convex hulls, as in MuJoCo, with either engine.
+
+        For example::
+
+            for each in robot.find_collisions({"shoulder_lift_joint": 0.2}):
+                print(each.first, each.second, each.depth, each.begins)
+
+        Args:
+            positions: Joint → target [rad | m]; other joints stay.
+
+        Raises:
+            ModelError: If a joint is unknown or a position is out of its limits, or
+                MuJoCo does not support a shape.
+        """
+        return self.channel.call(
+            FindCollisions(positions=positions)  # type: ignore[arg-type]
+        )
 
     def apply_wrench(
         self,

@@ -28,6 +28,7 @@ from tool0.errors import ConfigError
 from tool0.hardware.engine import Contact, ObjectState
 from tool0.requests.table import (
     RGBA,
+    JointPositions,
     Length,
     Name,
     Place,
@@ -39,6 +40,7 @@ from tool0.requests.table import (
 from tool0.runtime.applied_wrenches import AppliedWrench
 from tool0.runtime.pull_springs import PullSpring
 from tool0.runtime.simulation import Simulation
+from tool0.sensing.collisions import Collision
 
 MOST_SHAPES = 500
 """Largest number of shapes in a scene that requests may add to: adding gets slower with
@@ -233,6 +235,18 @@ class ReadContacts(Request[tuple[Contact, ...]], frozen=True):
 
     The engine computes them only when asked; Gazebo reports none the first time.
     """
+
+
+class FindCollisions(Request[tuple[Collision, ...]], frozen=True):
+    """The collisions that the robot would have in a pose, and on the way to it.
+
+    On the way, all joints move in proportion from where they are now, and what a
+    gripper holds is carried along.  Pairs that are as deep in each other now are left
+    out.  The pair whose collision begins first comes first.
+    """
+
+    positions: JointPositions
+    """Joint → target [rad | m]; other joints stay."""
 
 
 def shape_of(solid: Solid) -> Shape:
@@ -430,4 +444,7 @@ def _clear_wrenches(simulation: Simulation, request: ClearWrenches) -> None:
 
 handles(ReadContacts, in_tick=True, publishes=False)(
     lambda sim, _: sim.core.engine.world.contacts()
+)
+handles(FindCollisions)(
+    lambda sim, request: sim.collisions.on_way(sim.snapshot, request.positions)
 )

@@ -23,6 +23,7 @@ from tool0.runtime.journal import Journal
 from tool0.runtime.loop import Loop
 from tool0.runtime.program_runs import ProgramRuns
 from tool0.sensing.cameras import Cameras
+from tool0.sensing.collisions import CollisionFinder
 from tool0.sensing.force_torque import ForceTorqueSensors
 from tool0.sensing.snapshot import Snapshot
 
@@ -84,6 +85,7 @@ class Simulation:
         self.cameras = Cameras(
             description.model, cameras, ground, lambda: self.snapshot
         )
+        self.collisions = CollisionFinder(description.model, ground)
         self.force_torque = ForceTorqueSensors(
             description,
             core.engine,

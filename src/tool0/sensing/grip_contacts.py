@@ -65,7 +65,7 @@ class _Hand:
             self._fingers = None
         else:
             base = model.joint(gripper.joint).parent
-            self._fingers = tuple(_finger(model, base, pad) for pad in pads)
+            self._fingers = tuple(finger_links(model, base, pad) for pad in pads)
         self.forget()
 
     def forget(self) -> None:
@@ -113,7 +113,7 @@ class _Hand:
         return x, y, z
 
 
-def _finger(model: RobotModel, base: str, pad: str) -> frozenset[str]:
+def finger_links(model: RobotModel, base: str, pad: str) -> frozenset[str]:
     """Return the links from a gripper's base, without it, to a pad."""
     found = []
     link = pad

@@ -1,0 +1,100 @@
+"""Overlaps of a robot's links with each other, the ground and objects, in any pose.
+
+MuJoCo's collision detection runs on a model of its own, without dynamics: for every
+engine, and in any thread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import final
+
+import mujoco
+import numpy as np
+
+from tool0.description.model import RobotModel
+from tool0.description.scene import Scene, SceneObject
+from tool0.description.transform import Transform, from_quaternion
+from tool0.engines.mujoco.model import build_spec
+from tool0.engines.mujoco.objects import compile_with_scene, free_joint_name
+from tool0.engines.mujoco.world import geom_owners
+from tool0.hardware.engine import ObjectState
+
+NEAR = 0.001
+"""Shapes nearer to each other than this are found, too [m]: what touches in one step of
+physics may be micrometres apart in the next."""
+
+Pair = tuple[str, str]
+"""The names of links, objects or the ground, in alphabetical order."""
+
+
+@final
+class OverlapFinder:
+    """The compiled robot and its objects.  One thread at a time may use it."""
+
+    def __init__(self, model: RobotModel, ground: float | None) -> None:
+        """Use a ground at height ``ground`` [m], in the robot's root, or none."""
+        self._robot = model
+        self._spec = build_spec(model, dt=0.001, ground=ground)
+        self._mesh_files: Mapping[str, bytes] = {}
+        self._objects: tuple[SceneObject, ...] | None = None
+
+    def use(self, objects: tuple[SceneObject, ...]) -> None:
+        """Compile the objects, unless they are those of the last call.
+
+        Raises:
+            ModelError: If MuJoCo does not support an object.
+        """
+        if objects is self._objects:
+            return
+        self._model, self._mesh_files = compile_with_scene(
+            self._spec.copy(), self._robot, Scene(objects), self._mesh_files
+        )
+        self._model.geom_margin[:] = self._model.pair_margin[:] = NEAR
+        self._data = mujoco.MjData(self._model)
+        self._owners = geom_owners(self._model)
+        self._objects = objects
+        joints = self._robot.movable_joints
+        self._addresses = [
+            int(self._model.joint(joint.name).qposadr[0]) for joint in joints
+        ]
+
+    def put_object(self, item: SceneObject, state: ObjectState) -> None:
+        """Put one of the objects somewhere."""
+        pose = (*state.position, *state.quat_wxyz)
+        if item.mass is None:
+            body = self._model.body(item.name)
+            body.pos[:], body.quat[:] = state.position, state.quat_wxyz
+        else:
+            self._data.joint(free_joint_name(item.name)).qpos[:] = pose
+
+    def put_joints(self, position: Sequence[float]) -> None:
+        """Put the movable joints at ``position`` [rad | m], in the model's order."""
+        self._data.qpos[self._addresses] = position
+        mujoco.mj_kinematics(self._model, self._data)
+
+    def link_pose(self, link: str) -> Transform:
+        """Return the pose of a link in the robot's root."""
+        site = self._data.site(link)
+        quat = np.empty(4)
+        mujoco.mju_mat2Quat(quat, site.xmat)
+        x, y, z = site.xpos.tolist()
+        qw, qx, qy, qz = quat.tolist()
+        return from_quaternion((x, y, z), (qw, qx, qy, qz))
+
+    def depths(self) -> dict[Pair, float]:
+        """Return how deep shapes are in each other [m], by pair.
+
+        It is negative for those that are apart, but nearer than ``NEAR``.
+        """
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_collision(self._model, self._data)
+        contacts = self._data.contact
+        found: dict[Pair, float] = {}
+        for (one, two), distance in zip(
+            contacts.geom.tolist(), contacts.dist.tolist(), strict=True
+        ):
+            first, second = sorted((self._owners[one], self._owners[two]))
+            depth = found.get((first, second), -distance)
+            found[first, second] = max(depth, -distance)
+        return found
