@@ -205,6 +205,9 @@ export const en = {
   "tool.way.joint": "Joints",
   "tool.way.linear": "Straight",
   "tool.go": "Go",
+  "tool.goAnyway": "Go anyway",
+  "tool.collision":
+    "{first} and {second} would collide on the way to the target, {depth} mm deep. Press Go anyway to move nevertheless.",
   "tool.posture": "Posture of the arm",
   "tool.nearest": "Nearest of {count} postures",
   "tool.shoulder.left": "Shoulder left",

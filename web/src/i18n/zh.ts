@@ -198,6 +198,9 @@ export const zh: Texts = {
   "tool.way.joint": "关节",
   "tool.way.linear": "直线",
   "tool.go": "前往",
+  "tool.goAnyway": "仍然前往",
+  "tool.collision":
+    "前往目标的途中 {first} 与 {second} 会碰撞，深度 {depth} mm。按“仍然前往”可继续。",
   "tool.posture": "手臂的构型",
   "tool.nearest": "{count} 种构型中最近的",
   "tool.shoulder.left": "肩左",
