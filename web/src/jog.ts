@@ -5,7 +5,7 @@ import { isDriving } from "./driving";
 import { frames } from "./frames";
 import { apply, product, transposed } from "./kinematics";
 import { report } from "./notices";
-import { isSilent, silence, SILENT_AFTER_MS } from "./silence";
+import { silence } from "./silence";
 import { connectionState, status, view } from "./store";
 import { arm, framePose, toolFrame } from "./tool";
 
@@ -42,7 +42,7 @@ const SHORTEST_STEP = 0.1;
 /** [m/s², rad/s²] */
 const LEAST_ACCELERATION = 0.05;
 /** Wall time without a command after which the server lets a press end [s]. */
-const TIMEOUT = SILENT_AFTER_MS / 1000;
+const TIMEOUT = 1;
 /** Standing still for so long, the arm is given back to its controllers [ms]. */
 const LINGER_MS = 1000;
 const QUEUED_STEPS = 5;
@@ -192,8 +192,8 @@ function rest(): void {
 
 function tick(): void {
   const now = performance.now();
-  if (now - sentAt > SILENT_AFTER_MS || isSilent()) {
-    // the page or the server was away: it takes another press
+  if (now - sentAt > 1000 * TIMEOUT) {
+    // the page itself was away: it takes another press
     block();
     void letGo();
     return;

@@ -9,12 +9,6 @@ const CHECK_MS = 100;
 /** Time since the last frame [s]; null while frames arrive. */
 export const silence = signal<number | null>(null);
 
-/** Return whether the last frame is too old to move the robot by what it shows. */
-export function isSilent(): boolean {
-  const newest = frames.last.at(-1)?.arrival;
-  return newest !== undefined && performance.now() - newest > SILENT_AFTER_MS;
-}
-
 /** Watch the frames; call the result to end the watch. */
 export function watchSilence(): () => void {
   let checked = performance.now();
