@@ -23,6 +23,7 @@ TITLES = {
     "gripper": "Gripper",
     "arm": "Arm",
     "arm_motion": "Arm: paths and streams of a program that has taken it",
+    "stream_watch": "Arm: the end of a stream that has fallen silent",
     "objects": "Objects and contacts",
     "program": "Programs of steps: check, run, save, export",
     "control_box": "Control box: pins, payload, program, power and stops",

@@ -95,6 +95,48 @@ def test_a_page_tells_that_the_server_is_silent(open_tab: OpenTab) -> None:
         tab.close()
 
 
+def test_a_button_that_is_held_while_the_server_is_silent_moves_nothing_after_that(
+    open_tab: OpenTab,
+) -> None:
+    port = free_port()
+    url = f"http://127.0.0.1:{port}/?token=secret"
+    with bringup_at(port) as process, page_at(url) as watch:
+        tab = open_tab(url)
+        tab.drive()
+        tab.get("tool-toggle").click()
+        button = tab.get("jog-z-plus")
+        button.scroll_into_view_if_needed()
+
+        def lift() -> float:
+            return watch.position("shoulder_lift_joint", watch.next("frame"))
+
+        start = lift()
+        button.hover()
+        tab.page.mouse.down()
+        eventually(lambda: abs(lift() - start) > 0.01, "the arm moves")
+        process.send_signal(signal.SIGSTOP)
+        try:
+            tab.get("silence-banner").wait_for()
+            tab.page.wait_for_timeout(1000)  # of the outage
+            assert not tab.get("enable-toggle").is_checked()
+        finally:
+            process.send_signal(signal.SIGCONT)
+        tab.see(CONNECTED)
+        tab.text("driving-state", "no data")
+        end = watch.next("notice", lambda it: "stood still" in it["text"])["time"]
+        watch.next("frame", lambda frame: frame["time"] > end + 0.5)
+        rest = lift()
+        watch.next("frame", lambda frame: frame["time"] > end + 2.0)
+        assert abs(lift() - rest) < 0.01  # while the button is still held
+        tab.page.mouse.up()
+        tab.drive()
+        button.hover()
+        tab.page.mouse.down()
+        eventually(lambda: abs(lift() - rest) > 0.02, "a new press moves it")
+        tab.page.mouse.up()
+        tab.close()
+
+
 def test_a_paused_simulation_is_not_silent(
     panel: Panel, open_tab: OpenTab, robot: tool0.Robot
 ) -> None:

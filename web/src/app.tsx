@@ -4,7 +4,6 @@ import { useEffect } from "preact/hooks";
 import { openCameras } from "./cameras/state";
 import { boxes } from "./control-box";
 import { t } from "./i18n";
-import { Banners } from "./panels/banners";
 import { Confirmation } from "./panels/confirmation";
 import { ControlBoxPanel } from "./panels/control-box";
 import { ControllersPanel } from "./panels/controllers";
@@ -96,7 +95,6 @@ export function App() {
         {t("app.skip")}
       </a>
       <TopBar />
-      <Banners />
       <Confirmation />
       <ShortcutHelp />
       <main class="work">

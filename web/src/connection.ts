@@ -8,6 +8,7 @@ import { parseMessage, PROTOCOL } from "./messages";
 import type { Method, Params, PostedMethod, StreamMethod } from "./messages";
 import { replaceNotices, report, showNotice } from "./notices";
 import type { ErrorInfo, Reply, Requests, Responses, ServerMessage } from "./protocol";
+import { SILENT_AFTER_MS } from "./silence";
 import { connectionState, view, scene, status } from "./store";
 
 export const BACKOFF_MS = [250, 500, 1000, 2000] as const;
@@ -21,6 +22,9 @@ const REFUSALS: readonly number[] = [1008, 4401, 4403];
 
 /** How many streamed setpoints the server has refused. */
 export const refusals = signal(0);
+
+/** How many goals of this page ended otherwise than there. */
+export const unreached = signal(0);
 
 interface StreamedSetpoint<M extends StreamMethod = StreamMethod> {
   readonly method: M;
@@ -113,6 +117,12 @@ export class Connection {
     this.socket.send(JSON.stringify({ method, params }));
   }
 
+  /** Return whether the server may not have read all that this page sent to it. */
+  mayBeOnItsWay(): boolean {
+    const isRecent = performance.now() - this.streamedAt < 2 * SILENT_AFTER_MS;
+    return this.waiting.size > 0 || isRecent;
+  }
+
   /** Drop the setpoints that were not sent yet. */
   dropStreams(): void {
     this.streams.clear();
@@ -193,6 +203,9 @@ export class Connection {
         return;
       case "notice":
         showNotice(message);
+        return;
+      case "goal_finished":
+        if (message.outcome.status !== "SUCCEEDED") unreached.value += 1;
         return;
       case "reply":
         this.answered(message);

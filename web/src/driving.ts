@@ -1,14 +1,15 @@
 /** Driving: whether this page may move the robot, the controller of the sliders, and the targets. */
 import { batch, computed, effect, signal } from "@preact/signals";
 import type { Signal } from "@preact/signals";
-import { connection, refusals } from "./connection";
+import { connection, refusals, unreached } from "./connection";
 import { frames, shown } from "./frames";
 import type { ControllerInfo, ErrorInfo, Status } from "./protocol";
+import { silence } from "./silence";
 import { chosenRobot, isOurController, selected } from "./robots";
 import { connectionState, jointIndex, status, view } from "./store";
 
 /** Why driving ended by itself. */
-export type EndReason = "stopped" | "reset" | "lost" | "elsewhere" | "past";
+export type EndReason = "stopped" | "reset" | "lost" | "silent" | "elsewhere" | "past";
 
 /** Another page's target must differ for so long, since messages cross. */
 const ELSEWHERE_AFTER_MS = 500;
@@ -66,7 +67,7 @@ export function controllerOf(now: Status | null): ControllerInfo | undefined {
 
 /** Start driving; nothing moves until a control is used. */
 export function enable(): void {
-  if (status.value === null || status.value.stopped) return;
+  if (status.value === null || status.value.stopped || silence.value !== null) return;
   isDriving.value = true;
   endReason.value = null;
   review(status.value, performance.now());
@@ -78,6 +79,8 @@ export function disable(reason: EndReason | null = null): void {
   isDriving.value = false;
   endReason.value = reason;
   release();
+  // What is on its way to a silent server would be carried out when it answers again.
+  if (reason === "silent" && connection.mayBeOnItsWay()) void holdStill();
 }
 
 /** Drive another controller. */
@@ -216,6 +219,15 @@ function isHeadingFor(mine: ReadonlyMap<string, number>, now: Status): boolean {
   });
 }
 
+/** Return whether the robot rests at its target: a motion has ended there, or was ended. */
+function hasStopped(now: Status): boolean {
+  return [...(goals.value?.keys() ?? [])].every((joint) => {
+    const [target, desired] = [now.targets[joint], wantedNow(joint)];
+    if (target === undefined || desired === undefined) return true;
+    return Math.abs(target - desired) <= SAME_TARGET;
+  });
+}
+
 /** Set the sliders to the robot's own target. */
 function takeTargets({ targets }: Status): void {
   for (const [joint, goal] of goals.value ?? []) {
@@ -234,6 +246,8 @@ export function review(now: Status | null, wallTimeMs: number): void {
     disable("past");
   } else if (now === null) {
     disable("lost");
+  } else if (silence.value !== null) {
+    disable("silent");
   } else if (now.stopped) {
     disable("stopped");
   } else if (controller === undefined || !canDrive(controller)) {
@@ -244,9 +258,12 @@ export function review(now: Status | null, wallTimeMs: number): void {
     takeTargets(now);
   } else if (now.paused || !isElsewhere(now, wallTimeMs)) {
     differsSince = null;
+  } else if (differsSince !== null && wallTimeMs - differsSince > ELSEWHERE_AFTER_MS) {
+    disable("elsewhere");
+  } else if (hasStopped(now)) {
+    takeTargets(now); // what this page wanted was aborted: nobody else moves the robot
   } else {
     differsSince ??= wallTimeMs;
-    if (wallTimeMs - differsSince > ELSEWHERE_AFTER_MS) disable("elsewhere");
   }
 }
 
@@ -261,6 +278,9 @@ export function watchDriving(): () => void {
       // the sliders do not stay at targets that the robot will not reach
       const now = status.peek();
       if (refusals.value > 0 && now !== null) takeTargets(now);
+    }),
+    effect(() => {
+      if (unreached.value > 0) followPlan();
     }),
     frames.listen((frame) => {
       if (frame.time < lastTime - 1e-9) disable("reset");

@@ -5,6 +5,7 @@ import { isDriving } from "./driving";
 import { frames } from "./frames";
 import { apply, product, transposed } from "./kinematics";
 import { report } from "./notices";
+import { silence } from "./silence";
 import { connectionState, status, view } from "./store";
 import { arm, framePose, toolFrame } from "./tool";
 
@@ -40,6 +41,8 @@ const STARTING = 0.1;
 const SHORTEST_STEP = 0.1;
 /** [m/s², rad/s²] */
 const LEAST_ACCELERATION = 0.05;
+/** Wall time without a command after which the server lets a press end [s]. */
+const TIMEOUT = 1;
 /** Standing still for so long, the arm is given back to its controllers [ms]. */
 const LINGER_MS = 1000;
 const QUEUED_STEPS = 5;
@@ -75,6 +78,7 @@ export function mayJog(): boolean {
     connectionState.value === "open" &&
     view.value?.mode === "simulation" &&
     isDriving.value &&
+    silence.value === null &&
     status.value?.stopped === false &&
     arm.value !== null
   );
@@ -188,6 +192,12 @@ function rest(): void {
 
 function tick(): void {
   const now = performance.now();
+  if (now - sentAt > 1000 * TIMEOUT) {
+    // the page itself was away: it takes another press
+    block();
+    void letGo();
+    return;
+  }
   gap = Math.max(now - sentAt, 0.95 * gap);
   if (held.size > 0) {
     level = Math.min(1, level + (now - sentAt + 1) / 1000 / STARTING);
@@ -252,6 +262,7 @@ function send(velocity: readonly number[], duration: number | null): void {
     twist: [...apply(R, [vx, vy, vz]), ...apply(R, [wx, wy, wz])],
     acceleration: Math.max(LEAST_ACCELERATION, size / STOPPING),
     duration: duration ?? validity * Math.max(0.05, factor),
+    timeout: duration === null ? TIMEOUT : null,
   });
 }
 
@@ -272,7 +283,11 @@ export function watchJog(): () => void {
   document.addEventListener("visibilitychange", hide);
   const ends = [
     effect(() => {
-      if (!mayJog()) void letGo();
+      if (mayJog()) return;
+      untracked(() => {
+        block();
+        void letGo();
+      });
     }),
     effect(() => {
       if (refusals.value === 0) return;

@@ -3,7 +3,7 @@ import { signal } from "@preact/signals";
 import { frames } from "./frames";
 import { connectionState } from "./store";
 
-const SILENT_AFTER_MS = 500;
+export const SILENT_AFTER_MS = 500;
 const CHECK_MS = 100;
 
 /** Time since the last frame [s]; null while frames arrive. */
@@ -24,5 +24,6 @@ export function watchSilence(): () => void {
   }, CHECK_MS);
   return () => {
     clearInterval(timer);
+    silence.value = null;
   };
 }

@@ -6,7 +6,7 @@ import { frames } from "./frames";
 import { letGo } from "./jog";
 import type { Pose } from "./kinematics";
 import { report } from "./notices";
-import type { Branch } from "./protocol";
+import type { Branch, Collision } from "./protocol";
 import { plannedPose } from "./scene/planned-pose";
 import { view } from "./store";
 import { arm } from "./tool";
@@ -48,6 +48,12 @@ export const posture = computed<Posture | null>(
     null,
 );
 
+/** What would collide on the way to the target; the user was told, and may go anyway. */
+export const collision = signal<Collision | null>(null);
+/** The second click of a double click does not go anyway [ms]. */
+const ANYWAY_AFTER_MS = 400;
+let warnedAt = -Infinity;
+
 let solving: Promise<void> | null = null;
 let isStale = false;
 let isDragged = false;
@@ -62,6 +68,7 @@ export function nameOf({ shoulder, elbow, wrist }: Branch): string {
 /** Change the target; nothing moves yet. */
 export function aimTool(pose: Pose): void {
   target.value = pose;
+  collision.value = null;
   isCommanded = false;
   void solve();
 }
@@ -69,6 +76,7 @@ export function aimTool(pose: Pose): void {
 /** Forget the target: fields and gizmo follow the tool again. */
 export function forgetTarget(): void {
   target.value = null;
+  collision.value = null;
   postures.value = [];
   unreachable.value = null;
   isCommanded = false;
@@ -77,6 +85,7 @@ export function forgetTarget(): void {
 /** Choose another posture, or the nearest with null. */
 export function choosePosture(branch: string | null): void {
   chosenBranch.value = branch;
+  collision.value = null;
 }
 
 function matrixOf({ p, R }: Pose): [Row, Row, Row, Row] {
@@ -135,12 +144,35 @@ function steer(): boolean {
   return true;
 }
 
-/** Move the robot to the target. */
+/**
+ * Return whether nothing collides on the way to the target, or the user has been told what does.
+ *
+ * On a straight line only its end is checked: the posture changes along it in another way.
+ */
+async function isClear(): Promise<boolean> {
+  const goal = posture.peek();
+  if (goal === null) return true;
+  if (collision.peek() !== null) return performance.now() - warnedAt > ANYWAY_AFTER_MS;
+  const { positions } = goal;
+  const answer = await connection.ask("find_collisions", { positions });
+  if (answer.problem !== null) return true; // an engine that cannot tell
+  const isStraight = way.peek() === "linear";
+  const found = answer.result.find((pair) => !isStraight || pair.depth_at_end > 0);
+  if (found === undefined || posture.peek() !== goal) return found === undefined;
+  collision.value = found;
+  warnedAt = performance.now();
+  return false;
+}
+
+/** Move the robot to the target; where something would collide, at the second call. */
 export async function go(): Promise<void> {
   await letGo();
   await solving; // the last target may still wait for its postures
+  if (target.peek() === null || unreachable.peek() !== null) return;
+  if (!(await isClear())) return;
   const pose = target.peek();
   if (pose === null || unreachable.peek() !== null || !mayMove.peek()) return;
+  collision.value = null;
   if (way.peek() === "joint" && steer()) return;
   const to = { arm: arm.peek()?.name ?? null, pose: matrixOf(pose) };
   const share = speedScale.peek();
@@ -164,6 +196,10 @@ export async function go(): Promise<void> {
 const armName = computed(() => (view.value === null ? null : arm.value?.name));
 
 // a target is of one arm, whether there is a picture or not
+way.subscribe(() => {
+  collision.value = null;
+});
+
 armName.subscribe(() => {
   chosenBranch.value = null;
   forgetTarget();

@@ -1,6 +1,6 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { refusals } from "../src/connection";
-import { enable } from "../src/driving";
+import { connection, refusals } from "../src/connection";
+import { enable, endReason, isDriving, watchDriving } from "../src/driving";
 import { hold, letGo, release, watchJog } from "../src/jog";
 import {
   connectSpaceMouse,
@@ -9,7 +9,8 @@ import {
 } from "../src/jogging/spacemouse";
 import { toasts } from "../src/notices";
 import { chosenRobot } from "../src/robots";
-import { FakeSocket, sayTwoArms, status } from "./fixtures";
+import { silence, watchSilence } from "../src/silence";
+import { FakeSocket, frame, sayTwoArms, status } from "./fixtures";
 import { useFakeServer } from "./setup";
 
 const UP = [0, 0, 1, 0, 0, 0] as const;
@@ -111,6 +112,47 @@ describe("jogging", () => {
     await goOn();
     expect(arms("take_arm")).toHaveLength(1);
     expect(arms("return_arm")).toEqual(["left"]);
+  });
+
+  it("ends when the server falls silent, and takes another press after that", async () => {
+    const endSilence = watchSilence();
+    const endDriving = watchDriving();
+    hold("stick", UP);
+    await answered("take_arm");
+    server().say(frame({ time: 1.1 }));
+    await goOn(300);
+    expect(isDriving.value).toBe(true);
+    await goOn(500);
+    expect([isDriving.value, endReason.value]).toEqual([false, "silent"]);
+    expect(arms("return_arm")).toEqual(["left"]);
+    const before = arms("speed_tool").length;
+    for (let i = 1; i < 20; i++) {
+      server().say(frame({ time: 1.1 + 0.05 * i })); // it answers again
+      hold("stick", UP); // still held
+      await goOn();
+    }
+    expect(silence.value).toBeNull();
+    enable();
+    hold("stick", UP);
+    await goOn();
+    expect(arms("speed_tool")).toHaveLength(before);
+    expect(arms("take_arm")).toHaveLength(1);
+    release("stick");
+    hold("stick", UP);
+    await answered("take_arm");
+    expect(arms("speed_tool").length).toBeGreaterThan(before);
+    endDriving();
+    endSilence();
+  });
+
+  it("stops what may still be on its way to a silent server", async () => {
+    const ends = [watchSilence(), watchDriving()];
+    server().say(frame({ time: 11 }));
+    void connection.request("go_to_pose", { name: "home" });
+    await goOn(800);
+    expect(endReason.value).toBe("silent");
+    expect(server().sentOf("command_trajectory")).toHaveLength(1);
+    for (const end of ends) end();
   });
 
   it("goes on when it begins anew after a refusal", async () => {

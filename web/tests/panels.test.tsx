@@ -1,4 +1,4 @@
-import { act, fireEvent, render, screen } from "@testing-library/preact";
+import { act, fireEvent, render, screen, within } from "@testing-library/preact";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { disable, enable } from "../src/driving";
 import { KEYS as JOG_KEYS } from "../src/jogging/keys";
@@ -187,11 +187,17 @@ describe("the keys of demonstrations", () => {
   });
 });
 
+const POSES = [
+  { name: "home", saved: false, is_gripper: false, positions: { pan: 0 } },
+  { name: "open", saved: false, is_gripper: true, positions: { finger: 0 } },
+  { name: "closed", saved: false, is_gripper: true, positions: { finger: 0.8 } },
+];
+
 describe("the gripper", () => {
   useFakeServer();
   beforeEach(() => {
     server().say(view({ robot: { ...view().robot, grippers: [GRIPPER] } }));
-    server().say(status({ poses: [{ name: "home", saved: false, positions: {} }] }));
+    server().say(status({ poses: POSES }));
     enable();
     render(<MotionPanel />);
   });
@@ -203,7 +209,7 @@ describe("the gripper", () => {
     act(() => {
       const gobj = { moving: 0, at_target: 3, holding_inside: 2 }[motion];
       const state = { name: "gripper", opening: 0.0401, motion, gobj, width };
-      server().say(status({ grippers: [state] }));
+      server().say(status({ grippers: [state], poses: POSES }));
     });
 
   it("goes to an opening in millimetres, with the speed and force that were chosen", async () => {
@@ -258,8 +264,35 @@ describe("the gripper", () => {
     ]);
   });
 
+  it("has poses of its own, which ask before they let go of what it holds", async () => {
+    render(<Confirmation />);
+    const sent = () =>
+      server()
+        .sentOf("go_to_pose")
+        .map(({ name }) => name);
+    const own = within(screen.getByRole("group", { name: "Gripper" }));
+    expect(own.queryAllByRole("button").map((it) => it.textContent)).toEqual([
+      "open",
+      "closed",
+    ]);
+    await say("at_target", null);
+    press("pose-go-open");
+    await pass(10);
+    expect(sent()).toEqual(["open"]);
+    await say("holding_inside", 0.0401);
+    press("pose-go-home");
+    press("pose-go-closed");
+    await pass(10);
+    expect(sent()).toEqual(["open", "home", "closed"]);
+    press("pose-go-open");
+    await pass(10);
+    expect(sent()).toHaveLength(3);
+    await confirmed();
+    expect(sent()).toEqual(["open", "home", "closed", "open"]);
+  });
+
   it("stands beside poses that are overwritten and deleted once that is confirmed", async () => {
-    const pose = { name: "mine", saved: true, positions: {} };
+    const pose = { name: "mine", saved: true, is_gripper: false, positions: {} };
     render(<Confirmation />);
     await act(() => {
       server().say(status({ poses: [pose] }));

@@ -78,8 +78,8 @@ const CONTROLLERS = [
 ];
 const POSITIONS = { left_pan: 0.1, left_finger: 0.01, right_pan: 0.2, right_finger: 0 };
 const POSES = [
-  { name: "both", saved: true, positions: POSITIONS },
-  { name: "left only", saved: true, positions: { left_pan: 1 } },
+  { name: "both", saved: true, is_gripper: false, positions: POSITIONS },
+  { name: "left only", saved: true, is_gripper: false, positions: { left_pan: 1 } },
 ];
 
 async function pass(milliseconds: number): Promise<void> {

@@ -4,7 +4,15 @@ import { hold, letGo, release } from "../src/jog";
 import { IDENTITY } from "../src/kinematics";
 import type { Pose } from "../src/kinematics";
 import type { Responses } from "../src/protocol";
-import { aimTool, choosePosture, chosenBranch, go, target } from "../src/tool-target";
+import {
+  aimTool,
+  choosePosture,
+  chosenBranch,
+  collision,
+  go,
+  target,
+  way,
+} from "../src/tool-target";
 import { FakeSocket, sayTwoArms } from "./fixtures";
 import { useFakeServer } from "./setup";
 
@@ -30,6 +38,19 @@ async function solved(lift: number): Promise<void> {
   server().say({ type: "reply", id: asked.at(-1)?.id ?? null, result });
   await goOn();
 }
+
+/** Answer what would collide on the way. */
+async function collides(...result: Responses["find_collisions"]): Promise<void> {
+  await goOn(1);
+  const asked = server().sent.filter(({ method }) => method === "find_collisions");
+  server().say({ type: "reply", id: asked.at(-1)?.id ?? null, result });
+  await goOn();
+}
+
+const CRASH = {
+  ...{ first: "wrist_3_link", second: "table" },
+  ...{ depth: 0.0123, begins: 0.8, depth_at_end: 0 },
+};
 
 /** Return where the robot was sent. */
 function goals(): unknown[] {
@@ -58,7 +79,43 @@ describe("the target of the tool", () => {
     await goOn();
     expect(goals()).toEqual([]);
     await solved(0.2);
+    await collides();
     expect(goals()).toEqual([{ pan: 0, lift: 0.2 }]);
+  });
+
+  it("is gone to at the second press where something would collide", async () => {
+    aimTool(at(1));
+    await solved(0.1);
+    void go();
+    await collides(CRASH);
+    expect(collision.value).toMatchObject({ first: "wrist_3_link", second: "table" });
+    void go(); // a double click
+    await goOn();
+    expect(goals()).toEqual([]);
+    await goOn(500);
+    void go();
+    await goOn();
+    expect(goals()).toEqual([{ pan: 0, lift: 0.1 }]);
+    expect(collision.value).toBeNull();
+  });
+
+  it("is checked anew when it changes, and on a line at its end only", async () => {
+    aimTool(at(1));
+    await solved(0.1);
+    void go();
+    await collides(CRASH);
+    aimTool(at(2));
+    expect(collision.value).toBeNull();
+    await solved(0.2);
+    await goOn(500);
+    void go();
+    await collides(CRASH);
+    expect(goals()).toEqual([]);
+    way.value = "linear";
+    void go();
+    await collides(CRASH);
+    expect(server().sentOf("move_linear")).toHaveLength(1);
+    way.value = "joint";
   });
 
   it("is not gone to if it turns out to be unreachable", async () => {

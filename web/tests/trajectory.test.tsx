@@ -240,6 +240,36 @@ describe("the trajectory panel", () => {
     expect(endReason.value).toBeNull();
   });
 
+  it("blames nobody when a motion of its own ends short of its target", async () => {
+    enable();
+    adopt({ pan: 2, lift: 1 });
+    await pass(2000);
+    const stopped = { targets: { pan: 0.5, lift: -0.99 } };
+    for (const time of [1.1, 1.2, 1.3, 1.4]) {
+      await say(stopped, time); // where the robot is
+      await pass(300);
+    }
+    expect(endReason.value).toBeNull();
+    expect(input("joint-slider-pan").valueAsNumber).toBeCloseTo(0.5);
+  });
+
+  it("lets an aborted motion of its own end in peace, however slowly it stops", async () => {
+    enable();
+    adopt({ pan: 2, lift: 1 });
+    await act(() => {
+      const outcome = { status: "ABORTED", error_code: -4, error_string: "path" };
+      server().say({ type: "goal_finished", goal: 1, controller: "arm", outcome });
+    });
+    for (const time of [1.1, 1.2, 1.3]) {
+      await say({ targets: { pan: 0.7, lift: -0.9 } }, time);
+      await pass(300);
+    }
+    await say({ targets: { pan: 0.5, lift: -0.99 } }, 1.4);
+    await pass(600);
+    await say({ targets: { pan: 0.5, lift: -0.99 } }, 1.5);
+    expect(endReason.value).toBeNull();
+  });
+
   it("takes what it wanted a while ago for its own: a busy server is late", async () => {
     enable();
     drag("pan", 1);

@@ -99,7 +99,9 @@ class Arm:
         return ArmMotion(self.name, self._channel)
 
     def go_to_pose(self, name: str, *, speed: float = 0.5) -> tuple[GoalHandle, ...]:
-        """Move the arm and what it carries to a named pose.
+        """Move the arm to a named pose; its gripper stays as it is.
+
+        A pose of gripper joints only, such as ``open``, moves the gripper.
 
         Args:
             name: A built-in or saved pose; its joints of other robots do not move.

@@ -18,6 +18,7 @@ from tool0.description.config import (
 )
 from tool0.description.robot import load_description
 from tool0.description.scene import Scene
+from tool0.requests.state import stop_after_freezes
 from tool0.runtime.bringup import start_simulation
 from tool0.runtime.config import ControlConfig, Names, SimulationConfig
 
@@ -114,11 +115,14 @@ def bringup(
         record=record,
     )
     robot_description = load_description(description, spawn_z=simulation.spawn_z)
+    is_recorded = simulation.record is not None
+    # a recording begins at time zero
+    held = replace(simulation, paused=True) if is_recorded else simulation
+    started = start_simulation(robot_description, control, held)
+    stop_after_freezes(started)
+    recorded = Robot(LocalChannel(started))
     if simulation.record is None:
-        started = start_simulation(robot_description, control, simulation)
-        return Robot(LocalChannel(started))
-    held = replace(simulation, paused=True)  # the recording begins at time zero
-    recorded = Robot(LocalChannel(start_simulation(robot_description, control, held)))
+        return recorded
     try:
         recorded.start_recording(simulation.record)
     except BaseException:

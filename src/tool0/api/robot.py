@@ -520,11 +520,14 @@ class Robot(AbstractContextManager["Robot"]):
     def go_to_pose(
         self, name: str, *, robot: str | None = None, speed: float = 0.5
     ) -> tuple[GoalHandle, ...]:
-        """Move every joint of a pose there, as ``move_joints`` does.
+        """Move the joints of a pose there, as ``move_joints`` does.
+
+        A pose with joints of an arm does not move its gripper; one of gripper joints
+        only, such as ``open``, does.
 
         Args:
             name: A built-in or saved pose.
-            robot: Only the joints of this robot; all of the pose, if left out.
+            robot: Only the joints of this robot; of all robots, if left out.
             speed: Fraction of each joint's largest velocity, 0.01 … 1.
 
         Raises:

@@ -117,6 +117,14 @@ def joints_of_robot(
     return found
 
 
+def gripper_joints(model: RobotModel) -> frozenset[str]:
+    """Return the movable joints of grippers, and of all that arms carry."""
+    flanges = [arm.flange for arm in find_arms(model).values()]
+    carried = {link for flange in flanges for link in model.links_from(flange)}
+    tools = {joint.name for joint in model.movable_joints if joint.child in carried}
+    return frozenset(tools.union(gripper.joint for gripper in model.grippers))
+
+
 def _named(
     items: Iterable[tuple[str, Item]], ending: str, alone: str
 ) -> dict[str, Item]:

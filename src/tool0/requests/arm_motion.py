@@ -7,12 +7,13 @@ the order from base to flange.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Generic, Literal
+from typing import Annotated, Any, Generic, Literal
 
 from msgspec import Meta
 
 from tool0.control.arm_path import ArmPath
 from tool0.errors import RequestError
+from tool0.requests.stream_watch import SILENCE, StreamWatch
 from tool0.requests.table import Name, Request, Response, handles
 from tool0.requests.updates import ArmUpdate, arm_update
 from tool0.runtime.simulation import Simulation
@@ -28,6 +29,8 @@ Acceleration = Annotated[float, Meta(gt=0.0, le=1000.0)]
 """[rad/s², m/s²]"""
 Duration = Annotated[float, Meta(ge=0.0)]
 """[s]"""
+Timeout = Annotated[float, Meta(gt=0.0, le=1e6)]
+"""[wall s]"""
 PathNumber = Annotated[int, Meta(ge=1)]
 PathTime = Annotated[float, Meta(ge=0.0)]
 """[s]"""
@@ -112,6 +115,10 @@ class ServoJoints(_OfArm[None], frozen=True):
     """[s]"""
     gain: Annotated[float, Meta(ge=100.0, le=2000.0)] = 300.0
     """[1/s²]"""
+    timeout: Timeout = SILENCE
+    """In real time: if the next target of a stream does not come within this wall time,
+    the stream has ended [s].  The arm stops, and follows no further target until it is
+    stopped (``stop_arm``), follows a path or is taken again."""
 
 
 class SpeedJoints(_OfArm[None], frozen=True):
@@ -126,6 +133,8 @@ class SpeedJoints(_OfArm[None], frozen=True):
     """Of the leading joint [rad/s²]."""
     duration: Duration | None = None
     """After this time the arm ramps to rest [s]; never, if left out or 0."""
+    timeout: Timeout | None = None
+    """As for ``servo_joints``; 0.5 s without a ``duration``, otherwise none."""
 
 
 class SpeedTool(_OfArm[None], frozen=True):
@@ -140,6 +149,8 @@ class SpeedTool(_OfArm[None], frozen=True):
     """[m/s²], and the same number in [rad/s²]."""
     duration: Duration | None = None
     """After this time the arm ramps to rest [s]; never, if left out or 0."""
+    timeout: Timeout | None = None
+    """As for ``servo_joints``; 0.5 s without a ``duration``, otherwise none."""
     tcp: Row6 = ZERO_POSE
     """The TCP in the flange, with a rotation vector [m, rad]."""
 
@@ -200,6 +211,7 @@ class ZeroWrench(_OfArm[None], frozen=True):
 @handles(TakeArm, in_tick=True)
 def _take(simulation: Simulation, request: TakeArm) -> None:
     simulation.core.take_arm(request.arm, request.by, protected=request.protected)
+    _forget_stream(simulation, request)
 
 
 @handles(ReturnArm, in_tick=True)
@@ -207,6 +219,12 @@ def _return(simulation: Simulation, request: ReturnArm) -> None:
     core, by = simulation.core, request.by
     if by is None or core.control_boxes.find(request.arm).taken_by == by:
         core.arm_motions.give_back(request.arm, core.state)
+        _forget_stream(simulation, request)
+
+
+def _forget_stream(simulation: Simulation, request: _OfArm[Any]) -> None:
+    arm = simulation.core.control_boxes.find(request.arm).arm
+    simulation.service(StreamWatch).forget(arm)
 
 
 def _path(simulation: Simulation, request: ExecutePath) -> ArmPath:
@@ -227,9 +245,11 @@ def _path(simulation: Simulation, request: ExecutePath) -> ArmPath:
 def _execute(simulation: Simulation, request: ExecutePath, path: ArmPath) -> int:
     core = simulation.core
     arm = core.control_boxes.find(request.arm).arm
-    return core.arm_motions.execute(
+    number = core.arm_motions.execute(
         arm, path, core.time, after=request.after, at=request.at
     )
+    _forget_stream(simulation, request)
+    return number
 
 
 @handles(StopArm, in_tick=True)
@@ -238,6 +258,23 @@ def _stop(simulation: Simulation, request: StopArm) -> None:
     core.arm_motions.find_to_stop(request.arm).stop_motion(
         request.deceleration, core.time, along_path=request.along_path
     )
+    _forget_stream(simulation, request)
+
+
+def _admit(
+    simulation: Simulation, request: ServoJoints | SpeedJoints | SpeedTool
+) -> None:
+    """Refuse what continues a stream that has ended."""
+    if not simulation.loop.is_realtime:
+        return
+    timeout, is_rest = request.timeout, False
+    match request:
+        case SpeedJoints(velocities=speeds) | SpeedTool(twist=speeds):
+            is_rest = not any(speeds)
+            if timeout is None and not request.duration:
+                timeout = SILENCE
+    arm = simulation.core.control_boxes.find(request.arm).arm
+    simulation.service(StreamWatch).admit(arm, timeout, is_rest=is_rest)
 
 
 @handles(ReadArmMotion)
@@ -252,8 +289,8 @@ handles(ZeroWrench, in_tick=True)(
 )
 
 
-@handles(ServoJoints, in_tick=True, publishes=False, streamed=True)
-def _servo(simulation: Simulation, request: ServoJoints) -> None:
+@handles(ServoJoints, in_tick=True, publishes=False, streamed=True, prepare=_admit)
+def _servo(simulation: Simulation, request: ServoJoints, admitted: None) -> None:
     core = simulation.core
     controller = core.arm_motions.find(request.arm)
     controller.require_positions(request.positions, core.time)
@@ -262,8 +299,8 @@ def _servo(simulation: Simulation, request: ServoJoints) -> None:
     )
 
 
-@handles(SpeedJoints, in_tick=True, publishes=False, streamed=True)
-def _speed_joints(simulation: Simulation, request: SpeedJoints) -> None:
+@handles(SpeedJoints, in_tick=True, publishes=False, streamed=True, prepare=_admit)
+def _speed_joints(simulation: Simulation, request: SpeedJoints, admitted: None) -> None:
     core = simulation.core
     controller = core.arm_motions.find(request.arm)
     controller.require_velocities(request.velocities)
@@ -274,8 +311,8 @@ def _speed_joints(simulation: Simulation, request: SpeedJoints) -> None:
     )
 
 
-@handles(SpeedTool, in_tick=True, publishes=False, streamed=True)
-def _speed_tool(simulation: Simulation, request: SpeedTool) -> None:
+@handles(SpeedTool, in_tick=True, publishes=False, streamed=True, prepare=_admit)
+def _speed_tool(simulation: Simulation, request: SpeedTool, admitted: None) -> None:
     import numpy as np
 
     core = simulation.core

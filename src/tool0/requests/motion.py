@@ -304,11 +304,15 @@ class DeletePose(Request[None], frozen=True):
 
 
 class GoToPose(Request[tuple[GoalStarted, ...]], frozen=True):
-    """Move every joint of a named pose there, as ``MoveJoints`` does."""
+    """Move the joints of a named pose there, as ``MoveJoints`` does.
+
+    A pose with joints of an arm does not move its gripper, which may hold something; a
+    pose with joints of grippers only, such as ``open``, moves those.
+    """
 
     name: Name
     robot: Name | None = None
-    """Only the joints of this robot; all joints of the pose, if left out."""
+    """Only the joints of this robot; of all robots, if left out."""
     speed: SpeedScale = 0.5
 
 
@@ -333,10 +337,7 @@ handles(DeletePose)(lambda sim, request: sim.poses.delete(request.name))
 
 @handles(GoToPose)
 def _go(simulation: Simulation, request: GoToPose) -> tuple[GoalStarted, ...]:
-    pose = simulation.poses.find(request.name)
-    positions = joints_of_robot(
-        simulation.description.model, pose.positions, request.robot
-    )
+    positions = simulation.poses.goal(request.name, request.robot)
     return answer(simulation, MoveJoints(positions=positions, speed=request.speed))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -22,12 +23,16 @@ from tool0.description.robot import (
 from tool0.description.transform import Transform
 from tool0.description.urdf import read_model
 from tool0.errors import ControlError
-from tool0.requests.table import JointPositions, Name, Request, handles
+from tool0.requests.table import JointPositions, Name, Request, answer, handles
+from tool0.runtime.bus import WasFrozen
+from tool0.runtime.notifications import frozen_text
 from tool0.runtime.simulation import MAX_SNAPSHOT_RATE, MIN_SNAPSHOT_RATE, Simulation
 from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from xml.dom.minidom import Document
+
+logger = logging.getLogger(__name__)
 
 
 class LimitsInfo(Struct, frozen=True, kw_only=True):
@@ -324,6 +329,14 @@ class EmergencyStop(Request[None], frozen=True):
     engaged: bool = True
 
 
+class StopMotions(Request[None], frozen=True):
+    """Stop every motion, without brakes: nothing goes on by itself.
+
+    Goals are PREEMPTED, programs end, and arms that were taken are given back.  The
+    simulation does so itself when its process was frozen for a second or more.
+    """
+
+
 handles(Pause, in_tick=True)(lambda sim, _: sim.loop.set_paused(True))
 handles(Resume, in_tick=True)(lambda sim, _: sim.loop.set_paused(False))
 
@@ -355,3 +368,29 @@ def _reset(simulation: Simulation, request: Reset, checked: None) -> None:
 handles(EmergencyStop, in_tick=True, urgent=True)(
     lambda sim, request: sim.core.set_stopped(request.engaged)
 )
+
+
+@handles(StopMotions, in_tick=True)
+def _stop_motions(simulation: Simulation, request: StopMotions) -> None:
+    core = simulation.core
+    for goal in simulation.goals.active():
+        if not simulation.program_runs.cancel(goal):
+            core.cancel(goal)
+    for arm in core.arm_motions.specs:
+        if not simulation.program_runs.is_ending(arm):
+            core.arm_motions.give_back(arm, core.state)
+    core.stop_trajectories()
+
+
+def stop_after_freezes(simulation: Simulation) -> None:
+    """Let every motion end when the process did not run for a while.
+
+    Who moved the robot, and what it saw, may have changed meanwhile.
+    """
+
+    def stop(duration: float) -> None:
+        simulation.bus.announce(WasFrozen(duration, simulation.loop.time))
+        logger.warning("%s", frozen_text(duration))
+        answer(simulation, StopMotions())
+
+    simulation.loop.when_frozen = stop

@@ -165,6 +165,7 @@ _MODULES = (
         "replay",
         "sensors",
         "state",
+        "stream_watch",
     ),
     "updates",
 )

@@ -83,7 +83,18 @@ class Reported:
     """Simulated time [s]."""
 
 
-Event = GoalFinished | Overran | Faulted | WasReset | Reported
+@final
+@dataclass(frozen=True, slots=True)
+class WasFrozen:
+    """The process did not run for a while; every motion was stopped."""
+
+    duration: float
+    """[wall s]"""
+    time: float
+    """Simulated time [s]."""
+
+
+Event = GoalFinished | Overran | Faulted | WasReset | Reported | WasFrozen
 
 
 @final

@@ -412,6 +412,19 @@ class Core:
             if bounds is not None:
                 self.hardware.set_drive_limits(controller.joint.name, bounds)
 
+    def stop_trajectories(self) -> None:
+        """Stop the trajectory controllers that move a joint."""
+        for status in self.manager.list():
+            if not status.is_running:
+                continue
+            controller = self.manager.running(status.name)
+            if not isinstance(controller, TrajectoryFollower):
+                continue
+            now = controller.query_state(self.time)
+            is_there = tuple(now.positions) == controller.setpoint().target()
+            if any(now.velocities) or not is_there:
+                controller.command(TrajectoryGoal(points=()), self.time)
+
     def trajectory_controller(self, name: str) -> TrajectoryFollower:
         """Return a running trajectory controller, or raise ControlError."""
         controller = self.manager.running(name)

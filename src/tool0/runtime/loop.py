@@ -17,12 +17,13 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
+from functools import partial
 from typing import Any, NamedTuple, TypeVar, final
 
 from tool0.control.goal import Goal
 from tool0.errors import ControlError, EngineError
 from tool0.runtime.bus import Bus, Faulted, GoalFinished, Overran, WasReset
-from tool0.runtime.clock import Lag, Pacer, SpeedMeter
+from tool0.runtime.clock import FreezeMeter, Lag, Pacer, SpeedMeter
 from tool0.runtime.core import Core
 from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot, ticks_between_snapshots
 
@@ -80,6 +81,10 @@ class Loop:
         """Largest departure of an uncommanded joint from its initial pose so far."""
         self.when_observed: Callable[[Snapshot], None] = lambda snapshot: None
         """Called after snapshots at the default period, between two ticks."""
+        self.when_frozen: Callable[[float], None] = lambda duration: None
+        """Called in real time, before the next tick, when the process was frozen: for
+        how long [wall s].  Not with an engine in a process of its own, which may be
+        late by itself."""
         core.when_goal_starts = lambda goal: goal.when_finished(
             lambda done: bus.announce(GoalFinished(done, core.time))
         )
@@ -291,8 +296,11 @@ class Loop:
             raise self._fault
 
     def _run_forever(self) -> None:
+        freeze = None if self._core.engine.stepper is None else FreezeMeter()
         with self._owner:
             while not self._closing:
+                if freeze is not None and (duration := freeze.look()):
+                    self._attempt(partial(self.when_frozen, duration))
                 if not self._is_running:
                     self._answer_next(POLL_PERIOD)
                     continue

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Final, Literal, final
 
 from tool0.control.goal import Goal, GoalResult, GoalStatus, GripperResult
 from tool0.hardware.control_box import ControlBoxState, SafetyMode
-from tool0.runtime.bus import Event, Faulted, GoalFinished, Overran, Reported, WasReset
+from tool0.runtime.bus import (
+    Event,
+    Faulted,
+    GoalFinished,
+    Overran,
+    Reported,
+    WasFrozen,
+    WasReset,
+)
 
 if TYPE_CHECKING:
     from tool0.sensing.snapshot import Snapshot
@@ -70,7 +78,17 @@ def described(event: Event, now: float) -> Notification:
             severity, code, text = "info", "reset", "the simulation was reset"
         case Reported(message):
             severity, code, text = "warning", "recording", message
+        case WasFrozen(duration):
+            severity, code, text = "warning", "log", frozen_text(duration)
     return Notification(severity=severity, code=code, text=text, time=time)
+
+
+def frozen_text(duration: float) -> str:
+    """Return what is said after the process did not run for so long [wall s]."""
+    return (
+        f"the simulator stood still for {duration:.1f} s, as when its process is "
+        "stopped or the machine sleeps: every motion was stopped"
+    )
 
 
 def _outcome(goal: Goal) -> str:

@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 from tool0.description.config import CellRobot
 from tool0.description.forward_kinematics import joint_positions
-from tool0.description.parts import joints_of_robot
+from tool0.description.parts import gripper_joints, joints_of_robot
 from tool0.description.robot import RobotDescription, named_poses
 from tool0.description.yaml_tree import YamlEntry, read_verbatim
 from tool0.errors import (
@@ -67,6 +67,7 @@ class PoseBook:
             for name, positions in named_poses(description).items()
         }
         """The built-in poses, which cannot be changed."""
+        self._gripper_joints = gripper_joints(description.model)
         self._version: tuple[int, int, int] | None = None
         self._saved: Mapping[str, Positions] = {}
 
@@ -96,6 +97,35 @@ class PoseBook:
         if name not in poses:
             raise ControlError(f"unknown pose '{name}'{did_you_mean(name, set(poses))}")
         return poses[name]
+
+    def goal(self, name: str, robot: str | None = None) -> dict[str, float]:
+        """Return the joints that a move to a pose moves, and where to [rad | m].
+
+        A pose with joints of an arm does not move its gripper.
+
+        Args:
+            name: Of the pose.
+            robot: Only the joints of this robot; all, if left out.
+
+        Raises:
+            ControlError: If there is no such pose, or it has no joint of the robot.
+            ConfigError: If the file of saved poses cannot be read or parsed.
+        """
+        positions = self.moved(self.find(name))
+        return joints_of_robot(self._description.model, positions, robot)
+
+    def moved(self, pose: NamedPose) -> dict[str, float]:
+        """Return the joints that a move to this pose moves, and where to [rad | m].
+
+        To move a gripper with its arm would drop what it holds.
+        """
+        grippers, positions = self._gripper_joints, pose.positions
+        of_arms = {name: q for name, q in positions.items() if name not in grippers}
+        return of_arms or dict(positions)
+
+    def is_of_grippers(self, pose: NamedPose) -> bool:
+        """Return whether a move to this pose moves grippers."""
+        return not self._gripper_joints.isdisjoint(self.moved(pose))
 
     def start(self) -> dict[str, float]:
         """Return where joints start [rad | m], unless options say otherwise.

@@ -309,6 +309,12 @@ class GoalRegistry:
                     del self._goals[oldest]
             return number
 
+    def active(self) -> tuple[Goal, ...]:
+        """Return the goals that have not ended, oldest first."""
+        with self._lock:
+            goals = tuple(self._goals.values())
+        return tuple(goal for goal in goals if not goal.status.is_terminal)
+
     def number(self, goal: Goal) -> int | None:
         """Return a goal's number; None if no request started it, or it is old."""
         with self._lock:

@@ -194,12 +194,45 @@ def test_a_saved_pose_can_be_reached_and_be_the_initial_one(
     for goal in robot.go_to_pose("home", speed=1.0):
         assert goal.wait(5.0).status is tool0.GoalStatus.SUCCEEDED
     assert abs(robot.joint_state.position[PAN]) < 0.01
-    arm, gripper = robot.go_to_pose("here")
-    assert arm.wait(5.0).status is gripper.wait(5.0).status
+    (arm,) = robot.go_to_pose("here")
+    assert arm.wait(5.0).status is tool0.GoalStatus.SUCCEEDED
     robot.run(1.0)
     assert robot.joint_state.position[PAN] == pytest.approx(0.5, abs=1e-3)
     with tool0.bringup(realtime=False, initial_pose="here") as next_one:
-        assert next_one.joint_state.position[PAN] == pytest.approx(0.5, abs=1e-3)
+        position = next_one.joint_state.position
+        assert position[PAN] == pytest.approx(0.5, abs=1e-3)
+        assert position["finger_joint"] == pytest.approx(0.3, abs=1e-3)
+
+
+def test_a_pose_of_the_arm_leaves_the_gripper_as_it_is(robot: tool0.Robot) -> None:
+    robot.move_joints({"finger_joint": 0.5, PAN: 0.1}, speed=1.0)
+    robot.run(2.0)
+    for go in (robot.go_to_pose, robot.arm.go_to_pose):
+        for name in ("home", "ready"):
+            (goal,) = go(name, speed=1.0)
+            assert goal.wait(5.0).status is tool0.GoalStatus.SUCCEEDED
+    assert robot.joint_state.position["finger_joint"] == pytest.approx(0.5, abs=1e-3)
+    before = robot.joint_state.position[PAN]
+    (goal,) = robot.go_to_pose("closed", speed=1.0)
+    goal.wait(5.0)
+    assert robot.joint_state.position["finger_joint"] > 0.75
+    assert robot.joint_state.position[PAN] == pytest.approx(before, abs=1e-3)
+
+
+def test_poses_of_a_cell_know_the_grippers_of_every_arm(tmp_path: Path) -> None:
+    cell = tmp_path / "cell.yaml"
+    cell.write_text(
+        "robots:\n"
+        "  - {name: left, arm: ur5, gripper: 2f85}\n"
+        "  - {name: right, arm: ur5e, gripper: hande, base: {xyz: [2, 0, 0]}}\n"
+    )
+    with tool0.bringup(cell=cell, realtime=False) as r:
+        joints = {"left_finger_joint", "right_hande_left_finger_joint"}
+        poses = r.simulation.poses
+        named = poses.own["home"].positions
+        assert poses.goal("home").keys() == named.keys() - joints
+        assert not poses.goal("home", "right").keys() & joints
+        assert poses.goal("open").keys() == joints
 
 
 def test_a_pose_at_a_limit_can_be_reached_again(robot: tool0.Robot) -> None:
@@ -214,9 +247,8 @@ def test_a_pose_at_a_limit_can_be_reached_again(robot: tool0.Robot) -> None:
 def test_a_pose_that_no_controller_can_reach_is_refused() -> None:
     files = [POST, POST_GRIPPER]
     with tool0.bringup(realtime=False, controllers_file=files) as robot:
-        robot.save_pose("here")
         with pytest.raises(ControlError) as error:
-            robot.go_to_pose("here")
+            robot.go_to_pose("open")
         assert "'finger_joint'" in str(error.value)
         assert robot.controller(ARM).state.desired.velocities == (0.0,) * 6
 

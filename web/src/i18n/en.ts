@@ -64,6 +64,9 @@ export const en = {
   "confirm.delete": "Delete",
   "confirm.overwrite": "Overwrite",
   "confirm.reset": "Reset",
+  "confirm.letGo": "Let go",
+  "confirm.dropping":
+    "The gripper holds an object ({grippers}). Go to {name}, and let go of it?",
   "confirm.deletePose": "Delete the pose {name}? This cannot be undone.",
   "confirm.deletePoseAll":
     "Delete the pose {name} of all robots? This cannot be undone.",
@@ -79,7 +82,9 @@ export const en = {
   "connection.refused": "Refused",
   "connection.outdated": "Outdated page",
   "connection.lostBanner":
-    "Connection lost. The robot continues its last command. Reconnecting…",
+    "Connection lost: driving has ended; the robot continues its last command. Reconnecting…",
+  "connection.silentBanner":
+    "No data from the server for {seconds} s. Nothing moves by itself when it answers again: press anew.",
   "connection.refusedBanner":
     "The server refused this page. Open the address that tool0 bringup printed, with its token.",
   "connection.outdatedBanner":
@@ -157,6 +162,8 @@ export const en = {
   "drive.ended.stopped": "Driving ended: the emergency stop is engaged.",
   "drive.ended.reset": "Driving ended: the simulation was reset.",
   "drive.ended.lost": "Driving ended: the connection was lost.",
+  "drive.ended.silent":
+    "Driving ended: no data came from the server. Turn Drive on again to move the robot.",
   "drive.ended.elsewhere": "Driving ended: another client moved the robot.",
   "drive.ended.past": "Driving ended: the 3D view shows the past.",
 
@@ -198,6 +205,9 @@ export const en = {
   "tool.way.joint": "Joints",
   "tool.way.linear": "Straight",
   "tool.go": "Go",
+  "tool.goAnyway": "Go anyway",
+  "tool.collision":
+    "{first} and {second} would collide on the way to the target, {depth} mm deep. Press Go anyway to move nevertheless.",
   "tool.posture": "Posture of the arm",
   "tool.nearest": "Nearest of {count} postures",
   "tool.shoulder.left": "Shoulder left",
@@ -304,6 +314,7 @@ export const en = {
   "shortcuts.add": "Add an object at the pointer",
 
   "poses.title": "Poses",
+  "poses.ofGripper": "Gripper",
   "poses.goLong": "Go to the pose {name}",
   "poses.name": "Name of a new pose",
   "poses.save": "Save current",

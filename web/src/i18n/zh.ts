@@ -66,6 +66,8 @@ export const zh: Texts = {
   "confirm.delete": "删除",
   "confirm.overwrite": "覆盖",
   "confirm.reset": "重置",
+  "confirm.letGo": "松开",
+  "confirm.dropping": "夹爪正夹着物体（{grippers}）。前往 {name} 并松开它？",
   "confirm.deletePose": "删除位形 {name}？此操作无法撤销。",
   "confirm.deletePoseAll": "删除所有机器人的位形 {name}？此操作无法撤销。",
   "confirm.overwritePose": "位形 {name} 已存在。用当前关节位置覆盖它？",
@@ -77,7 +79,10 @@ export const zh: Texts = {
   "connection.lost": "未连接",
   "connection.refused": "被拒绝",
   "connection.outdated": "页面过旧",
-  "connection.lostBanner": "连接已断开——机器人继续执行已收到的指令。正在重新连接…",
+  "connection.lostBanner":
+    "连接已断开，控制已关闭。机器人会完成已收到的运动。正在重新连接…",
+  "connection.silentBanner":
+    "服务器已有 {seconds} 秒没有数据。恢复后不会有任何运动自动继续：请重新操作。",
   "connection.refusedBanner":
     "服务器拒绝了此页面。请打开 tool0 bringup 打印的带令牌（token）的地址。",
   "connection.outdatedBanner": "服务器与此页面的协议版本不一致，请重新加载页面。",
@@ -150,6 +155,8 @@ export const zh: Texts = {
   "drive.ended.stopped": "控制已关闭：急停已触发。",
   "drive.ended.reset": "控制已关闭：仿真已重置。",
   "drive.ended.lost": "控制已关闭：连接已断开。",
+  "drive.ended.silent":
+    "控制已关闭：服务器没有数据。再次打开“启用控制”后才能移动机器人。",
   "drive.ended.elsewhere": "控制已关闭：其他客户端移动了机器人。",
   "drive.ended.past": "控制已关闭：三维视图正在显示过去的状态。",
 
@@ -191,6 +198,9 @@ export const zh: Texts = {
   "tool.way.joint": "关节",
   "tool.way.linear": "直线",
   "tool.go": "前往",
+  "tool.goAnyway": "仍然前往",
+  "tool.collision":
+    "前往目标的途中 {first} 与 {second} 会碰撞，深度 {depth} mm。按“仍然前往”可继续。",
   "tool.posture": "手臂的构型",
   "tool.nearest": "{count} 种构型中最近的",
   "tool.shoulder.left": "肩左",
@@ -295,6 +305,7 @@ export const zh: Texts = {
   "shortcuts.add": "在指针处添加物体",
 
   "poses.title": "预设位形",
+  "poses.ofGripper": "夹爪",
   "poses.goLong": "前往位形 {name}",
   "poses.name": "新位形的名称",
   "poses.save": "保存当前位形",

@@ -1,12 +1,17 @@
-/** The most important states, shown under the bar as long as they last. */
+/**
+ * The most important states, as long as they last.  They lie over the 3D view below the bar: what
+ * appears must not move a control that the pointer is about to press.
+ */
 import type { ComponentChildren } from "preact";
 import { connection, sendRequest } from "../connection";
 import { boxes, PROTECTIVE_STOP } from "../control-box";
 import type { ControlBox } from "../control-box";
 import { t } from "../i18n";
-import type { StallInfo } from "../protocol";
+import type { Collision, StallInfo } from "../protocol";
 import { ownerOf, robots, withoutPrefix } from "../robots";
+import { silence } from "../silence";
 import { connectionState, joints, status, view } from "../store";
+import { collision } from "../tool-target";
 import { Button } from "../ui/button";
 import { HoldButton } from "../ui/hold-button";
 import { EmergencyIcon, ErrorIcon, WarningIcon } from "../ui/icons";
@@ -30,6 +35,15 @@ function Banner(props: {
 }
 
 function ConnectionBanner() {
+  const silent = silence.value;
+  if (silent !== null) {
+    return (
+      <Banner tone="danger" testId="silence-banner">
+        <WarningIcon />
+        <span>{t("connection.silentBanner", { seconds: silent.toFixed(1) })}</span>
+      </Banner>
+    );
+  }
   switch (connectionState.value) {
     case "lost":
       return (
@@ -145,6 +159,18 @@ function StallBanner({ stall }: { stall: StallInfo }) {
   );
 }
 
+/** A target of the tool that the arm cannot reach without a collision. */
+function CollisionBanner({ pair }: { pair: Collision }) {
+  const depth = fixed(pair.depth * 1000, 1);
+  const { first, second } = pair;
+  return (
+    <Banner tone="warning" testId="collision-banner">
+      <WarningIcon />
+      <span>{t("tool.collision", { first, second, depth })}</span>
+    </Banner>
+  );
+}
+
 export function Banners() {
   const now = status.value;
   return (
@@ -162,6 +188,7 @@ export function Banners() {
           <span>{t("simulation.fault", { reason: now.fault })}</span>
         </Banner>
       )}
+      {collision.value !== null && <CollisionBanner pair={collision.value} />}
       {now?.stalls.map((stall) => (
         <StallBanner key={stall.joint} stall={stall} />
       ))}

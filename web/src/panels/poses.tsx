@@ -1,15 +1,19 @@
 import { useState } from "preact/hooks";
 import { sendRequest } from "../connection";
 import { adopt, mayMove, speedScale } from "../driving";
+import { openingAt } from "../gripper-opening";
 import { t } from "../i18n";
 import { hasArm, letGo } from "../jog";
 import { report } from "../notices";
 import type { PoseInfo } from "../protocol";
 import { isOurs, selected } from "../robots";
-import { status } from "../store";
+import { status, view } from "../store";
 import { Button, IconButton } from "../ui/button";
 import { TrashIcon } from "../ui/icons";
 import { confirm } from "./confirmation";
+
+/** By which an opening differs before the gripper lets go [m]. */
+const RELEASING = 1e-3;
 
 /** The selected robot, as requests name it; nothing, if there is only one. */
 function ofSelected(): { robot?: string } {
@@ -28,7 +32,37 @@ function deletion(pose: PoseInfo): string {
   });
 }
 
+/** Return the grippers that would drop what they hold on the way to a pose. */
+function dropping(pose: PoseInfo): readonly string[] {
+  return (view.value?.robot.grippers ?? [])
+    .filter((gripper) => {
+      const state = status.value?.grippers.find(({ name }) => name === gripper.name);
+      const q = isOurs(gripper.joint) ? pose.positions[gripper.joint] : undefined;
+      if (state === undefined || q === undefined) return false;
+      const way = openingAt(gripper, q) - state.opening;
+      const releases =
+        (state.motion === "holding_inside" && way > 0) ||
+        (state.motion === "holding_outside" && way < 0);
+      return releases && Math.abs(way) > RELEASING;
+    })
+    .map(({ name }) => name);
+}
+
+/** Go to a pose; before a gripper drops what it holds, ask. */
+function goOrAsk(pose: PoseInfo): void {
+  const names = dropping(pose);
+  if (names.length === 0) {
+    void go(pose);
+    return;
+  }
+  const values = { name: pose.name, grippers: names.join(", ") };
+  confirm(t("confirm.dropping", values), t("confirm.letGo"), () => {
+    void go(pose);
+  });
+}
+
 async function go(pose: PoseInfo): Promise<void> {
+  if (!mayMove.peek()) return;
   const speed = speedScale.value;
   if (hasArm.peek()) await letGo();
   const problem = await sendRequest("go_to_pose", {
@@ -43,6 +77,7 @@ export function PosesPanel() {
   const poses = (status.value?.poses ?? []).filter(
     (pose) => selected.value === null || jointsOf(pose).some(isOurs),
   );
+  const ofGrippers = poses.filter((pose) => pose.is_gripper);
   return (
     <section class="group" aria-labelledby="poses-title">
       <header>
@@ -50,35 +85,49 @@ export function PosesPanel() {
         <SavePose />
       </header>
       {poses.length === 0 && <p class="muted">{t("poses.none")}</p>}
-      <ul class="poses">
-        {poses.map((pose) => (
-          <li key={pose.name}>
-            <Button
-              aria-label={t("poses.goLong", { name: pose.name })}
-              disabled={!mayMove.value}
-              data-testid={`pose-go-${pose.name}`}
-              onClick={() => void go(pose)}
-            >
-              <span class="ellipsis">{pose.name}</span>
-            </Button>
-            {pose.saved && (
-              <IconButton
-                label={t("poses.delete", { name: pose.name })}
-                data-testid={`pose-delete-${pose.name}`}
-                onClick={() => {
-                  const { name } = pose;
-                  confirm(deletion(pose), t("confirm.delete"), () => {
-                    void sendRequest("delete_pose", { name });
-                  });
-                }}
-              >
-                <TrashIcon />
-              </IconButton>
-            )}
-          </li>
-        ))}
-      </ul>
+      <Poses poses={poses.filter((pose) => !pose.is_gripper)} />
+      {ofGrippers.length > 0 && (
+        <div class="gripper-poses" role="group" aria-labelledby="gripper-poses-title">
+          <h3 id="gripper-poses-title">{t("poses.ofGripper")}</h3>
+          <Poses poses={ofGrippers} />
+        </div>
+      )}
     </section>
+  );
+}
+
+function Poses({ poses }: { poses: readonly PoseInfo[] }) {
+  return (
+    <ul class="poses">
+      {poses.map((pose) => (
+        <li key={pose.name}>
+          <Button
+            aria-label={t("poses.goLong", { name: pose.name })}
+            disabled={!mayMove.value}
+            data-testid={`pose-go-${pose.name}`}
+            onClick={() => {
+              goOrAsk(pose);
+            }}
+          >
+            <span class="ellipsis">{pose.name}</span>
+          </Button>
+          {pose.saved && (
+            <IconButton
+              label={t("poses.delete", { name: pose.name })}
+              data-testid={`pose-delete-${pose.name}`}
+              onClick={() => {
+                const { name } = pose;
+                confirm(deletion(pose), t("confirm.delete"), () => {
+                  void sendRequest("delete_pose", { name });
+                });
+              }}
+            >
+              <TrashIcon />
+            </IconButton>
+          )}
+        </li>
+      ))}
+    </ul>
   );
 }
 

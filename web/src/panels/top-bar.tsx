@@ -8,6 +8,7 @@ import { MenuIcon, MoonIcon, SunIcon, SystemIcon } from "../ui/icons";
 import { useMedia } from "../ui/media";
 import { Menu } from "../ui/menu";
 import { theme } from "../ui/theme";
+import { Banners } from "./banners";
 import { EmergencyStop } from "./estop";
 import { RecordButton } from "./recording";
 import { Readings, RunButton, SimulatedTime, TimeControls } from "./simulation";
@@ -74,6 +75,7 @@ export function TopBar() {
         )}
       </div>
       <EmergencyStop />
+      <Banners />
     </header>
   );
 }

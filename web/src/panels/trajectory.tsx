@@ -31,19 +31,29 @@ export function TrajectoryPanel() {
       ) : (
         <p class="muted">{t("motion.noController")}</p>
       )}
-      <Undrivable />
+      <div class="below-joints">
+        <Undrivable />
+        {controller && <Advice controller={controller} />}
+      </div>
     </section>
+  );
+}
+
+/** Why nothing can be driven, where there is room for it: no control moves. */
+function Advice({ controller }: { controller: ControllerInfo }) {
+  const why = hasArm.value ? null : advice(controller);
+  return why === null ? null : (
+    <p class="hint ellipsis" title={why}>
+      {why}
+    </p>
   );
 }
 
 function Drive({ controller }: { controller: ControllerInfo }) {
   const driven = goals.value;
   const moved = joints.value.filter((joint) => controller.joints.includes(joint.name));
-  // what appeared here would move a held jog button from under the pointer
-  const why = hasArm.value ? null : advice(controller);
   return (
     <>
-      {why !== null && <p class="hint">{why}</p>}
       <ul class={`joints ${driven === null ? "monitor" : ""}`}>
         {moved.map((joint) => (
           <JointRow

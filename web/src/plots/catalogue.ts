@@ -1,4 +1,5 @@
 /** The signals of a robot and its surroundings, and how they follow from what the server sends. */
+import { openingAt } from "../gripper-opening";
 import { fromQuaternion, linkPose, type Pose, toRpy } from "../kinematics";
 import type {
   Frame,
@@ -126,17 +127,13 @@ function wrenchSignals({ name }: RobotPartsInfo, robot: number): LiveSignal[] {
 
 function gripperSignals(info: GripperInfo, joint: number): LiveSignal[] {
   const of = info.name;
-  const { pad_offset, pad_cos, pad_sin, pad_slope } = info;
+  const { pad_cos, pad_sin, pad_slope } = info;
   const id = (quantity: string) => `gripper/${of}/${quantity}`;
   return [
     {
       ...{ id: id("opening"), group: "gripper", of, quantity: "opening" },
       kind: "length",
-      value: ({ frame }) => {
-        const q = frame.position[joint] ?? NaN;
-        const half = pad_offset + pad_cos * Math.cos(q) + pad_sin * Math.sin(q);
-        return Math.max(0, 2 * (half + pad_slope * q));
-      },
+      value: ({ frame }) => openingAt(info, frame.position[joint] ?? NaN),
     },
     {
       ...{ id: id("force"), group: "gripper", of, quantity: "force", kind: "force" },

@@ -202,7 +202,10 @@ class PoseInfo(Struct, frozen=True, kw_only=True):
     name: str
     saved: bool
     """Whether it was saved; the others belong to the robot."""
+    is_gripper: bool
+    """Whether it is one of grippers only; the others do not move grippers."""
     positions: dict[str, float]
+    """Of the joints that a move to it moves [rad | m]."""
 
 
 # ---- from the server ----------------------------------------------------------------

@@ -193,7 +193,12 @@ def pose_infos(book: PoseBook, report: Callable[[str], None]) -> list[PoseInfo]:
         report(str(error))
         poses = book.own
     return [
-        PoseInfo(name=pose.name, saved=pose.saved, positions=dict(pose.positions))
+        PoseInfo(
+            name=pose.name,
+            saved=pose.saved,
+            is_gripper=book.is_of_grippers(pose),
+            positions=book.moved(pose),
+        )
         for pose in poses.values()
     ]
 

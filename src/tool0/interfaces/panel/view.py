@@ -139,8 +139,7 @@ class RobotView:
             case PoseJoints(positions=positions):
                 self._put(self._checked(positions))
             case GoToPose(name=name, robot=robot):
-                pose = self._book.find(name)
-                self._put(joints_of_robot(self._model, pose.positions, robot))
+                self._put(self._book.goal(name, robot))
             case Reset():
                 self._put(self._start)
             case SavePose(name=name, robot=robot):

@@ -18,6 +18,7 @@ from tool0.control.goal import Goal
 from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.budget import Budget
 from tool0.interfaces.server.backend import Backend
+from tool0.interfaces.server.outages import Outages
 from tool0.interfaces.server.session import Ident, Session, Transport
 from tool0.interfaces.server.streams import (
     SetpointStreams,
@@ -111,6 +112,7 @@ class Hub:
         # An emergency stop never waits for the requests of others.
         self._urgent_worker = ThreadPoolExecutor(1, "tool0-server-stop")
         self._urgent: set[asyncio.Task[bool]] = set()
+        self._outages = Outages()
         self.attach_view: Callable[[Session, SubscribeView], None] | None = None
         """Lets a session receive what the panel shows; None without a panel."""
         self.when_shown: Callable[[], None] = lambda: None
@@ -137,6 +139,7 @@ class Hub:
         try:
             await session.serve()
         finally:
+            self._outages.forget(session)
             self.sessions.discard(session)
             self._remove_streams(session)
             self._return_arms(session)
@@ -159,16 +162,26 @@ class Hub:
             if session.is_stuck():
                 session.drop()
 
+    def look_for_outage(self) -> None:
+        """Drop what waits if this process was frozen; call it often."""
+        if self._outages.look():
+            self._setpoints.drop_all()
+
     # ---- requests -------------------------------------------------------------------
 
     def _take_at_once(
         self, session: Session, ident: Ident, request: Request[Any]
     ) -> bool:
+        self.look_for_outage()
+        late = self._outages.refusal(session, request, is_streamed=ident is None)
+        if late is not None:
+            self._refuse(session, ident, late)
+            return True
         if ident is None and isinstance(request, self.setpoint_requests):
             try:
                 self.backend.check_setpoint(request)
             except Exception as error:
-                session.send(encode_error(None, _logged(error)))
+                self._refuse(session, None, error)
             else:
                 self._setpoints.submit(StreamedSetpoint(session, request))
             return True
@@ -195,14 +208,18 @@ class Hub:
         loop = asyncio.get_running_loop()
 
         def refuse(error: Exception) -> None:
-            text = encode_error(None, _logged(error))
             with contextlib.suppress(RuntimeError):  # the server has ended
-                loop.call_soon_threadsafe(session.send, text)
+                loop.call_soon_threadsafe(self._refuse, session, None, error)
 
         try:
             self.backend.post(request, refuse)
         except Tool0Error as error:
-            session.send(encode_error(None, error))
+            self._refuse(session, None, error)
+
+    def _refuse(self, session: Session, ident: Ident, error: Exception) -> None:
+        """Answer with an error; of a stream that fails all the time, once a second."""
+        if ident is not None or self._outages.is_new(session, str(error)):
+            session.send(encode_error(ident, _logged(error)))
 
     async def _answer(
         self, session: Session, ident: Ident, request: Request[Any]
@@ -360,8 +377,8 @@ def _logged(error: Exception) -> Exception:
     return error
 
 
-_CHECK_PERIOD: Final = 1.0
-"""Wall time between checks for connections that do not read [s]."""
+_CHECK_PERIOD: Final = 0.1
+"""Wall time between checks for connections that do not read, and for outages [s]."""
 
 
 async def serve(
@@ -375,6 +392,7 @@ async def serve(
         await service.start(hub)
     while not stop.done():
         await asyncio.wait([stop], timeout=_CHECK_PERIOD)
+        hub.look_for_outage()
         hub.drop_stuck()
     for service in services:
         await service.stop()

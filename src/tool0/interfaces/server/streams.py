@@ -27,6 +27,7 @@ from tool0.runtime.bus import (
     Overran,
     Reported,
     Subscription,
+    WasFrozen,
     WasReset,
 )
 from tool0.runtime.simulation import Simulation
@@ -92,9 +93,13 @@ class SetpointStreams:
                 async with self._locks[key]:
                     pass
 
+    def drop_all(self) -> None:
+        """Drop every waiting setpoint."""
+        self._waiting.clear()
+
     def close(self) -> None:
         """Drop everything."""
-        self._waiting.clear()
+        self.drop_all()
         for task in self._tasks.values():
             task.cancel()
 
@@ -202,7 +207,7 @@ class SnapshotStreams:
         events = stream.subscription.events
         while events:
             event = events.popleft()
-            if isinstance(event, Reported):
+            if isinstance(event, Reported | WasFrozen):
                 continue  # for the panel and the log
             text = encode(event_message(self._simulation, event))
             for session in stream.sessions:

@@ -46,6 +46,9 @@ _LEAD_DECAY: Final = 0.8
 _ATTEMPTS: Final = 4
 _SHOWN_WARNINGS: Final = 5
 _ROUNDING: Final = 1e-9
+OWN_STREAM: Final = 1e6
+"""Timeout of the streams of a program of the box itself [wall s]: it may pause between
+two commands, and nobody else sends them, who could fall silent."""
 STOP: Final = 4.0
 """Of the leading joint, when a motion is cancelled or replaced [rad/s²]."""
 
@@ -168,6 +171,7 @@ class Moves:
                 duration=t,
                 lookahead_time=lookahead_time,
                 gain=gain,
+                timeout=OWN_STREAM,
             )
         )
         await box.sleep(t)
@@ -177,7 +181,9 @@ class Moves:
         box, a = self._box, _above_0(a)
         change = np.subtract(qd, box.arm_update.target_velocity)
         self._running = None
-        box.send(SpeedJoints(arm=box.arm, velocities=qd, acceleration=a))
+        box.send(
+            SpeedJoints(arm=box.arm, velocities=qd, acceleration=a, timeout=OWN_STREAM)
+        )
         await box.sleep(float(np.abs(change).max()) / a if t is None else t)
 
     async def speedl(
@@ -187,7 +193,11 @@ class Moves:
         box, a = self._box, _above_0(a)
         change = np.subtract(xd, box.tcp_speed(target=True))
         self._running = None
-        box.send(SpeedTool(arm=box.arm, twist=xd, acceleration=a, tcp=box.tcp))
+        box.send(
+            SpeedTool(
+                arm=box.arm, twist=xd, acceleration=a, tcp=box.tcp, timeout=OWN_STREAM
+            )
+        )
         if t is None:
             t = _duration(change, a, a_rot)
         await box.sleep(t)

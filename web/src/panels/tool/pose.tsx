@@ -15,6 +15,7 @@ import { view } from "../../store";
 import {
   aimTool,
   choosePosture,
+  collision,
   chosenBranch,
   forgetTarget,
   go,
@@ -170,12 +171,12 @@ function Target() {
         />
         <Button
           class="grow"
-          kind="primary"
+          kind={collision.value === null ? "primary" : "danger"}
           disabled={!isAimed || why !== null || !mayMove.value}
           data-testid="tool-go"
           onClick={() => void go()}
         >
-          {t("tool.go")}
+          {t(collision.value === null ? "tool.go" : "tool.goAnyway")}
         </Button>
       </div>
       {isAimed && found.length > 0 && way.value === "joint" && (
