@@ -599,9 +599,6 @@ class RobotHardware:
             rows = [self._to_model.index(i) for i in free]
             position = [state.position[i] for i in self._to_model]
             masses = self._own_dynamics.mass_matrix(position)[rows][:, rows]
-            if self._payloads:
-                declared = self._dynamics.mass_matrix(position)[rows][:, rows]
-                masses = bounded_masses(masses, declared, math.inf)
             mobility = (self._dt * np.linalg.inv(masses)).tolist()
             governor.update(mobility, self._steps)
         governor.limit(effort, state.effort, state.velocity)

@@ -5,8 +5,8 @@ The governor predicts the velocities after the coming step, from the acceleratio
 the last one and from the changes of all efforts.  If one exceeds its limit, each drive
 chooses the effort closest to the requested one with which its joint does not (projected
 Gauss-Seidel); if that is too weak, all drives help.  The governor knows the masses of
-the description and the declared payload: a load that it does not know slows the joints
-down, and makes the governor slower, too.
+the description only: a load slows the joints down, and the governor, too.  (With those
+of a declared payload, it would fling joints that do not carry it.)
 """
 
 from __future__ import annotations
