@@ -39,6 +39,7 @@ function box(changes: Partial<ControlBox> = {}): ControlBox {
     safety_limits: {},
     program: "PLAYING",
     taken_by: "",
+    motion_failure: "",
     ur: null,
     ...changes,
   };

@@ -312,7 +312,7 @@ def test_copies_are_independent(efforts: Efforts) -> None:
         state = script.state
         found = []
         for k in range(40):
-            velocity = [0.03 * k] * len(state.velocity)
+            velocity = [0.01 * k] * len(state.velocity)
             effort = efforts(drives, command, state._replace(velocity=velocity))
             assert effort is not None
             found.append(hexes(effort))

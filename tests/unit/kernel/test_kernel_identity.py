@@ -177,7 +177,7 @@ def too_fast(robot: Any, record: Record) -> None:
 
 def grips(robot: Any, record: Record) -> None:
     """Grip a cube with limits of speed and force, and squeeze and release it."""
-    tcp = robot.gripper.tcp().position
+    tcp = robot.gripper.tcp(relative_to="world").position
     robot.scene.add("cube", Box(size=(0.04, 0.04, 0.04)), xyz=tuple(tcp), mass=0.1)
     for opening, speed, force in (
         (0.0, 0.05, 40.0),

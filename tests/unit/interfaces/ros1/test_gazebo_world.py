@@ -169,13 +169,15 @@ def test_an_object_of_the_same_name_has_a_model_of_its_own(
     changes.spawn_model(request("ball", OFFSET, pose(0.5, 0.1, 1.0)), None)
     robot.scene.remove("ball")
     robot.scene.add(
-        SceneObject(name="ball", geometry=TABLE.geometry)
+        SceneObject(
+            name="ball", geometry=TABLE.geometry, pose=Pose(xyz=(0.7, 0.0, 0.5))
+        )
     )  # by the panel, say
     view = world.now()
     assert view.link("ball::body") is None
     ball = view.model("ball")
     assert ball is not None
-    assert ball.pose.position == pytest.approx((0.0, 0.0, SPAWN_Z))
+    assert ball.pose.position == pytest.approx((0.7, 0.0, 0.5 + SPAWN_Z))
 
 
 def test_a_model_of_several_shapes_has_the_frame_of_its_link(
@@ -191,7 +193,8 @@ def test_a_model_of_several_shapes_has_the_frame_of_its_link(
     state = robot.snapshot.objects[1]
     assert state.position == pytest.approx((0.5, 0.1, 1.6 - SPAWN_Z))
     robot.scene.remove("ball")
-    again = robot.scene.add("ball", Compound(parts=((TABLE.geometry, Pose()),) * 2))
+    shape = Compound(parts=((TABLE.geometry, Pose()),) * 2)
+    again = robot.scene.add("ball", shape, xyz=(0.7, 0.0, 0.5))
     assert world.model_of(again).collisions == ("collision", "collision_1")
 
 
