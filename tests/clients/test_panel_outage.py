@@ -90,8 +90,14 @@ def moves(watch: Page, since: list[float]) -> None:
     )
 
 
-def freeze(pid: int) -> None:
+def stop(pid: int) -> None:
+    """Stop a child, and wait until none of its threads runs."""
     os.kill(pid, signal.SIGSTOP)
+    os.waitid(os.P_PID, pid, os.WSTOPPED)
+
+
+def freeze(pid: int) -> None:
+    stop(pid)
     try:
         time.sleep(FROZEN)  # the outage itself
     finally:
@@ -154,16 +160,16 @@ def test_what_was_requested_of_a_frozen_simulator_is_not_carried_out(
     url, pid = server
     with page_at(url) as page, page_at(url) as watch:
         go(watch, "home")
-        os.kill(pid, signal.SIGSTOP)
+        stop(pid)
         try:
             late = page.start("go_to_pose", name="up")
-            stop = page.start("command_trajectory", controller=ARM)
+            ramp = page.start("command_trajectory", controller=ARM)
             time.sleep(FROZEN)
         finally:
             os.kill(pid, signal.SIGCONT)
         reply = page.next("reply", lambda message: message["id"] == late)
         assert "stood still" in reply["error"]["message"]
-        reply = page.next("reply", lambda message: message["id"] == stop)
+        reply = page.next("reply", lambda message: message["id"] == ramp)
         assert "error" not in reply
         rests(watch)
 
