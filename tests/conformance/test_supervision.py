@@ -286,6 +286,7 @@ def test_waiting_for_a_path_tells_how_it_ended(robot_for: Robot) -> None:
         assert not motion.state.is_done
         with pytest.raises(ControlError, match="take it again"):
             motion.execute_path([1.0], [aim(robot, turn=0.3).joints], [[0.0] * 6])
+        robot.run(1.0)  # what hit the ground comes to rest
         motion.take()
         motion.speed_joints([0.0, -0.2, 0.0, 0.0, 0.0, 0.0], duration=0.5)
         robot.run(1.0)

@@ -21,21 +21,19 @@ from functools import reduce
 from operator import add, mul, truediv
 from typing import NamedTuple, final
 
-import numpy as np
-
 from tool0.description.finding import quoted
 from tool0.description.model import (
     FLANGE,
     Interface,
     Joint,
     JointLimits,
-    JointType,
     RobotModel,
     Transmission,
 )
 from tool0.description.transform import Vector3
 from tool0.errors import ClaimError, ControlError, ModelError, did_you_mean
-from tool0.hardware.bodies import STANDARD_GRAVITY, DynamicsTable, JointDynamics, Matrix
+from tool0.hardware.bodies import STANDARD_GRAVITY, DynamicsTable, Matrix
+from tool0.hardware.drive_dynamics import DriveDynamics
 from tool0.hardware.engine import JointState
 from tool0.hardware.limits import (
     DriveBounds,
@@ -43,13 +41,7 @@ from tool0.hardware.limits import (
     EffortLimiter,
     EffortLimits,
 )
-from tool0.hardware.payload import Payload, replaced_tools
-from tool0.hardware.servo_masses import (
-    bounded_masses,
-    expected_load,
-    integral_rate,
-    largest_ratio,
-)
+from tool0.hardware.payload import Payload
 from tool0.hardware.servos import (
     INTEGRAL_RATE,
     PositionServo,
@@ -160,39 +152,20 @@ class RobotHardware:
         self._armatures = {
             name: model.transmission_by_joint[name].armature for name in self.interfaces
         }
-        self._model, self._gravity_vector = model, gravity
-        self._payloads: dict[str, Payload] = {}
-        self._own_dynamics = self._dynamics = JointDynamics(model, gravity)
-        """Without and with the declared payloads."""
+        self._dynamics = DriveDynamics(model, self.joint_names, dt, gravity)
         self.speed_scaling = {
             flange.removesuffix(FLANGE): 1.0 for flange in model.flanges
         }
         """Prefix of each arm → the factor by which scaled trajectories slow down; a
         controller reads it once per tick."""
-        inertias = self._dynamics.mass_matrix([0.0] * len(joint_names)).diagonal()
         # Joints that others mimic are left to ROS's rule, as the recordings have it.
         masters = {joint.mimic.joint for joint in model.movable_joints if joint.mimic}
-        loaded = _joints_before_flanges(model)
-        self._integral_rates = {
-            joint.name: integral_rate(float(inertia), joint.limits.effort, dt)
-            for joint, inertia in zip(model.movable_joints, inertias, strict=True)
-            if joint.name in loaded and not self._armatures.get(joint.name)
-        }
-        """Of the joints that carry a payload."""
-        self._expected_loads = {
-            self.index[name]: expected_load(model.joint_by_name[name].limits.effort)
-            for name in self._integral_rates
-        }
-        inertia_by_joint = {
-            joint.name: math.inf if joint.name in masters else float(inertia)
-            for joint, inertia in zip(model.movable_joints, inertias, strict=True)
-        }
         self._drives = {
             name: _effort_limits(
                 model.joint_by_name[name],
                 overrides.get(name),
                 model.transmission_by_joint[name],
-                inertia_by_joint[name],
+                math.inf if name in masters else self._dynamics.inertias[name],
                 dt,
             )
             for name in self.interfaces
@@ -201,8 +174,6 @@ class RobotHardware:
         self.command = [0.0] * len(self.joint_names)
         """Commands of the claiming controllers, in the unit of their interface."""
         self._dt = dt
-        self._to_model = [self.index[joint.name] for joint in model.movable_joints]
-        """Engine index of each of the model's movable joints."""
         self._limiter = EffortLimiter(
             {self.index[name]: drive for name, drive in self._drives.items()}, dt
         )
@@ -411,18 +382,11 @@ class RobotHardware:
     @property
     def payloads(self) -> Mapping[str, Payload]:
         """The payloads that were set, by flange."""
-        return self._payloads
+        return self._dynamics.payloads
 
     def set_payload(self, flange: str, payload: Payload | None) -> None:
         """Take this to be fixed to ``flange``, or what the description has there."""
-        self._payloads.pop(flange, None)
-        if payload is not None:
-            self._payloads[flange] = payload
-        self._dynamics = JointDynamics(
-            self._model,
-            self._gravity_vector,
-            replaced_tools(self._model, self._payloads),
-        )
+        self._dynamics.set_payload(flange, payload)
         self._table = None
         self._masses, self._compensation = [], []
 
@@ -432,7 +396,7 @@ class RobotHardware:
         if self._table is None:
             self._table = DriveTable(
                 self._dt,
-                tuple(self._to_model),
+                self._dynamics.to_model,
                 self._dynamics.table,
                 self._limiter.bounds,
                 tuple(self._compensated),
@@ -487,7 +451,7 @@ class RobotHardware:
     def _select_servo(self, name: str, position: float) -> None:
         """Give the joint the servo for its claim and interface, or engage its brake."""
         i, interface = self.index[name], self._claimed.get(name)
-        drive = self._drives[name]
+        drive, rates = self._drives[name], self._dynamics.integral_rates
         self._servos.pop(i, None)
         self._masses, self._compensation = [], []
         self._gravity_effort[i] = 0.0
@@ -500,7 +464,7 @@ class RobotHardware:
                 drive.hard,
                 drive.soft,
                 is_stiff=self._armatures[name] > 0.0,
-                integral_rate=self._integral_rates.get(name, INTEGRAL_RATE),
+                integral_rate=rates.get(name, INTEGRAL_RATE),
             )
         elif interface is Interface.VELOCITY:
             self._servos[i] = VelocityServo(drive.hard, drive.soft)
@@ -511,28 +475,19 @@ class RobotHardware:
     def _add_gravity_compensation(self, effort: list[float], state: JointState) -> None:
         """Add gravity compensation to the efforts of the drives that have it."""
         if not self._compensation or self._steps % POSE_PERIOD == 0:
-            gravity = self._gravity(state)
+            gravity = self._dynamics.gravity(state)
             self._compensation = [(i, gravity[i]) for i in self._compensated]
             for i, compensation in self._compensation:
                 self._gravity_effort[i] = compensation
         for i, compensation in self._compensation:
             effort[i] += compensation
 
-    def _gravity(self, state: JointState) -> list[float]:
-        """Return the effort that balances gravity [N·m | N], shape (n_joints,)."""
-        position = [state.position[i] for i in self._to_model]
-        ordered = [0.0] * len(position)
-        loads = self._dynamics.static_effort(position)
-        for i, load in zip(self._to_model, loads, strict=True):
-            ordered[i] = load
-        return ordered
-
     def weights_of(self, joints: Sequence[str], state: JointState) -> list[float]:
         """Return the efforts that hold ``joints`` against gravity [N·m | N].
 
         They are 0 where drives compensate it themselves.
         """
-        weights = self._gravity(state)
+        weights = self._dynamics.gravity(state)
         for i in self._compensated:
             weights[i] = 0.0
         return [weights[self.index[name]] for name in joints]
@@ -543,19 +498,7 @@ class RobotHardware:
         A declared payload counts as far as a law that is scaled by the matrix stays
         stable without it.
         """
-        return self._masses_of([self.index[name] for name in joints], state)
-
-    def _masses_of(self, indices: Sequence[int], state: JointState) -> Matrix:
-        position = [state.position[i] for i in self._to_model]
-        rows = [self._to_model.index(i) for i in indices]
-        own = self._own_dynamics.mass_matrix(position)[rows][:, rows]
-        loads = [self._expected_loads.get(i, 0.0) for i in indices]
-        if not self._payloads and not any(loads):
-            return own
-        declared = own
-        if self._payloads:
-            declared = self._dynamics.mass_matrix(position)[rows][:, rows]
-        return bounded_masses(own, declared + np.diag(loads), largest_ratio(self._dt))
+        return self._dynamics.masses([self.index[name] for name in joints], state)
 
     def _run_servos(self, effort: list[float], state: JointState) -> None:
         """Set the efforts for the accelerations that the servos request.
@@ -565,7 +508,7 @@ class RobotHardware:
         """
         if not self._masses or self._steps % POSE_PERIOD == 0:
             self._masses = self._servo_masses(state)
-        gravity = self._gravity(state)
+        gravity = self._dynamics.gravity(state)
         command, dt, period = self.command, self._dt, self._steps_per_command
         left = period - self._steps % period
         _, position, velocity, _ = state
@@ -595,33 +538,17 @@ class RobotHardware:
         """Limit efforts so that no joint exceeds its speed in the next step."""
         governor = self._governor
         if governor.is_due(self._steps, state.velocity):
-            free = governor.setup.free
-            rows = [self._to_model.index(i) for i in free]
-            position = [state.position[i] for i in self._to_model]
-            masses = self._own_dynamics.mass_matrix(position)[rows][:, rows]
-            mobility = (self._dt * np.linalg.inv(masses)).tolist()
-            governor.update(mobility, self._steps)
+            mobility = self._dynamics.mobility(governor.setup.free, state)
+            governor.update(mobility.tolist(), self._steps)
         governor.limit(effort, state.effort, state.velocity)
 
     def _servo_masses(self, state: JointState) -> list[tuple[int, list[float]]]:
-        matrix = self._masses_of(list(self._servos), state)
+        matrix = self._dynamics.masses(list(self._servos), state)
         efforts = [self.limits[self.joint_names[i]].effort for i in self._servos]
         inertia = matrix.diagonal().tolist()
         # Other drives must not compensate for one that is at its limit.
         self._fastest = list(map(truediv, efforts, inertia))
         return list(zip(self._servos, matrix.tolist(), strict=True))
-
-
-def _joints_before_flanges(model: RobotModel) -> set[str]:
-    """Return the revolute joints that move a flange."""
-    found = set()
-    for flange in model.flanges:
-        joint = model.parent_joint.get(flange)
-        while joint is not None:
-            if joint.is_movable and joint.type is not JointType.PRISMATIC:
-                found.add(joint.name)
-            joint = model.parent_joint.get(joint.parent)
-    return found
 
 
 def _effort_limits(

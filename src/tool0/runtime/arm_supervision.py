@@ -7,6 +7,7 @@ nothing depends on who reads.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from operator import sub
 from typing import Final, final
@@ -39,7 +40,7 @@ class ArmSupervision:
     ) -> None:
         self._motions = motions
         self._arms = {
-            name: _Arm(PathErrors(arm, model, hardware, manager, world), world)
+            name: _Arm(PathErrors(arm, model, hardware, manager, world))
             for name, arm in find_arms(model).items()
         }
 
@@ -59,11 +60,13 @@ class ArmSupervision:
 
 @final
 class _Arm:
-    def __init__(self, path_errors: PathErrors, world: World) -> None:
-        self._path_errors, self._world = path_errors, world
+    def __init__(self, path_errors: PathErrors) -> None:
+        self._path_errors = path_errors
         self._joints = path_errors.joints
         self._select = joint_selector([joint.number for joint in self._joints])
-        self._suspicious = SUSPICIOUS * min(j.error for j in self._joints)
+        self._suspicious = SUSPICIOUS * min(
+            (j.error for j in self._joints), default=math.inf
+        )
 
     def look(
         self,
@@ -77,7 +80,7 @@ class _Arm:
         errors = map(sub, self._select(command), self._select(state.position))
         largest = max(map(abs, errors))
         if not largest <= self._suspicious:
-            self._world.contacts()
+            self._path_errors.watch(state.time)
             for joint, error in self._errors(state, command):
                 if not error <= joint.error:
                     return self._path_errors.off_path(joint, error, state)

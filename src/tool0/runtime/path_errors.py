@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final, NamedTuple, final
 
 from tool0.control.arm_stream import SINGULAR
 from tool0.control.manager import ControllerManager
 from tool0.description.model import RobotModel
 from tool0.description.parts import ArmParts
-from tool0.hardware.engine import JointState, World
+from tool0.hardware.engine import Contact, JointState, World
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.sensing.stalls import LARGEST_LAG, contacts_text, external_contacts
 
+RECENT: Final = 0.1
+"""For how long a contact counts as a cause after it has ended [s]: what hits the ground
+rebounds."""
 _AT_LIMIT: Final = 0.02
 """Distance from a limit at which a joint is held by it [rad]."""
 _FULL: Final = 0.98
@@ -61,6 +65,15 @@ class PathErrors:
             if (limits := hardware.limits.get(joint.name)) is not None
         )
         """The joints with drives."""
+        self._touching: tuple[Contact, ...] = ()
+        """The last contacts of the arm that were seen, and when [s]:"""
+        self._touched_at = -math.inf
+
+    def watch(self, time: float) -> None:
+        """Note what touches the arm at ``time`` [s]: it may cause an error."""
+        contacts = self._world.contacts()
+        if self.joints and external_contacts(self.joints[0].links, contacts):
+            self._touching, self._touched_at = contacts, time
 
     def off_path(self, joint: TrackedJoint, error: float, state: JointState) -> str:
         """Return that a joint is ``error`` [rad] off its path, and why."""
@@ -78,9 +91,11 @@ class PathErrors:
 
     def _cause(self, joint: TrackedJoint, state: JointState) -> str:
         """Return what most likely keeps a joint off its path."""
-        touching = external_contacts(joint.links, self._world.contacts())
-        if touching:
-            return contacts_text(touching)
+        self.watch(state.time)
+        if 0.0 <= state.time - self._touched_at <= RECENT:
+            touching = external_contacts(joint.links, self._touching)
+            if touching:
+                return contacts_text(touching)
         position = state.position[joint.number]
         for limit in (joint.lower, joint.upper):
             if abs(position - limit) <= _AT_LIMIT:

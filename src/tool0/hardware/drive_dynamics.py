@@ -1,0 +1,133 @@
+"""The dynamics that drives reckon with: of the description and declared payloads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import final
+
+import numpy as np
+
+from tool0.description.model import JointType, RobotModel
+from tool0.description.transform import Vector3
+from tool0.hardware.bodies import DynamicsTable, JointDynamics, Matrix
+from tool0.hardware.engine import JointState
+from tool0.hardware.payload import Payload, replaced_tools
+from tool0.hardware.servo_masses import (
+    bounded_masses,
+    expected_load,
+    integral_rate,
+    largest_ratio,
+)
+
+
+@final
+class DriveDynamics:
+    """Loads, masses and mobilities of joints, by the engine's numbers."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        joint_names: Sequence[str],
+        dt: float,
+        gravity: Vector3,
+    ) -> None:
+        """Take the model without declared payloads; for the rest see RobotHardware."""
+        self._model, self._gravity_vector, self._dt = model, gravity, dt
+        self._payloads: dict[str, Payload] = {}
+        self._own = self._declared = JointDynamics(model, gravity)
+        """Without and with the declared payloads."""
+        index = {name: i for i, name in enumerate(joint_names)}
+        self.to_model = tuple(index[joint.name] for joint in model.movable_joints)
+        """Engine index of each of the model's movable joints."""
+        inertias = self._own.mass_matrix([0.0] * len(joint_names)).diagonal()
+        self.inertias = {
+            joint.name: float(inertia)
+            for joint, inertia in zip(model.movable_joints, inertias, strict=True)
+        }
+        """Of each joint in the zero pose [kg·m² | kg]."""
+        carriers = [
+            model.joint_by_name[name]
+            for name in sorted(_joints_before_flanges(model))
+            if not ((d := model.transmission_by_joint.get(name)) and d.armature)
+        ]
+        self.integral_rates = {
+            joint.name: integral_rate(
+                self.inertias[joint.name], joint.limits.effort, dt
+            )
+            for joint in carriers
+        }
+        """Of the servos of joints that carry a payload [1/s]."""
+        self._expected_loads = {
+            index[joint.name]: expected_load(joint.limits.effort) for joint in carriers
+        }
+
+    @property
+    def payloads(self) -> Mapping[str, Payload]:
+        """The payloads that were set, by flange."""
+        return self._payloads
+
+    def set_payload(self, flange: str, payload: Payload | None) -> None:
+        """Take this to be fixed to ``flange``, or what the description has there."""
+        self._payloads.pop(flange, None)
+        if payload is not None:
+            self._payloads[flange] = payload
+        self._declared = JointDynamics(
+            self._model,
+            self._gravity_vector,
+            replaced_tools(self._model, self._payloads),
+        )
+
+    @property
+    def table(self) -> DynamicsTable:
+        """The constants of ``gravity``."""
+        return self._declared.table
+
+    def gravity(self, state: JointState) -> list[float]:
+        """Return the effort that balances gravity [N·m | N], shape (n_joints,)."""
+        position = [state.position[i] for i in self.to_model]
+        ordered = [0.0] * len(position)
+        loads = self._declared.static_effort(position)
+        for i, load in zip(self.to_model, loads, strict=True):
+            ordered[i] = load
+        return ordered
+
+    def masses(self, joints: Sequence[int], state: JointState) -> Matrix:
+        """Return the mass matrix of ``joints`` for servos [kg·m² | kg], shape (n, n).
+
+        Declared payloads count within the bounds of ``servo_masses``.
+        """
+        own = self._matrix(self._own, joints, state)
+        loads = [self._expected_loads.get(i, 0.0) for i in joints]
+        if not self._payloads and not any(loads):
+            return own
+        declared = own
+        if self._payloads:
+            declared = self._matrix(self._declared, joints, state)
+        return bounded_masses(own, declared + np.diag(loads), largest_ratio(self._dt))
+
+    def mobility(self, joints: Sequence[int], state: JointState) -> Matrix:
+        """Return what a step adds to the velocities of ``joints`` for their efforts.
+
+        Shape (n, n) [rad/s/(N·m)], by the masses of the description.
+        """
+        masses = self._matrix(self._own, joints, state)
+        return np.asarray(self._dt * np.linalg.inv(masses))
+
+    def _matrix(
+        self, dynamics: JointDynamics, joints: Sequence[int], state: JointState
+    ) -> Matrix:
+        rows = [self.to_model.index(i) for i in joints]
+        position = [state.position[i] for i in self.to_model]
+        return dynamics.mass_matrix(position)[rows][:, rows]
+
+
+def _joints_before_flanges(model: RobotModel) -> set[str]:
+    """Return the revolute joints that move a flange."""
+    found = set()
+    for flange in model.flanges:
+        joint = model.parent_joint.get(flange)
+        while joint is not None:
+            if joint.is_movable and joint.type is not JointType.PRISMATIC:
+                found.add(joint.name)
+            joint = model.parent_joint.get(joint.parent)
+    return found
