@@ -35,7 +35,7 @@ PRINTED = {
         r"gripper_controller +running +effort_controllers/GripperActionController",
         r"arm_controller +running +effort_controllers/JointTrajectoryController",
         r"(Goal|Gripper)Result\(status=SUCCEEDED, .*",
-        r"GripperResult\(status=SUCCEEDED, .* reached_goal=True",
+        r"GripperResult\(status=SUCCEEDED, .* reached_goal=True, .*\)",
     ],
     "04_own_robot": [
         *(
