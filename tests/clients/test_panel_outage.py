@@ -23,8 +23,9 @@ ARM = "eff_joint_traj_controller"
 PAN, LIFT = "shoulder_pan_joint", "shoulder_lift_joint"
 FROZEN = 1.6
 """[wall s]: above what counts as frozen."""
-STOPPING = 0.25
-"""Within which every motion has come to rest [simulated s]."""
+STOPPING = 0.6
+"""Within which every motion has come to rest [simulated s]: controllers ramp down in
+0.5 s (stop_trajectory_duration)."""
 STILL = 0.01
 """What joints may move after that, as they settle [rad]; unstopped, it is 0.08."""
 JOG = {"twist": [0.0, 0.0, 0.05, 0.0, 0.0, 0.0], "acceleration": 2.0, "duration": 0.04}

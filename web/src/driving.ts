@@ -258,12 +258,11 @@ export function review(now: Status | null, wallTimeMs: number): void {
     takeTargets(now);
   } else if (now.paused || !isElsewhere(now, wallTimeMs)) {
     differsSince = null;
-  } else if (differsSince !== null && wallTimeMs - differsSince > ELSEWHERE_AFTER_MS) {
-    disable("elsewhere");
-  } else if (hasStopped(now)) {
+  } else if (differsSince === null && hasStopped(now)) {
     takeTargets(now); // what this page wanted was aborted: nobody else moves the robot
   } else {
     differsSince ??= wallTimeMs;
+    if (wallTimeMs - differsSince > ELSEWHERE_AFTER_MS) disable("elsewhere");
   }
 }
 

@@ -422,6 +422,7 @@ def _spawn(
             f"the objects would have {count} shapes; {MOST_SHAPES} is the most; "
             "remove some"
         )
+    scene.check_names(item)
     _require_outside(simulation, request, item)
     scene.spawn(item)
 

@@ -28,6 +28,10 @@ class SceneObjects:
         self.objects: tuple[SceneObject, ...] = scene.objects
         """In the order of the engine's states."""
 
+    def check_names(self, item: SceneObject) -> None:
+        """Raise ConfigError if an object has the name of a link."""
+        Scene((item,)).check_beside(self._model)
+
     def spawn(self, item: SceneObject) -> None:
         """Add an object.
 
@@ -36,7 +40,7 @@ class SceneObjects:
             ModelError: If the engine does not support such an object.
             EngineError: If the name is taken, or the engine refuses.
         """
-        Scene((item,)).check_beside(self._model)
+        self.check_names(item)
         self._world.spawn(item)
         self.objects = (*self.objects, item)
 
