@@ -536,11 +536,13 @@ class RobotHardware:
 
     def _govern_speeds(self, effort: list[float], state: JointState) -> None:
         """Limit efforts so that no joint exceeds its speed in the next step."""
-        governor = self._governor
-        if governor.is_due(self._steps, state.velocity):
-            mobility = self._dynamics.mobility(governor.setup.free, state)
-            governor.update(mobility.tolist(), self._steps)
-        governor.limit(effort, state.effort, state.velocity)
+        governor, velocity = self._governor, state.velocity
+        if governor.is_fast(velocity):
+            if self._steps >= governor.state.due:
+                mobility = self._dynamics.mobility(governor.setup.free, state)
+                governor.update(mobility.tolist(), self._steps)
+            governor.limit(effort, state.effort, velocity)
+        governor.note(velocity)
 
     def _servo_masses(self, state: JointState) -> list[tuple[int, list[float]]]:
         matrix = self._dynamics.masses(list(self._servos), state)

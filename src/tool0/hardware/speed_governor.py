@@ -62,7 +62,18 @@ class SpeedGovernor:
     """Limits the efforts of some joints in each step."""
 
     def __init__(self) -> None:
-        self.setup, self.state = GovernorSetup(), GovernorState()
+        self.state = GovernorState()
+        self.setup = GovernorSetup()
+
+    @property
+    def setup(self) -> GovernorSetup:
+        """What changes with claims and brakes, and while a joint is fast."""
+        return self._setup
+
+    @setup.setter
+    def setup(self, setup: GovernorSetup) -> None:
+        self._setup = setup
+        self._fast = [(drive.joint, drive.fast) for drive in setup.drives]
 
     def choose(self, drives: Sequence[GovernedDrive], free: Sequence[int]) -> None:
         """Govern these drives from now on; brakes hold all joints but the ``free``."""
@@ -71,22 +82,28 @@ class SpeedGovernor:
         self.setup = GovernorSetup(tuple(drives), (*governed, *others))
         self.state = GovernorState()
 
-    def is_due(self, steps: int, velocity: Sequence[float]) -> bool:
-        """Return whether ``update`` is needed before the step of that number."""
-        return steps >= self.state.due and self._is_fast(velocity)
+    def is_fast(self, velocity: Sequence[float]) -> bool:
+        """Return whether ``limit`` has something to look at."""
+        for joint, fast in self._fast:  # noqa: SIM110 - in the tick, twice as fast
+            if abs(velocity[joint]) > fast:
+                return True
+        return False
 
     def update(self, mobility: Sequence[Sequence[float]], steps: int) -> None:
         """Use a mobility of the free joints from the step of that number on."""
         self.setup = self.setup._replace(mobility=tuple(map(tuple, mobility)))
         self.state = self.state._replace(due=steps + PERIOD)
 
+    def note(self, velocity: Sequence[float]) -> None:
+        """Remember the velocities of a step."""
+        self.state = GovernorState(self.state.due, velocity)
+
     def limit(
         self, effort: list[float], applied: Sequence[float], velocity: Sequence[float]
     ) -> None:
         """Limit ``effort`` in place; ``applied`` is that of the last step [N·m | N]."""
-        due, before = self.state
-        self.state = GovernorState(due, velocity)
-        if not before or not self._is_fast(velocity):
+        before = self.state.before
+        if not before:
             return
         drives, free, mobility = self.setup
         coming = [velocity[i] + (velocity[i] - before[i]) for i in free]
@@ -139,9 +156,6 @@ class SpeedGovernor:
                     _change(coming, mobility[j], best - old)
             if is_within:
                 break
-
-    def _is_fast(self, velocity: Sequence[float]) -> bool:
-        return any(abs(velocity[d.joint]) > d.fast for d in self.setup.drives)
 
 
 def _change(coming: list[float], row: Sequence[float], by: float) -> None:

@@ -31,9 +31,11 @@ def largest_share(masses: np.ndarray, seed: int) -> float:
         if k % 40 == 0:
             wanted = rng.uniform(-3.0, 3.0, 3) * EFFORTS
         effort = wanted.tolist()
-        if made.is_due(k, v.tolist()):
-            made.update((DT * np.linalg.inv(MASSES)).tolist(), k)
-        made.limit(effort, applied, v.tolist())
+        if made.is_fast(v.tolist()):
+            if k >= made.state.due:
+                made.update((DT * np.linalg.inv(MASSES)).tolist(), k)
+            made.limit(effort, applied, v.tolist())
+        made.note(v.tolist())
         effort = np.clip(effort, [-u for u in EFFORTS], EFFORTS).tolist()
         v = v + DT * np.linalg.solve(masses, np.array(effort) - bias)
         applied = effort
@@ -54,7 +56,7 @@ def test_a_load_that_it_does_not_know_slows_the_joints_down(seed: int) -> None:
 def test_efforts_that_exceed_no_speed_are_left_alone() -> None:
     made, effort = governor(), [20.0, -10.0, 3.0]
     made.update((DT * np.linalg.inv(MASSES)).tolist(), 0)
-    made.limit([0.0] * 3, [0.0] * 3, [2.0, 0.0, 0.0])
+    made.note([2.0, 0.0, 0.0])
     made.limit(effort, [0.0] * 3, [2.0, 0.0, 0.0])
     assert effort == [20.0, -10.0, 3.0]
 
@@ -62,6 +64,6 @@ def test_efforts_that_exceed_no_speed_are_left_alone() -> None:
 def test_a_joint_beyond_its_speed_is_braked() -> None:
     made, effort = governor(), [100.0, 0.0, 0.0]
     made.update((DT * np.linalg.inv(MASSES)).tolist(), 0)
-    made.limit([0.0] * 3, [0.0] * 3, [4.0, 0.0, 0.0])
+    made.note([4.0, 0.0, 0.0])
     made.limit(effort, [0.0] * 3, [4.0, 0.0, 0.0])
     assert effort[0] == pytest.approx(-EFFORTS[0])
