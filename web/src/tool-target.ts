@@ -48,7 +48,7 @@ export const posture = computed<Posture | null>(
     null,
 );
 
-/** What would collide on the way to the target; the user was told, and may go anyway. */
+/** Collisions on the way to the target, which the page has shown: a second press goes anyway. */
 export const collision = signal<Collision | null>(null);
 /** The second click of a double click does not go anyway [ms]. */
 const ANYWAY_AFTER_MS = 400;
