@@ -62,8 +62,7 @@ class SpeedGovernor:
     """Limits the efforts of some joints in each step."""
 
     def __init__(self) -> None:
-        self.state = GovernorState()
-        self.setup = GovernorSetup()
+        self.setup, self.state = GovernorSetup(), GovernorState()
 
     @property
     def setup(self) -> GovernorSetup:
