@@ -21,6 +21,8 @@ MAX_GROWTH = 96 << 20
 MAX_DRIFT = 2e-3
 """Of the arm's joints [rad]."""
 SEED = 19
+PACKETS_UNTIL_STARTED = 250
+"""Of the real-time interface, at 500 Hz: a program has started and ended by then."""
 
 
 def rtde(kind: str, body: bytes = b"") -> bytes:
@@ -212,11 +214,14 @@ def read_the_state(rig: UrRig) -> None:
 
 
 def send_a_program(rig: UrRig) -> None:
+    """Send it again if one of the programs before it was the newer one, or a stop."""
     with rig.connect(30003) as connection:
         connection.sendall(b"set_digital_out(7, True)\n")
         packets = Packets(connection)
-        while not int(packets.realtime()["digital_outputs"]) & 1 << 7:
-            pass
+        for _ in range(PACKETS_UNTIL_STARTED):
+            if int(packets.realtime()["digital_outputs"]) & 1 << 7:
+                return
+    raise ConnectionError
 
 
 def greet_rtde(rig: UrRig) -> None:
