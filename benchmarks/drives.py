@@ -14,12 +14,13 @@ import numpy as np
 import tool0
 from tool0.api.channel import LocalChannel
 from tool0.control.default_controllers import controllers_yaml, default_controllers
-from tool0.control.parameters import Gains, RobotJoints
+from tool0.control.parameters import RobotJoints
 from tool0.control.ros1.joint_trajectory import JointTrajectorySpec
 from tool0.description.catalogue import NO_GRIPPER, arms, grippers
 from tool0.description.model import Inertial, RobotModel
 from tool0.description.robot import RobotDescription, assemble
 from tool0.hardware.bodies import JointDynamics
+from tool0.protocol.controllers import Gains
 from tool0.runtime.bringup import start_simulation
 from tool0.runtime.config import ControlConfig, SimulationConfig
 

@@ -10,8 +10,8 @@ import mujoco
 
 import tool0
 from benchmarks.gazebo import ORIGINAL_STEPS
-from tool0.control.controller import Role
 from tool0.engines.mujoco.engine import MujocoEngine
+from tool0.protocol.controllers import Role
 
 BLOCK = 500
 """Steps of one measurement: so few that raw steps, whose efforts are constant, do not

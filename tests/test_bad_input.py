@@ -15,7 +15,6 @@ from ur5_rig import ARM, AWAY, GRIPPER, HOME, POST, point, positions, worst_depa
 
 import tool0
 from tool0.api.controller import ControllerHandle
-from tool0.control.goal import GoalStatus
 from tool0.errors import (
     ClaimError,
     ConfigError,
@@ -25,6 +24,7 @@ from tool0.errors import (
     ModelError,
     TransportError,
 )
+from tool0.protocol.goals import GoalStatus
 
 NAN = math.nan
 INVALID_GOAL = GoalRejectedError.INVALID_GOAL

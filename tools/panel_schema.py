@@ -10,7 +10,7 @@ from typing import Any, get_args
 import msgspec
 
 from tool0.interfaces.panel.protocol import ViewMessage
-from tool0.requests.codec import EventMessage, Hello, Reply, wire_type
+from tool0.protocol.codec import EventMessage, Hello, Reply, wire_type
 from tool0.requests.table import entries
 
 SCHEMA = Path(__file__).parent.parent / "web" / "protocol.schema.json"

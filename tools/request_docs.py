@@ -251,8 +251,8 @@ def _structs() -> Iterator[type]:
                 ):
                     visit(inner)
 
-    from tool0.requests.codec import ErrorInfo, Outcome, SnapshotMessage
-    from tool0.requests.sensors import Picture
+    from tool0.protocol.codec import ErrorInfo, Outcome, SnapshotMessage
+    from tool0.protocol.sensors import Picture
 
     for entry in entries().values():
         if not entry.is_local and entry.request.__module__.startswith("tool0"):

@@ -27,10 +27,6 @@ if TYPE_CHECKING:
     from tool0.cli.demos.picker import pick_and_place
     from tool0.cli.demos.report import PickReport
     from tool0.control.config import ControllerConfig
-    from tool0.control.goal import GoalResult, GoalStatus, GripperResult, Tolerance
-    from tool0.control.parameters import Gains
-    from tool0.control.status import ControllerStatus
-    from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
     from tool0.description.config import Cell, CellRobot, DescriptionConfig
     from tool0.description.finding import Finding
     from tool0.description.model import JointLimits, ParallelGripper, RobotModel
@@ -61,18 +57,6 @@ if TYPE_CHECKING:
         TransportError,
         UnreachableError,
     )
-    from tool0.hardware.control_box import (
-        AnalogDomain,
-        AnalogPin,
-        ControlBoxState,
-        ProgramState,
-        RobotMode,
-        SafetyLimits,
-        SafetyMode,
-        UrReport,
-    )
-    from tool0.hardware.engine import Contact, ObjectState
-    from tool0.hardware.payload import Payload
     from tool0.interfaces.panel.server import Panel
     from tool0.interfaces.ros1.bridge import Ros1Bridge
     from tool0.interfaces.ros1.options import Ros1Options
@@ -81,9 +65,27 @@ if TYPE_CHECKING:
     from tool0.interfaces.ur.options import UrArm, UrOptions
     from tool0.interfaces.ur.process import UrController
     from tool0.kinematics.chain import ArmChain
-    from tool0.kinematics.inverse import Branch, InverseKinematics, Solution
+    from tool0.kinematics.inverse import InverseKinematics
+    from tool0.kinematics.posture import Branch, Solution
     from tool0.lint.check import CheckReport, check
-    from tool0.programs.model import (
+    from tool0.protocol.control_box_state import (
+        AnalogDomain,
+        AnalogPin,
+        ControlBoxState,
+        Payload,
+        ProgramState,
+        RobotMode,
+        SafetyLimits,
+        SafetyMode,
+        UrReport,
+    )
+    from tool0.protocol.controllers import ControllerStatus, Gains
+    from tool0.protocol.episodes import EpisodesStatus
+    from tool0.protocol.goals import GoalResult, GoalStatus, GripperResult, Tolerance
+    from tool0.protocol.gripper import GraspState
+    from tool0.protocol.objects import Collision
+    from tool0.protocol.poses import NamedPose
+    from tool0.protocol.program import (
         CommentStep,
         GripperStep,
         LoopStep,
@@ -96,26 +98,27 @@ if TYPE_CHECKING:
         UntilStep,
         WaitStep,
     )
-    from tool0.programs.run import (
+    from tool0.protocol.programs import (
         ProgramCheck,
         ProgramProblem,
         ProgramRun,
         SavedProgram,
     )
+    from tool0.protocol.recordings import RecordingStatus
+    from tool0.protocol.robot import SimulationInfo
+    from tool0.protocol.sensors import CameraImage, WrenchReading
+    from tool0.protocol.state import Contact, JointSetpoint, ObjectState, Snapshot
+    from tool0.protocol.trajectories import (
+        JointsMotion,
+        TrajectoryPoint,
+        TrajectoryState,
+    )
+    from tool0.protocol.updates import ArmUpdate
     from tool0.recording.entries import RecordedEvent, RecordedRequest
-    from tool0.recording.episodes import EpisodesStatus
-    from tool0.recording.options import RecordingStatus
     from tool0.recording.reading import RecordingFile, open_recording
-    from tool0.requests.state import SimulationInfo
-    from tool0.requests.updates import ArmUpdate
     from tool0.runtime.bus import Faulted, GoalFinished, Overran, Subscription, WasReset
     from tool0.runtime.config import ControlConfig, SimulationConfig
-    from tool0.runtime.poses import NamedPose
-    from tool0.sensing.cameras import CameraImage, encode_depth, encode_png
-    from tool0.sensing.collisions import Collision
-    from tool0.sensing.force_torque import WrenchReading
-    from tool0.sensing.grasp import GraspState
-    from tool0.sensing.snapshot import JointSetpoint, Snapshot
+    from tool0.sensing.cameras import encode_depth, encode_png
     from tool0.sensing.video import VideoWriter
 
 __all__ = [
@@ -253,129 +256,129 @@ __all__ = [
 ]
 
 _HOMES = {
-    "AnalogDomain": "tool0.hardware.control_box",
-    "AnalogPin": "tool0.hardware.control_box",
+    "AnalogDomain": "tool0.protocol.control_box_state",
+    "AnalogPin": "tool0.protocol.control_box_state",
     "Arm": "tool0.api.arm",
     "ArmChain": "tool0.kinematics.chain",
     "ArmMotion": "tool0.api.arm_motion",
-    "ArmUpdate": "tool0.requests.updates",
+    "ArmUpdate": "tool0.protocol.updates",
     "Batch": "tool0.batch.batch",
     "Bin": "tool0.api.grasps",
-    "Branch": "tool0.kinematics.inverse",
+    "Branch": "tool0.kinematics.posture",
     "CameraHandle": "tool0.api.sensors",
-    "CameraImage": "tool0.sensing.cameras",
+    "CameraImage": "tool0.protocol.sensors",
     "Cell": "tool0.description.config",
     "CellRobot": "tool0.description.config",
     "CheckReport": "tool0.lint.check",
     "ClaimError": "tool0.errors",
     "CollectError": "tool0.errors",
-    "Collision": "tool0.sensing.collisions",
-    "CommentStep": "tool0.programs.model",
+    "Collision": "tool0.protocol.objects",
+    "CommentStep": "tool0.protocol.program",
     "ConfigError": "tool0.errors",
-    "Contact": "tool0.hardware.engine",
+    "Contact": "tool0.protocol.state",
     "ControlBox": "tool0.api.control_box",
-    "ControlBoxState": "tool0.hardware.control_box",
+    "ControlBoxState": "tool0.protocol.control_box_state",
     "ControlConfig": "tool0.runtime.config",
     "ControlError": "tool0.errors",
     "ControllerConfig": "tool0.control.config",
     "ControllerHandle": "tool0.api.controller",
-    "ControllerStatus": "tool0.control.status",
+    "ControllerStatus": "tool0.protocol.controllers",
     "DescriptionConfig": "tool0.description.config",
     "DescriptionError": "tool0.errors",
     "DivergenceError": "tool0.errors",
     "EngineError": "tool0.errors",
     "EngineUnavailableError": "tool0.errors",
     "EpisodesHandle": "tool0.api.episodes",
-    "EpisodesStatus": "tool0.recording.episodes",
+    "EpisodesStatus": "tool0.protocol.episodes",
     "Faulted": "tool0.runtime.bus",
     "Finding": "tool0.description.finding",
     "ForceTorque": "tool0.api.sensors",
-    "Gains": "tool0.control.parameters",
+    "Gains": "tool0.protocol.controllers",
     "GoalFinished": "tool0.runtime.bus",
     "GoalHandle": "tool0.api.controller",
     "GoalRejectedError": "tool0.errors",
-    "GoalResult": "tool0.control.goal",
-    "GoalStatus": "tool0.control.goal",
+    "GoalResult": "tool0.protocol.goals",
+    "GoalStatus": "tool0.protocol.goals",
     "GoalTimeoutError": "tool0.errors",
-    "GraspState": "tool0.sensing.grasp",
+    "GraspState": "tool0.protocol.gripper",
     "Gripper": "tool0.api.gripper",
-    "GripperResult": "tool0.control.goal",
-    "GripperStep": "tool0.programs.model",
+    "GripperResult": "tool0.protocol.goals",
+    "GripperStep": "tool0.protocol.program",
     "GymUnavailableError": "tool0.errors",
     "InverseKinematics": "tool0.kinematics.inverse",
     "JointLimits": "tool0.description.model",
-    "JointSetpoint": "tool0.sensing.snapshot",
+    "JointSetpoint": "tool0.protocol.state",
     "JointValues": "tool0.api.robot",
-    "JointsMotion": "tool0.control.trajectory",
+    "JointsMotion": "tool0.protocol.trajectories",
     "LimitsError": "tool0.errors",
-    "LoopStep": "tool0.programs.model",
+    "LoopStep": "tool0.protocol.program",
     "ModelError": "tool0.errors",
-    "MoveJointStep": "tool0.programs.model",
-    "MoveLinearStep": "tool0.programs.model",
-    "NamedPose": "tool0.runtime.poses",
-    "ObjectState": "tool0.hardware.engine",
+    "MoveJointStep": "tool0.protocol.program",
+    "MoveLinearStep": "tool0.protocol.program",
+    "NamedPose": "tool0.protocol.poses",
+    "ObjectState": "tool0.protocol.state",
     "Overran": "tool0.runtime.bus",
     "Panel": "tool0.interfaces.panel.server",
     "ParallelGripper": "tool0.description.model",
-    "Payload": "tool0.hardware.payload",
+    "Payload": "tool0.protocol.control_box_state",
     "PenetrationError": "tool0.errors",
     "PickOptions": "tool0.cli.demos.hand",
     "PickReport": "tool0.cli.demos.report",
-    "PlaceObjectStep": "tool0.programs.model",
+    "PlaceObjectStep": "tool0.protocol.program",
     "Pose": "tool0.description.transform",
-    "Program": "tool0.programs.model",
-    "ProgramCheck": "tool0.programs.run",
+    "Program": "tool0.protocol.program",
+    "ProgramCheck": "tool0.protocol.programs",
     "ProgramError": "tool0.errors",
     "ProgramHandle": "tool0.api.programs",
-    "ProgramProblem": "tool0.programs.run",
-    "ProgramRun": "tool0.programs.run",
-    "ProgramState": "tool0.hardware.control_box",
+    "ProgramProblem": "tool0.protocol.programs",
+    "ProgramRun": "tool0.protocol.programs",
+    "ProgramState": "tool0.protocol.control_box_state",
     "Programs": "tool0.api.programs",
     "RecordedEvent": "tool0.recording.entries",
     "RecordedRequest": "tool0.recording.entries",
     "Recording": "tool0.api.recording",
     "RecordingError": "tool0.errors",
     "RecordingFile": "tool0.recording.reading",
-    "RecordingStatus": "tool0.recording.options",
+    "RecordingStatus": "tool0.protocol.recordings",
     "RenderError": "tool0.errors",
     "RequestError": "tool0.errors",
     "Robot": "tool0.api.robot",
     "RobotDescription": "tool0.description.robot",
-    "RobotMode": "tool0.hardware.control_box",
+    "RobotMode": "tool0.protocol.control_box_state",
     "RobotModel": "tool0.description.model",
     "Ros1Bridge": "tool0.interfaces.ros1.bridge",
     "Ros1Options": "tool0.interfaces.ros1.options",
     "Ros2Node": "tool0.interfaces.ros2.node",
     "Ros2Options": "tool0.interfaces.ros2.options",
     "RosUnavailableError": "tool0.errors",
-    "SafetyLimits": "tool0.hardware.control_box",
-    "SafetyMode": "tool0.hardware.control_box",
-    "SavedProgram": "tool0.programs.run",
+    "SafetyLimits": "tool0.protocol.control_box_state",
+    "SafetyMode": "tool0.protocol.control_box_state",
+    "SavedProgram": "tool0.protocol.programs",
     "SceneHandle": "tool0.api.scene",
-    "SetOutputStep": "tool0.programs.model",
+    "SetOutputStep": "tool0.protocol.program",
     "SimulationConfig": "tool0.runtime.config",
-    "SimulationInfo": "tool0.requests.state",
-    "Snapshot": "tool0.sensing.snapshot",
-    "Solution": "tool0.kinematics.inverse",
+    "SimulationInfo": "tool0.protocol.robot",
+    "Snapshot": "tool0.protocol.state",
+    "Solution": "tool0.kinematics.posture",
     "SourceLocation": "tool0.errors",
     "Subscription": "tool0.runtime.bus",
-    "Tolerance": "tool0.control.goal",
+    "Tolerance": "tool0.protocol.goals",
     "Tool0Error": "tool0.errors",
-    "ToolPose": "tool0.programs.model",
-    "TrajectoryPoint": "tool0.control.trajectory",
-    "TrajectoryState": "tool0.control.trajectory",
+    "ToolPose": "tool0.protocol.program",
+    "TrajectoryPoint": "tool0.protocol.trajectories",
+    "TrajectoryState": "tool0.protocol.trajectories",
     "Transform": "tool0.description.transform",
     "TransportError": "tool0.errors",
     "UnreachableError": "tool0.errors",
-    "UntilStep": "tool0.programs.model",
+    "UntilStep": "tool0.protocol.program",
     "UrArm": "tool0.interfaces.ur.options",
     "UrController": "tool0.interfaces.ur.process",
     "UrOptions": "tool0.interfaces.ur.options",
-    "UrReport": "tool0.hardware.control_box",
+    "UrReport": "tool0.protocol.control_box_state",
     "VideoWriter": "tool0.sensing.video",
-    "WaitStep": "tool0.programs.model",
+    "WaitStep": "tool0.protocol.program",
     "WasReset": "tool0.runtime.bus",
-    "WrenchReading": "tool0.sensing.force_torque",
+    "WrenchReading": "tool0.protocol.sensors",
     "bringup": "tool0.api.bringup",
     "check": "tool0.lint.check",
     "connect": "tool0.api.connect",

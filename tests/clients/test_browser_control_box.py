@@ -3,7 +3,7 @@
 from browser import Tab, eventually
 
 import tool0
-from tool0.hardware.control_box import RobotMode, SafetyMode
+from tool0.protocol.control_box_state import RobotMode, SafetyMode
 
 
 def test_an_arm_is_stopped_unlocked_and_played(tab: Tab, robot: tool0.Robot) -> None:

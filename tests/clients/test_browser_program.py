@@ -11,9 +11,8 @@ import tool0
 from conftest import OpenTab
 from tool0.api.table import BIN, ITEM
 from tool0.interfaces.panel.server import Panel
-from tool0.programs.model import LoopStep, MoveJointStep
-from tool0.programs.run import ENDED
-from tool0.requests.program import ReadRuns
+from tool0.protocol.program import LoopStep, MoveJointStep
+from tool0.protocol.programs import ENDED, ReadRuns
 from tool0.scene import Pose
 
 SPEED = 20.0

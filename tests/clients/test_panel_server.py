@@ -20,7 +20,7 @@ from tool0.description.shapes import Box, Cylinder
 from tool0.description.transform import Pose
 from tool0.errors import TransportError
 from tool0.interfaces.panel.server import Panel
-from tool0.requests.codec import PROTOCOL
+from tool0.protocol.codec import PROTOCOL
 
 ARM = "eff_joint_traj_controller"
 GROUP = "joint_group_eff_controller"

@@ -7,7 +7,7 @@ from conformance_types import BringUp
 
 import tool0
 from tool0 import GripperStep, Program
-from tool0.control.goal import GoalStatus, GripperResult
+from tool0.protocol.goals import GoalStatus, GripperResult
 from tool0.scene import Box
 
 CLOSED = GripperStep(opening="closed", must_hold=False)

@@ -11,7 +11,7 @@ from tool0.api.table import PickTable
 from tool0.cli.demos.hand import PickOptions
 from tool0.cli.demos.picker import pick_and_place
 from tool0.cli.demos.trials import run_trials
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.state import Snapshot
 
 N_PICKS = 3
 

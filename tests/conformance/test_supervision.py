@@ -17,9 +17,9 @@ from ways_to_move import WAYS, Aim, Attempt
 
 import tool0
 from tool0 import TrajectoryPoint
-from tool0.control.goal import GoalStatus, Tolerance
 from tool0.description.transform import Pose
 from tool0.errors import ControlError, GoalTimeoutError, Tool0Error
+from tool0.protocol.goals import GoalStatus, Tolerance
 from tool0.scene import Box
 
 ARRIVED = 0.1

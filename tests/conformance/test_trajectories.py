@@ -8,7 +8,7 @@ from conformance_types import BringUp
 from ur5_rig import ARM, ARM_JOINTS, AWAY, HOME, POST, point, positions, worst_departure
 
 import tool0
-from tool0.control.goal import GoalResult
+from tool0.protocol.goals import GoalResult
 
 SUCCEEDED, ABORTED, PREEMPTED, ACTIVE = (
     tool0.GoalStatus.SUCCEEDED,

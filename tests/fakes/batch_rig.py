@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import tool0
-from tool0.control.controller import Role
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.parts import find_grippers
-from tool0.hardware.engine import ObjectState
 from tool0.hardware.limits import DriveLimits
+from tool0.protocol.controllers import Role
+from tool0.protocol.state import ObjectState
 from tool0.runtime.core import Core
 from tool0.runtime.gripper_motion import direct_motion
 from tool0.scene import Box, Scene, SceneObject

@@ -7,7 +7,7 @@ from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box, Solid
 from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.hardware.engine import ObjectState
+from tool0.protocol.state import ObjectState
 
 REST = [0.0, 0.0, 0.0, 0.2]
 """Position of the skew robot's joints."""

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import tool0
-from tool0.recording.requests import StartRecording, StopRecording
+from tool0.protocol.recordings import StartRecording, StopRecording
 from tool0.scene import Box
 
 TURNED = [0.5, -1.3, 1.4, -1.7, -1.6, 0.0]

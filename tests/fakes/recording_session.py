@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import tool0
 from tool0.description.shapes import Box
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.state import Snapshot
 
 
 class Session(NamedTuple):
@@ -18,7 +18,7 @@ class Session(NamedTuple):
 
 def record_session(path: Path) -> Session:
     """Record motion, a gripper, objects that come and go, a stop, and a pause."""
-    from tool0.recording.requests import StartRecording, StopRecording
+    from tool0.protocol.recordings import StartRecording, StopRecording
 
     with tool0.bringup(realtime=False, scene="table_and_cubes") as robot:
         robot.run(0.1)

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from skew_robot import build_model
 
 from tool0.control.config import ControllerConfig
-from tool0.control.goal import Goal
 from tool0.control.manager import ControllerManager, Strictness
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.model import Interface
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.hardware.robot_hardware import RobotHardware
+from tool0.protocol.goals import Goal
+from tool0.protocol.trajectories import TrajectoryPoint
 from tool0.runtime.bus import Bus
 from tool0.runtime.core import Core
 from tool0.runtime.loop import Loop

@@ -13,7 +13,7 @@ import tool0
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error
 from tool0.interfaces.ur.box import Box
-from tool0.requests.updates import SubscribeUpdates, UpdateMessage
+from tool0.protocol.updates import SubscribeUpdates, UpdateMessage
 
 _numbers = itertools.count(1)
 

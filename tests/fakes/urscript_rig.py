@@ -17,8 +17,8 @@ from tool0.interfaces.ur.messages import Message, MessageKind, Messages
 from tool0.interfaces.ur.registers import Registers
 from tool0.interfaces.ur.urscript.execution import Execution
 from tool0.interfaces.ur.urscript.program import compile_program
-from tool0.requests.arm import ListArms
-from tool0.requests.updates import ArmUpdate, SubscribeUpdates, UpdateMessage
+from tool0.protocol.arm import ListArms
+from tool0.protocol.updates import ArmUpdate, SubscribeUpdates, UpdateMessage
 
 R = TypeVar("R")
 PROGRAMS = Path(__file__).parents[1] / "data" / "urscript"

@@ -19,8 +19,8 @@ from tool0 import (
     ToolPose,
     TrajectoryPoint,
 )
-from tool0.control.goal import GoalResult
 from tool0.description.transform import Pose
+from tool0.protocol.goals import GoalResult
 
 DEFAULT = "eff_joint_traj_controller"
 BARE = "arm"

@@ -14,7 +14,7 @@ from tool0.description.shapes import Box
 from tool0.description.transform import Pose
 from tool0.engines.gazebo.engine import GazeboEngine
 from tool0.errors import DivergenceError
-from tool0.hardware.engine import ObjectState
+from tool0.protocol.state import ObjectState
 
 CUBE = SceneObject(
     name="cube",

@@ -11,7 +11,7 @@ import pytest
 from ur_packets import Packets, unpack
 from ur_rig import UrRig, ur_rig
 
-from tool0.requests.control_box import SetIO, SetTcp, StopProtectively
+from tool0.protocol.control_box import SetIO, SetTcp, StopProtectively
 
 HOME = (0.3, -1.6, 1.8, -1.7, -1.5, 0.2)
 TCP = (0.01, 0.02, 0.1, 0.0, 0.0, 0.5)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from ur_rig import ur_rig
 
-from tool0.requests.control_box import StopProtectively
+from tool0.protocol.control_box import StopProtectively
 
 NO_PROGRAM = "STOPPED <unnamed>"
 TOO_SOON = (

@@ -9,7 +9,7 @@ from browser import eventually
 from ur_rig import ur_rig
 
 import tool0
-from tool0.hardware.control_box import UrReport
+from tool0.protocol.control_box_state import UrReport
 
 rtde_io = pytest.importorskip("rtde_io")
 OVER_TABLE = tool0.Pose(xyz=(0.45, 0.15, 0.2), rpy=(math.pi, 0.0, 0.0))

@@ -12,10 +12,17 @@ from tool0.api.control_box import ControlBox
 from tool0.api.controller import GoalHandle
 from tool0.api.sensors import ForceTorque
 from tool0.description.transform import Pose, Transform
-from tool0.kinematics.inverse import Branch, Solution
-from tool0.requests import arm
-from tool0.requests.motion import GoToPose
-from tool0.requests.table import plain
+from tool0.kinematics.posture import Branch, Solution
+from tool0.protocol.arm import (
+    ArmInfo,
+    MoveLinear,
+    MoveTo,
+    ReadBranch,
+    ReadToolPose,
+    SolveInverseKinematics,
+)
+from tool0.protocol.poses import GoToPose
+from tool0.protocol.request import plain
 
 if TYPE_CHECKING:
     from tool0.kinematics.chain import ArmChain
@@ -36,7 +43,7 @@ class Arm:
     controller do not add up over many motions.
     """
 
-    def __init__(self, info: arm.ArmInfo, channel: Channel) -> None:
+    def __init__(self, info: ArmInfo, channel: Channel) -> None:
         self._info = info
         self._channel = channel
 
@@ -117,7 +124,7 @@ class Arm:
     @property
     def branch(self) -> Branch:
         """The current branch of the inverse kinematics, one of eight."""
-        return self._channel.call(arm.ReadBranch(arm=self.name))
+        return self._channel.call(ReadBranch(arm=self.name))
 
     def pose(
         self,
@@ -137,7 +144,7 @@ class Arm:
             ModelError: If a link is unknown, or ``tool`` is not a pose.
         """
         return self._channel.call(
-            arm.ReadToolPose(
+            ReadToolPose(
                 arm=self.name, tip=tip, tool=_sendable(tool), relative_to=relative_to
             )
         )
@@ -171,7 +178,7 @@ class Arm:
             ControlError: If the arm is not built like a UR.
         """
         return self._channel.call(
-            arm.SolveInverseKinematics(
+            SolveInverseKinematics(
                 arm=self.name,
                 pose=_sendable(pose),
                 tip=tip,
@@ -213,7 +220,7 @@ class Arm:
             ControlError: If no running JointTrajectoryController has the arm's joints,
                 or it refuses; nothing moves then.
         """
-        request = arm.MoveTo(
+        request = MoveTo(
             arm=self.name,
             pose=_sendable(pose),
             speed=speed,
@@ -258,7 +265,7 @@ class Arm:
             ControlError: If the arm is moving or already at ``pose``, if no running
                 JointTrajectoryController has the arm's joints, or it refuses.
         """
-        request = arm.MoveLinear(
+        request = MoveLinear(
             arm=self.name,
             pose=_sendable(pose),
             speed=speed,

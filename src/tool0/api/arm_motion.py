@@ -9,8 +9,25 @@ from typing import Literal, cast, final
 from tool0.api.channel import Channel
 from tool0.api.controller import checked_timeout
 from tool0.errors import ControlError, GoalTimeoutError
-from tool0.requests import arm_motion as requests
-from tool0.requests.updates import ArmUpdate
+from tool0.protocol.arm_motion import (
+    EndForceMode,
+    EndFreedrive,
+    ExecutePath,
+    Flags6,
+    ReadArmMotion,
+    ReturnArm,
+    Row6,
+    Rows6,
+    ServoJoints,
+    SpeedJoints,
+    SpeedTool,
+    StartForceMode,
+    StartFreedrive,
+    StopArm,
+    TakeArm,
+    ZeroWrench,
+)
+from tool0.protocol.updates import ArmUpdate
 
 Rows = Sequence[Sequence[float]]
 _NO_POSE = (0.0,) * 6
@@ -33,7 +50,7 @@ class ArmMotion:
     @property
     def state(self) -> ArmUpdate:
         """Setpoint, mode, path and external wrench, as they are now."""
-        return self._channel.call(requests.ReadArmMotion(arm=self._arm))
+        return self._channel.call(ReadArmMotion(arm=self._arm))
 
     @contextmanager
     def taken(self, by: str = "Python") -> Iterator[ArmMotion]:
@@ -50,11 +67,11 @@ class ArmMotion:
         Raises:
             ControlError: If the arm is switched off or stopped.
         """
-        self._channel.call(requests.TakeArm(arm=self._arm, by=by))
+        self._channel.call(TakeArm(arm=self._arm, by=by))
 
     def give_back(self) -> None:
         """Stop, and let the controllers start again."""
-        self._channel.call(requests.ReturnArm(arm=self._arm))
+        self._channel.call(ReturnArm(arm=self._arm))
 
     def execute_path(
         self,
@@ -80,12 +97,12 @@ class ArmMotion:
         Raises:
             ControlError: If the joints cannot follow it, or it does not start there.
         """
-        request = requests.ExecutePath(
+        request = ExecutePath(
             arm=self._arm,
             times=cast("tuple[float, ...]", times),
-            positions=cast("requests.Rows6", positions),
-            velocities=cast("requests.Rows6", velocities),
-            accelerations=cast("requests.Rows6", accelerations),
+            positions=cast("Rows6", positions),
+            velocities=cast("Rows6", velocities),
+            accelerations=cast("Rows6", accelerations),
             after=after,
             at=at,
         )
@@ -128,9 +145,7 @@ class ArmMotion:
             along_path: Whether it does.
         """
         self._channel.call(
-            requests.StopArm(
-                arm=self._arm, deceleration=deceleration, along_path=along_path
-            )
+            StopArm(arm=self._arm, deceleration=deceleration, along_path=along_path)
         )
 
     def servo_joints(
@@ -142,7 +157,7 @@ class ArmMotion:
     ) -> None:
         """Follow a target from now on [rad]; send the next one soon."""
         self._channel.call(
-            requests.ServoJoints(
+            ServoJoints(
                 arm=self._arm,
                 positions=_six(positions),
                 lookahead_time=lookahead_time,
@@ -158,7 +173,7 @@ class ArmMotion:
     ) -> None:
         """Ramp to joint velocities [rad/s], and to rest after ``duration`` [s]."""
         self._channel.call(
-            requests.SpeedJoints(
+            SpeedJoints(
                 arm=self._arm,
                 velocities=_six(velocities),
                 acceleration=acceleration,
@@ -179,7 +194,7 @@ class ArmMotion:
         ``twist`` is [m/s, rad/s]; after ``duration`` [s] the arm ramps to rest.
         """
         self._channel.call(
-            requests.SpeedTool(
+            SpeedTool(
                 arm=self._arm,
                 twist=_six(twist),
                 acceleration=acceleration,
@@ -204,7 +219,7 @@ class ArmMotion:
         the others that the arm resists with more force.
         """
         self._channel.call(
-            requests.StartForceMode(
+            StartForceMode(
                 arm=self._arm,
                 frame=_six(frame),
                 selection=_six_flags(selection),
@@ -217,25 +232,25 @@ class ArmMotion:
 
     def end_force_mode(self) -> None:
         """Stop pushing, and stop where the arm is."""
-        self._channel.call(requests.EndForceMode(arm=self._arm))
+        self._channel.call(EndForceMode(arm=self._arm))
 
     def start_freedrive(self, axes: Sequence[bool] = _ALL) -> None:
         """Let the arm be pushed around, along these ``axes`` of the base."""
-        request = requests.StartFreedrive(arm=self._arm, axes=_six_flags(axes))
+        request = StartFreedrive(arm=self._arm, axes=_six_flags(axes))
         self._channel.call(request)
 
     def end_freedrive(self) -> None:
         """Hold the arm where it is."""
-        self._channel.call(requests.EndFreedrive(arm=self._arm))
+        self._channel.call(EndFreedrive(arm=self._arm))
 
     def zero_wrench(self) -> None:
         """Let the external wrench of ``state`` be 0 now."""
-        self._channel.call(requests.ZeroWrench(arm=self._arm))
+        self._channel.call(ZeroWrench(arm=self._arm))
 
 
-def _six(values: Sequence[float]) -> requests.Row6:
-    return cast("requests.Row6", values)  # the request checks it
+def _six(values: Sequence[float]) -> Row6:
+    return cast("Row6", values)  # the request checks it
 
 
-def _six_flags(values: Sequence[bool]) -> requests.Flags6:
-    return cast("requests.Flags6", values)
+def _six_flags(values: Sequence[bool]) -> Flags6:
+    return cast("Flags6", values)

@@ -7,18 +7,18 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol, TypeVar, final
 
-from tool0.control.goal import Goal
 from tool0.errors import ControlError
-from tool0.requests.motion import GoalStarted
-from tool0.requests.table import Request, answer, checked
+from tool0.protocol.goals import Goal, GoalStarted
+from tool0.protocol.request import Request, checked
+from tool0.protocol.state import SNAPSHOT_PERIOD
+from tool0.requests.table import answer
 from tool0.runtime.loop import POLL_PERIOD
-from tool0.sensing.snapshot import SNAPSHOT_PERIOD
 
 if TYPE_CHECKING:
     from tool0.description.robot import RobotDescription
+    from tool0.protocol.state import Snapshot
     from tool0.runtime.bus import Subscription
     from tool0.runtime.simulation import Simulation
-    from tool0.sensing.snapshot import Snapshot
 
 R = TypeVar("R")
 

@@ -28,23 +28,16 @@ from tool0.api.address import (
     socket_path,
 )
 from tool0.api.robot import Robot
-from tool0.control.goal import Goal
 from tool0.description.robot import RobotDescription
 from tool0.description.xml_source import parse_text
 from tool0.errors import Tool0Error, TransportError
-from tool0.requests import codec
-from tool0.requests.motion import GoalStarted
-from tool0.requests.state import (
-    ReadDescription,
-    ReadSnapshot,
-    Run,
-    Step,
-    Subscribe,
-    Unsubscribe,
-    described_by,
-)
-from tool0.requests.table import Request, checked, method_name
-from tool0.requests.updates import LogMessage, UpdateMessage
+from tool0.protocol import codec
+from tool0.protocol.goals import Goal, GoalStarted
+from tool0.protocol.request import Request, checked, method_name
+from tool0.protocol.robot import ReadDescription, ReadSnapshot, described_by
+from tool0.protocol.running import Run, Step
+from tool0.protocol.state import Snapshot
+from tool0.protocol.updates import LogMessage, Subscribe, Unsubscribe, UpdateMessage
 from tool0.runtime.bus import (
     Bus,
     Faulted,
@@ -54,7 +47,6 @@ from tool0.runtime.bus import (
     WasReset,
 )
 from tool0.runtime.simulation import GOALS_KEPT
-from tool0.sensing.snapshot import Snapshot
 
 R = TypeVar("R")
 V = TypeVar("V")

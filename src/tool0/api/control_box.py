@@ -6,8 +6,26 @@ from collections.abc import Sequence
 from typing import final
 
 from tool0.api.channel import Channel
-from tool0.hardware.control_box import AnalogDomain, ControlBoxState
-from tool0.requests import control_box as requests
+from tool0.protocol.control_box import (
+    PauseProgram,
+    PlayProgram,
+    PowerOff,
+    PowerOn,
+    ReadIO,
+    ReleaseBrakes,
+    RestartSafety,
+    SetAnalogInput,
+    SetAnalogOutput,
+    SetIO,
+    SetPayload,
+    SetSafetyLimits,
+    SetSpeedSlider,
+    SetTcp,
+    StopProgram,
+    StopProtectively,
+    UnlockProtectiveStop,
+)
+from tool0.protocol.control_box_state import AnalogDomain, ControlBoxState
 
 
 @final
@@ -26,22 +44,22 @@ class ControlBox:
     @property
     def state(self) -> ControlBoxState:
         """Everything, as it is now."""
-        return self._channel.call(requests.ReadIO(arm=self._arm))
+        return self._channel.call(ReadIO(arm=self._arm))
 
     def set_digital_output(self, pin: int, value: bool) -> None:
         """Set an output: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
-        self._channel.call(requests.SetIO(arm=self._arm, digital_outputs={pin: value}))
+        self._channel.call(SetIO(arm=self._arm, digital_outputs={pin: value}))
 
     def set_digital_input(self, pin: int, value: bool) -> None:
         """Set what an input measures, in place of a wire; pins as for the outputs."""
-        self._channel.call(requests.SetIO(arm=self._arm, digital_inputs={pin: value}))
+        self._channel.call(SetIO(arm=self._arm, digital_inputs={pin: value}))
 
     def set_analog_output(
         self, pin: int, level: float, domain: AnalogDomain = AnalogDomain.VOLTAGE
     ) -> None:
         """Set output 0 or 1 to a ``level`` of its range, 0 … 1."""
         self._channel.call(
-            requests.SetAnalogOutput(arm=self._arm, pin=pin, level=level, domain=domain)
+            SetAnalogOutput(arm=self._arm, pin=pin, level=level, domain=domain)
         )
 
     def set_analog_input(
@@ -54,7 +72,7 @@ class ControlBox:
     ) -> None:
         """Set what input 0 or 1 of the box, or of the tool, measures [V | A]."""
         self._channel.call(
-            requests.SetAnalogInput(
+            SetAnalogInput(
                 arm=self._arm, pin=pin, value=value, domain=domain, tool=tool
             )
         )
@@ -62,12 +80,12 @@ class ControlBox:
     def set_tool_voltage(self, voltage: int) -> None:
         """Supply 0, 12 or 24 V at the tool's connector."""
         self._channel.call(
-            requests.SetIO(arm=self._arm, tool_voltage=voltage)  # type: ignore[arg-type]
+            SetIO(arm=self._arm, tool_voltage=voltage)  # type: ignore[arg-type]
         )
 
     def set_speed_slider(self, fraction: float) -> None:
         """Slow down scaled trajectories to this fraction, 0.01 … 1."""
-        self._channel.call(requests.SetSpeedSlider(arm=self._arm, fraction=fraction))
+        self._channel.call(SetSpeedSlider(arm=self._arm, fraction=fraction))
 
     def set_payload(
         self, mass: float, center_of_gravity: Sequence[float] = (0.0, 0.0, 0.0)
@@ -80,43 +98,43 @@ class ControlBox:
         """
         x, y, z = center_of_gravity
         self._channel.call(
-            requests.SetPayload(arm=self._arm, mass=mass, center_of_gravity=(x, y, z))
+            SetPayload(arm=self._arm, mass=mass, center_of_gravity=(x, y, z))
         )
 
     def clear_payload(self) -> None:
         """Let the drives expect what the description has at the flange."""
-        self._channel.call(requests.SetPayload(arm=self._arm))
+        self._channel.call(SetPayload(arm=self._arm))
 
     def play(self) -> None:
         """Start or resume the program that lets clients control the arm."""
-        self._channel.call(requests.PlayProgram(arm=self._arm))
+        self._channel.call(PlayProgram(arm=self._arm))
 
     def pause(self) -> None:
         """Pause the program: scaled trajectories slow down to a standstill."""
-        self._channel.call(requests.PauseProgram(arm=self._arm))
+        self._channel.call(PauseProgram(arm=self._arm))
 
     def stop(self) -> None:
         """Stop the program and the controllers of the arm; ``play`` starts them."""
-        self._channel.call(requests.StopProgram(arm=self._arm))
+        self._channel.call(StopProgram(arm=self._arm))
 
     def power_off(self) -> None:
         """Switch the arm off: its controllers stop, and the brakes hold it."""
-        self._channel.call(requests.PowerOff(arm=self._arm))
+        self._channel.call(PowerOff(arm=self._arm))
 
     def power_on(self) -> None:
         """Switch the arm on; its brakes stay on until ``release_brakes``."""
-        self._channel.call(requests.PowerOn(arm=self._arm))
+        self._channel.call(PowerOn(arm=self._arm))
 
     def release_brakes(self) -> None:
         """Release the brakes, and switch the arm on before, if it is off.
 
         Nothing moves until ``play`` starts the controllers again.
         """
-        self._channel.call(requests.ReleaseBrakes(arm=self._arm))
+        self._channel.call(ReleaseBrakes(arm=self._arm))
 
     def stop_protectively(self, reason: str) -> None:
         """Brake this arm until ``unlock``, as its safety system does."""
-        self._channel.call(requests.StopProtectively(arm=self._arm, reason=reason))
+        self._channel.call(StopProtectively(arm=self._arm, reason=reason))
 
     def unlock(self) -> None:
         """End a protective stop; the arm holds until ``play``.
@@ -125,11 +143,11 @@ class ControlBox:
             ControlError: If there is none, or it occurred less than 5 simulated
                 seconds ago.
         """
-        self._channel.call(requests.UnlockProtectiveStop(arm=self._arm))
+        self._channel.call(UnlockProtectiveStop(arm=self._arm))
 
     def restart_safety(self) -> None:
         """Clear what the safety system has stopped; the arm is switched off then."""
-        self._channel.call(requests.RestartSafety(arm=self._arm))
+        self._channel.call(RestartSafety(arm=self._arm))
 
     def set_tcp(self, pose: Sequence[float]) -> None:
         """Set the tool centre point, for clients of UR's protocols.
@@ -138,7 +156,7 @@ class ControlBox:
             pose: In the frame of the flange: x, y, z [m] and a rotation vector [rad].
         """
         self._channel.call(
-            requests.SetTcp(arm=self._arm, pose=pose)  # type: ignore[arg-type]
+            SetTcp(arm=self._arm, pose=pose)  # type: ignore[arg-type]
         )
 
     def set_safety_limits(
@@ -151,6 +169,4 @@ class ControlBox:
                 joint's limit stops it; at first none does.
             force: Largest force of contacts with the tool or a link [N], 150 at first.
         """
-        self._channel.call(
-            requests.SetSafetyLimits(arm=self._arm, enabled=enabled, force=force)
-        )
+        self._channel.call(SetSafetyLimits(arm=self._arm, enabled=enabled, force=force))

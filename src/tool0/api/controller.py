@@ -9,19 +9,42 @@ from typing import final
 
 from tool0.api.channel import Channel
 from tool0.control.controller import ControllerSpec
-from tool0.control.goal import GoalStatus, Result, Tolerance, ToleranceOverride
-from tool0.control.parameters import Gains
-from tool0.control.trajectory import JointsMotion, TrajectoryPoint, TrajectoryState
 from tool0.errors import GoalTimeoutError, RequestError
+from tool0.protocol.controllers import (
+    Gains,
+    QueryState,
+    ReadController,
+    ReadGains,
+    SetGains,
+)
+from tool0.protocol.goals import (
+    CancelGoal,
+    GoalStarted,
+    GoalStatus,
+    Result,
+    Tolerance,
+    ToleranceOverride,
+)
+from tool0.protocol.motion import CommandGripper, CommandJoints, MoveJoints, SteerJoints
+from tool0.protocol.request import checked_value
+from tool0.protocol.trajectories import (
+    CommandTrajectory,
+    FollowTrajectory,
+    JointsMotion,
+    Points,
+    ScaleTrajectory,
+    Tolerances,
+    TrajectoryPoint,
+    TrajectoryState,
+)
 from tool0.requests import motion
-from tool0.requests.table import checked_value
 
 
 @final
 class GoalHandle:
     """A goal that a controller accepted: wait for it, or cancel it."""
 
-    def __init__(self, started: motion.GoalStarted, channel: Channel) -> None:
+    def __init__(self, started: GoalStarted, channel: Channel) -> None:
         self._number = started.goal
         self._goal = channel.goal(started)
         self._channel = channel
@@ -66,7 +89,7 @@ class GoalHandle:
         A goal that has ended is left alone.
         """
         if self._goal.result is None:
-            self._channel.call(motion.CancelGoal(goal=self._number))
+            self._channel.call(CancelGoal(goal=self._number))
 
     def when_finished(self, callback: Callable[[GoalHandle], None]) -> None:
         """Call ``callback(handle)`` when the goal ends, or now if it has ended.
@@ -118,7 +141,7 @@ class ControllerHandle:
         Raises:
             GoalRejectedError: If the controller refuses; its motion continues.
         """
-        request = motion.FollowTrajectory(
+        request = FollowTrajectory(
             controller=self.name,
             points=_points("follow", points),
             joint_names=joint_names,  # type: ignore[arg-type]  # any: it is checked
@@ -150,7 +173,7 @@ class ControllerHandle:
         Raises:
             GoalRejectedError: If the controller refuses; its motion continues.
         """
-        request = motion.CommandTrajectory(
+        request = CommandTrajectory(
             controller=self.name,
             points=_points("command_trajectory", points),
             joint_names=joint_names,  # type: ignore[arg-type]
@@ -168,7 +191,7 @@ class ControllerHandle:
             ControlError: If it is no trajectory controller of ROS 2 that commands
                 positions, or if the speed slider of its arm scales the speed.
         """
-        self._channel.call(motion.ScaleTrajectory(controller=self.name, factor=factor))
+        self._channel.call(ScaleTrajectory(controller=self.name, factor=factor))
 
     def move(
         self,
@@ -191,7 +214,7 @@ class ControllerHandle:
             GoalRejectedError: If a joint is not the controller's, or a position is out
                 of its limits; the controller's motion continues.
         """
-        request = motion.MoveJoints(
+        request = MoveJoints(
             positions=positions,  # type: ignore[arg-type]
             speed=speed,
             duration=duration,
@@ -214,7 +237,7 @@ class ControllerHandle:
             GoalRejectedError: As for ``move``.
         """
         self._channel.call(
-            motion.SteerJoints(
+            SteerJoints(
                 controller=self.name,
                 positions=positions,  # type: ignore[arg-type]
                 speed=speed,
@@ -243,7 +266,7 @@ class ControllerHandle:
             GoalRejectedError: If the position is out of the joint's limits.
             ControlError: If it is a controller of another type.
         """
-        request = motion.CommandGripper(
+        request = CommandGripper(
             controller=self.name,
             position=position,
             max_effort=max_effort,
@@ -263,7 +286,7 @@ class ControllerHandle:
         """
         given = (values,) if isinstance(values, Real) else values
         self._channel.call(
-            motion.CommandJoints(
+            CommandJoints(
                 controller=self.name,
                 values=given,  # type: ignore[arg-type]
             )
@@ -278,17 +301,17 @@ class ControllerHandle:
         Raises:
             ControlError: If the trajectory at that time is no longer known.
         """
-        return self._channel.call(motion.QueryState(controller=self.name, time=time))
+        return self._channel.call(QueryState(controller=self.name, time=time))
 
     @property
     def state(self) -> TrajectoryState:
         """Desired and measured motion of a trajectory controller, and the error."""
-        return self._channel.call(motion.ReadController(controller=self.name))
+        return self._channel.call(ReadController(controller=self.name))
 
     @property
     def gains(self) -> Mapping[str, Gains]:
         """PID gains by joint, as they are now; empty for a controller without a PID."""
-        return self._channel.call(motion.ReadGains(controller=self.name))
+        return self._channel.call(ReadGains(controller=self.name))
 
     def set_gains(
         self,
@@ -320,7 +343,7 @@ class ControllerHandle:
             ControlError: If the controller has no gains or no such joint, or a value is
                 out of range; nothing has changed then.
         """
-        request = motion.SetGains(
+        request = SetGains(
             controller=self.name,
             joint=joint,
             p=p,
@@ -344,7 +367,7 @@ class ControllerHandle:
         return f"ControllerHandle({self.name!r})"
 
 
-def _points(method: str, points: Sequence[TrajectoryPoint]) -> motion.Points:
+def _points(method: str, points: Sequence[TrajectoryPoint]) -> Points:
     """Return the points of a trajectory, or raise RequestError."""
     try:
         given = tuple(points)
@@ -360,7 +383,7 @@ def _points(method: str, points: Sequence[TrajectoryPoint]) -> motion.Points:
 
 def _by_joint(
     name: str, tolerances: Mapping[str, ToleranceOverride] | None
-) -> motion.Tolerances:
+) -> Tolerances:
     """Return tolerances in the form of a request, or raise RequestError.
 
     The controller checks that they are finite, and otherwise rejects the goal.

@@ -6,8 +6,15 @@ from pathlib import Path
 from typing import final
 
 from tool0.api.channel import Channel
-from tool0.recording import episodes as requests
-from tool0.recording.episodes import EpisodeEnd, EpisodesStatus
+from tool0.protocol.episodes import (
+    CloseEpisodes,
+    EndEpisode,
+    EpisodeEnd,
+    EpisodesStatus,
+    OpenEpisodes,
+    ReadEpisodes,
+    StartEpisode,
+)
 
 
 @final
@@ -20,7 +27,7 @@ class EpisodesHandle:
     @property
     def status(self) -> EpisodesStatus | None:
         """The folder and its episodes; None while no folder is open."""
-        return self._channel.call(requests.ReadEpisodes())
+        return self._channel.call(ReadEpisodes())
 
     def open(
         self, folder: Path | str, *, task: str = "", reset: bool = True
@@ -36,9 +43,7 @@ class EpisodesHandle:
             RecordingError: If the folder cannot be used.
         """
         path = str(Path(folder).expanduser().absolute())
-        return self._channel.call(
-            requests.OpenEpisodes(folder=path, task=task, reset=reset)
-        )
+        return self._channel.call(OpenEpisodes(folder=path, task=task, reset=reset))
 
     def start(self) -> EpisodesStatus:
         """Start to record an episode.
@@ -46,7 +51,7 @@ class EpisodesHandle:
         Raises:
             ControlError: If no folder is open, or an episode is being recorded.
         """
-        return self._channel.call(requests.StartEpisode())
+        return self._channel.call(StartEpisode())
 
     def end(self, outcome: EpisodeEnd) -> EpisodesStatus:
         """End the episode: keep it with its outcome, or discard it.
@@ -54,8 +59,8 @@ class EpisodesHandle:
         Raises:
             ControlError: If none is being recorded.
         """
-        return self._channel.call(requests.EndEpisode(outcome=outcome))
+        return self._channel.call(EndEpisode(outcome=outcome))
 
     def close(self) -> None:
         """Leave the folder; an episode that is being recorded is discarded."""
-        self._channel.call(requests.CloseEpisodes())
+        self._channel.call(CloseEpisodes())

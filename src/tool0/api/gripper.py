@@ -9,8 +9,8 @@ from tool0.api.controller import GoalHandle, checked_timeout
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.transform import Transform
 from tool0.errors import GoalTimeoutError
-from tool0.requests.gripper import Grip, ReadGripper
-from tool0.sensing.grasp import GraspState, flange_of, grasp_frame
+from tool0.protocol.gripper import GraspState, Grip, ReadGripper
+from tool0.sensing.grasp import flange_of, grasp_frame
 
 
 @final

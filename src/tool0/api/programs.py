@@ -12,9 +12,24 @@ from tool0.api.channel import Channel
 from tool0.api.controller import GoalHandle
 from tool0.errors import ProgramError, RequestError, SourceLocation
 from tool0.programs.files import ProgramFile, read_program
-from tool0.programs.model import Program, path_text
-from tool0.programs.run import ProgramCheck, ProgramRun, SavedProgram
-from tool0.requests import program as requests
+from tool0.protocol.program import Program, path_text
+from tool0.protocol.programs import (
+    CheckProgram,
+    DeleteProgram,
+    ExportProgram,
+    ListPrograms,
+    PauseRun,
+    ProgramCheck,
+    ProgramRun,
+    ReadProgram,
+    ReadRuns,
+    RenameProgram,
+    ResumeRun,
+    RunProgram,
+    SavedProgram,
+    SaveProgram,
+    StepRun,
+)
 
 AnyProgram = Program | Path | str
 """A program, the path of its file, or the name of a saved one."""
@@ -30,7 +45,7 @@ class Programs:
 
     def list(self) -> Sequence[SavedProgram]:
         """Return the saved programs, sorted by name."""
-        return self._channel.call(requests.ListPrograms())
+        return self._channel.call(ListPrograms())
 
     def read(self, program: AnyProgram) -> Program:
         """Return a program of a file or a saved one.
@@ -48,15 +63,15 @@ class Programs:
             ControlError: If the name is taken and not overwritten, or not printable.
             ConfigError: If it cannot be written.
         """
-        self._channel.call(requests.SaveProgram(program=program, overwrite=overwrite))
+        self._channel.call(SaveProgram(program=program, overwrite=overwrite))
 
     def rename(self, name: str, new_name: str) -> None:
         """Give a saved program another name."""
-        self._channel.call(requests.RenameProgram(name=name, new_name=new_name))
+        self._channel.call(RenameProgram(name=name, new_name=new_name))
 
     def delete(self, name: str) -> None:
         """Delete a saved program."""
-        self._channel.call(requests.DeleteProgram(name=name))
+        self._channel.call(DeleteProgram(name=name))
 
     def check(self, program: AnyProgram) -> ProgramCheck:
         """Plan a program from the present posture; nothing moves.
@@ -64,7 +79,7 @@ class Programs:
         The problems of a file have their lines.
         """
         source = self._read(program)
-        found = self._channel.call(requests.CheckProgram(program=source.program))
+        found = self._channel.call(CheckProgram(program=source.program))
         return replace(
             found,
             problems=tuple(map(source.located, found.problems)),
@@ -80,14 +95,12 @@ class Programs:
             ControlError: If the language cannot express a step.
         """
         source = self._read(program)
-        return self._channel.call(
-            requests.ExportProgram(program=source.program, format=format)
-        )
+        return self._channel.call(ExportProgram(program=source.program, format=format))
 
     def run(self, program: AnyProgram, *, paused: bool = False) -> ProgramHandle:
         """Start a program: see ``Robot.run_program``."""
         source = self._read(program)
-        request = requests.RunProgram(program=source.program, paused=paused)
+        request = RunProgram(program=source.program, paused=paused)
         try:
             started = self._channel.call(request)
         except ProgramError:
@@ -113,7 +126,7 @@ class Programs:
 
     def _read(self, program: AnyProgram) -> ProgramFile:
         if isinstance(program, str) and not program.endswith(_SUFFIXES):
-            saved = self._channel.call(requests.ReadProgram(name=program))
+            saved = self._channel.call(ReadProgram(name=program))
             return ProgramFile(program=saved, file=None, lines={})
         if isinstance(program, str | Path):
             return read_program(Path(program))
@@ -136,7 +149,7 @@ class ProgramHandle:
     @property
     def status(self) -> ProgramRun:
         """What it does now: state, step, error."""
-        runs = self._channel.call(requests.ReadRuns())
+        runs = self._channel.call(ReadRuns())
         found = next((item for item in runs if item.run == self._run), None)
         if found is not None:
             self._last = found
@@ -155,15 +168,15 @@ class ProgramHandle:
 
     def pause(self) -> None:
         """Let the arm slow down to a standstill on its path."""
-        self._channel.call(requests.PauseRun(arm=self._last.arm))
+        self._channel.call(PauseRun(arm=self._last.arm))
 
     def resume(self) -> None:
         """Continue."""
-        self._channel.call(requests.ResumeRun(arm=self._last.arm))
+        self._channel.call(ResumeRun(arm=self._last.arm))
 
     def step(self) -> None:
         """Continue until the next step is done."""
-        self._channel.call(requests.StepRun(arm=self._last.arm))
+        self._channel.call(StepRun(arm=self._last.arm))
 
     def stop(self) -> None:
         """End it: the arm stops on its path, and its controllers start again.

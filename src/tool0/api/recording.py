@@ -13,8 +13,12 @@ from typing import TYPE_CHECKING, Final, final
 
 from tool0.api.channel import Channel
 from tool0.errors import ControlError, Tool0Error
-from tool0.runtime.simulation import MAX_SNAPSHOT_RATE
-from tool0.sensing.snapshot import JointSetpoint, Snapshot, ticks_between_snapshots
+from tool0.protocol.state import (
+    MAX_SNAPSHOT_RATE,
+    JointSetpoint,
+    Snapshot,
+    ticks_between_snapshots,
+)
 
 if TYPE_CHECKING:
     import numpy as np

@@ -18,16 +18,36 @@ from tool0.control.config import ControllerConfig
 from tool0.description.model import JointLimits
 from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, RenderError, RequestError, did_you_mean
-from tool0.requests import motion, state
-from tool0.requests.arm import ListArms
-from tool0.requests.objects import (
+from tool0.protocol.arm import ListArms
+from tool0.protocol.controllers import (
+    ConfigureController,
+    ListControllers,
+    ListControllerTypes,
+    LoadController,
+    SwitchControllers,
+    UnloadController,
+)
+from tool0.protocol.motion import MoveJoints
+from tool0.protocol.objects import (
     ApplyWrench,
     ClearWrenches,
     FindCollisions,
     ReadContacts,
 )
-from tool0.requests.sensors import ListCameras
-from tool0.requests.table import checked_value
+from tool0.protocol.poses import DeletePose, GoToPose, ListPoses, SavePose
+from tool0.protocol.request import checked_value
+from tool0.protocol.robot import ReadInfo, ReadLinkPose, ReadSummary, SimulationInfo
+from tool0.protocol.running import (
+    EmergencyStop,
+    Pause,
+    Reset,
+    Resume,
+    Run,
+    SetSpeed,
+    Step,
+)
+from tool0.protocol.sensors import ListCameras
+from tool0.requests import motion
 from tool0.runtime.simulation import only_part
 
 if TYPE_CHECKING:
@@ -37,17 +57,17 @@ if TYPE_CHECKING:
     from tool0.api.episodes import EpisodesHandle
     from tool0.api.programs import ProgramHandle, Programs
     from tool0.api.recording import Recording
-    from tool0.control.status import ControllerStatus
     from tool0.description.robot import RobotDescription
     from tool0.description.transform import Transform
-    from tool0.hardware.engine import Contact, Engine
-    from tool0.programs.model import Program
-    from tool0.recording.options import RecordingStatus
+    from tool0.hardware.engine import Engine
+    from tool0.protocol.controllers import ControllerStatus
+    from tool0.protocol.objects import Collision
+    from tool0.protocol.poses import NamedPose
+    from tool0.protocol.program import Program
+    from tool0.protocol.recordings import RecordingStatus
+    from tool0.protocol.state import Contact, Snapshot
     from tool0.runtime.bus import Subscription
-    from tool0.runtime.poses import NamedPose
     from tool0.runtime.simulation import Simulation
-    from tool0.sensing.collisions import Collision
-    from tool0.sensing.snapshot import Snapshot
 
 
 @final
@@ -97,13 +117,13 @@ class Robot(AbstractContextManager["Robot"]):
         return self._scene
 
     @property
-    def info(self) -> state.SimulationInfo:
+    def info(self) -> SimulationInfo:
         """What does not change: engine, control period, ground, limits, YAML."""
         return self._info
 
     @cached_property
-    def _info(self) -> state.SimulationInfo:
-        return self.channel.call(state.ReadInfo())
+    def _info(self) -> SimulationInfo:
+        return self.channel.call(ReadInfo())
 
     @property
     def description(self) -> RobotDescription:
@@ -227,7 +247,7 @@ class Robot(AbstractContextManager["Robot"]):
             RecordingError: If the file cannot be written.
             RenderError: If a camera cannot take images.
         """
-        from tool0.recording.requests import StartRecording
+        from tool0.protocol.recordings import StartRecording
 
         return self.channel.call(
             StartRecording(
@@ -247,14 +267,14 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             ControlError: If there was none.
         """
-        from tool0.recording.requests import StopRecording
+        from tool0.protocol.recordings import StopRecording
 
         return self.channel.call(StopRecording())
 
     @property
     def recording(self) -> RecordingStatus | None:
         """The recording in progress, or the last one; None before the first."""
-        from tool0.recording.requests import ReadRecording
+        from tool0.protocol.recordings import ReadRecording
 
         return self.channel.call(ReadRecording())
 
@@ -356,7 +376,7 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             ModelError: If there is no such link.
         """
-        return self.channel.call(state.ReadLinkPose(link=link, relative_to=relative_to))
+        return self.channel.call(ReadLinkPose(link=link, relative_to=relative_to))
 
     def summary(self) -> dict[str, Any]:
         """Return a summary of the run as JSON-compatible values.
@@ -364,17 +384,17 @@ class Robot(AbstractContextManager["Robot"]):
         Simulated and wall time [s], late ticks, controllers, joints, the largest drift
         of an uncommanded joint [rad | m], and warnings.
         """
-        return self.channel.call(state.ReadSummary())
+        return self.channel.call(ReadSummary())
 
     # ---- controllers ----------------------------------------------------------------
 
     def controllers(self) -> tuple[ControllerStatus, ...]:
         """Return every loaded controller with its state and claims."""
-        return self.channel.call(motion.ListControllers())
+        return self.channel.call(ListControllers())
 
     def controller_types(self) -> tuple[str, ...]:
         """Return every type of controller that can be loaded."""
-        types = self.channel.call(motion.ListControllerTypes())
+        types = self.channel.call(ListControllerTypes())
         return tuple(each.name for each in types)
 
     def controller(self, name: str) -> ControllerHandle:
@@ -406,7 +426,7 @@ class Robot(AbstractContextManager["Robot"]):
             ConfigError: If the YAML does not define it, or its parameters are wrong.
         """
         if config is None:
-            self.channel.call(motion.LoadController(name=name))
+            self.channel.call(LoadController(name=name))
             return
         if not isinstance(config, ControllerConfig):
             problem = f"'config': need a ControllerConfig, got {config!r:.80}"
@@ -420,7 +440,7 @@ class Robot(AbstractContextManager["Robot"]):
             ControlError: If it is configured already, or not loaded.
             ConfigError: If its parameters are wrong.
         """
-        self.channel.call(motion.ConfigureController(name=name))
+        self.channel.call(ConfigureController(name=name))
 
     def unload(self, name: str) -> None:
         """Unload a controller.
@@ -428,7 +448,7 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             ControlError: If it runs, or is not loaded.
         """
-        self.channel.call(motion.UnloadController(name=name))
+        self.channel.call(UnloadController(name=name))
 
     def switch(
         self,
@@ -448,7 +468,7 @@ class Robot(AbstractContextManager["Robot"]):
             ControlError: If the manager refuses; nothing has changed then.
         """
         self.channel.call(
-            motion.SwitchControllers(
+            SwitchControllers(
                 start=start,  # type: ignore[arg-type]  # any sequence: it is checked
                 stop=stop,  # type: ignore[arg-type]
                 strict=strict,
@@ -480,7 +500,7 @@ class Robot(AbstractContextManager["Robot"]):
             ControlError: If no such controller claims a joint, or one of them refuses;
                 nothing moves then.
         """
-        request = motion.MoveJoints(
+        request = MoveJoints(
             positions=positions,  # type: ignore[arg-type]  # any mapping
             speed=speed,
             duration=duration,
@@ -494,7 +514,7 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             ConfigError: If the file of saved poses cannot be read.
         """
-        return self.channel.call(motion.ListPoses())
+        return self.channel.call(ListPoses())
 
     def save_pose(self, name: str, *, robot: str | None = None) -> None:
         """Save the measured positions of the driven joints under ``name``.
@@ -507,7 +527,7 @@ class Robot(AbstractContextManager["Robot"]):
             ControlError: If it is the name of one of the robot's own poses, or none.
             ConfigError: If the file of saved poses cannot be read or written.
         """
-        self.channel.call(motion.SavePose(name=name, robot=robot))
+        self.channel.call(SavePose(name=name, robot=robot))
 
     def delete_pose(self, name: str) -> None:
         """Delete a saved pose.
@@ -515,7 +535,7 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             ControlError: If there is none of this name, or it is built in.
         """
-        self.channel.call(motion.DeletePose(name=name))
+        self.channel.call(DeletePose(name=name))
 
     def go_to_pose(
         self, name: str, *, robot: str | None = None, speed: float = 0.5
@@ -533,7 +553,7 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             ControlError: If there is no such pose, or it cannot be reached.
         """
-        goals = self.channel.call(motion.GoToPose(name=name, robot=robot, speed=speed))
+        goals = self.channel.call(GoToPose(name=name, robot=robot, speed=speed))
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
 
     # ---- demonstrations -------------------------------------------------------------
@@ -667,15 +687,15 @@ class Robot(AbstractContextManager["Robot"]):
             ControlError: If the simulation is paused or closed.
             EngineError: If the physics fails meanwhile.
         """
-        self.channel.call(state.Run(duration=duration))
+        self.channel.call(Run(duration=duration))
 
     def pause(self) -> None:
         """Pause simulated time; requests are still answered."""
-        self.channel.call(state.Pause())
+        self.channel.call(Pause())
 
     def resume(self) -> None:
         """Let simulated time run."""
-        self.channel.call(state.Resume())
+        self.channel.call(Resume())
 
     def step(self, ticks: int = 1) -> None:
         """Advance a paused simulation by ``ticks`` control periods, 1 … 1 000 000.
@@ -683,7 +703,7 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             ControlError: If it is not paused.
         """
-        self.channel.call(state.Step(ticks=ticks))
+        self.channel.call(Step(ticks=ticks))
 
     def set_speed(self, factor: float) -> None:
         """Run at ``factor`` simulated seconds per wall second, above 0 … 1000.
@@ -691,7 +711,7 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             ControlError: If the simulation does not run in real time.
         """
-        self.channel.call(state.SetSpeed(factor=factor))
+        self.channel.call(SetSpeed(factor=factor))
 
     def reset(
         self,
@@ -717,7 +737,7 @@ class Robot(AbstractContextManager["Robot"]):
                 changed then.
         """
         self.channel.call(
-            state.Reset(
+            Reset(
                 position={} if position is None else position,  # type: ignore[arg-type]
                 keep_time=keep_time,
                 allow_penetration=allow_penetration,
@@ -729,7 +749,7 @@ class Robot(AbstractContextManager["Robot"]):
 
         Goals are PREEMPTED; after the release the controllers hold where they are.
         """
-        self.channel.call(state.EmergencyStop(engaged=engaged))
+        self.channel.call(EmergencyStop(engaged=engaged))
 
     def close(self) -> None:
         """End the simulation, or the connection to it; closing twice is allowed."""

@@ -10,12 +10,21 @@ from typing import TYPE_CHECKING, final
 from tool0.api.channel import Channel, LocalChannel
 from tool0.description.camera import Camera
 from tool0.errors import RenderError
-from tool0.requests import sensors
-from tool0.sensing.force_torque import DEFAULT_CUTOFF, WrenchReading
+from tool0.protocol.sensors import (
+    DEFAULT_CUTOFF,
+    ReadForceTorque,
+    ReadForceTorqueRate,
+    ReadForceTorqueSamples,
+    StartForceTorque,
+    StopForceTorque,
+    TakePicture,
+    TareForceTorque,
+    WrenchReading,
+)
 
 if TYPE_CHECKING:
-    from tool0.sensing.cameras import CameraImage
-    from tool0.sensing.snapshot import Snapshot
+    from tool0.protocol.sensors import CameraImage
+    from tool0.protocol.state import Snapshot
 
 _LONGEST_WAIT = 0.5
 """Longest wait of one request for a sample [wall s]."""
@@ -44,7 +53,7 @@ class ForceTorque:
     @property
     def rate(self) -> float:
         """Samples per simulated second [Hz]; 0 while it is not started."""
-        return self._channel.call(sensors.ReadForceTorqueRate(link=self.link))
+        return self._channel.call(ReadForceTorqueRate(link=self.link))
 
     def start(self, rate: float | None = None, cutoff: float = DEFAULT_CUTOFF) -> float:
         """Start sampling without a tare and return the rate [Hz].
@@ -59,19 +68,19 @@ class ForceTorque:
         Raises:
             ControlError: If either is out of range.
         """
-        request = sensors.StartForceTorque(link=self.link, rate=rate, cutoff=cutoff)
+        request = StartForceTorque(link=self.link, rate=rate, cutoff=cutoff)
         return self._channel.call(request)
 
     def stop(self) -> None:
         """Stop sampling and forget the tare; stopping twice is allowed."""
-        self._channel.call(sensors.StopForceTorque(link=self.link))
+        self._channel.call(StopForceTorque(link=self.link))
 
     def zero(self) -> None:
         """Tare the sensor until it is started again, as UR's ``zero_ftsensor`` does.
 
         A reset of the simulation keeps the tare, as a sensor would.
         """
-        self._channel.call(sensors.TareForceTorque(link=self.link))
+        self._channel.call(TareForceTorque(link=self.link))
 
     def read(self) -> WrenchReading:
         """Return the newest sample; the first call starts the sensor.
@@ -81,7 +90,7 @@ class ForceTorque:
             ControlError: If no link is named, and the robot has no ``tool0`` or
                 several.
         """
-        return self._channel.call(sensors.ReadForceTorque(link=self.link))
+        return self._channel.call(ReadForceTorque(link=self.link))
 
     def samples(
         self, since: int = -1, timeout: float | None = 0.0
@@ -103,7 +112,7 @@ class ForceTorque:
         end = time.monotonic() + (math.inf if timeout is None else timeout)
         while True:
             left = max(0.0, end - time.monotonic())
-            request = sensors.ReadForceTorqueSamples(
+            request = ReadForceTorqueSamples(
                 link=self.link, since=since, timeout=min(left, _LONGEST_WAIT)
             )
             found = self._channel.call(request)
@@ -132,7 +141,7 @@ class CameraHandle:
             ModelError: If MuJoCo does not support an object that Gazebo has.
         """
         if snapshot is None:
-            return self._channel.call(sensors.TakePicture(camera=self.camera.name))
+            return self._channel.call(TakePicture(camera=self.camera.name))
         if not isinstance(self._channel, LocalChannel):
             raise RenderError(
                 "a robot in another process draws its newest state only; "

@@ -11,15 +11,15 @@ import numpy as np
 
 from tool0.batch.arguments import Indices
 from tool0.batch.backend import Backend
-from tool0.control.controller import Role
 from tool0.control.position_limits import check_position, position_range
 from tool0.control.ros1.goal_check import check_names
-from tool0.control.status import why_not_driven
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.errors import ControlError
 from tool0.hardware.limits import DriveLimits
 from tool0.kinematics.chain import Array
+from tool0.protocol.controllers import Role, why_not_driven
+from tool0.protocol.trajectories import TrajectoryPoint
 from tool0.runtime.core import Core
 from tool0.runtime.gripper_motion import direct_motion
 

@@ -16,12 +16,12 @@ from tool0.engines.mujoco.copies import (
     object_arrays,
 )
 from tool0.errors import EngineError, GoalRejectedError
-from tool0.hardware.engine import ObjectState
 from tool0.hardware.limits import DriveLimits
 from tool0.kernel import library
 from tool0.kernel.many import Addresses, Many, Started
 from tool0.kernel.program import Ended, Program
 from tool0.kinematics.chain import Array
+from tool0.protocol.state import ObjectState
 from tool0.runtime.core import Core
 
 MOST_TICKS = 1000

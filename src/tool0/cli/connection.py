@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from tool0.api.controller import GoalHandle
     from tool0.api.gripper import Gripper
     from tool0.api.robot import Robot
-    from tool0.control.goal import Result
+    from tool0.protocol.goals import Result
 
 _POLL_PERIOD: Final = 0.05
 """Longest time between checks of the signals [wall s]; an outcome wakes at once."""
@@ -88,8 +88,8 @@ def wait_for_goal(
     """
     from tool0.cli import GOAL_FAILED, INTERRUPTED, OK
     from tool0.cli.stop_signal import StopSignal
-    from tool0.control.goal import GoalStatus
     from tool0.errors import GoalTimeoutError
+    from tool0.protocol.goals import GoalStatus
 
     end = math.inf if timeout is None else time.monotonic() + timeout
     with StopSignal() as stop:
@@ -112,7 +112,7 @@ def wait_for_goal(
 
 
 def _described(result: Result) -> str:
-    from tool0.control.goal import GoalResult
+    from tool0.protocol.goals import GoalResult
 
     if isinstance(result, GoalResult):
         reason = f": {result.error_string}" if result.error_string else ""

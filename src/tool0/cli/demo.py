@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from tool0.cli.demos.report import PickReport
     from tool0.cli.demos.setup import Cube, Demo
     from tool0.cli.demos.trials import DemoReport
-    from tool0.sensing.snapshot import Snapshot
+    from tool0.protocol.state import Snapshot
 
 PAGE_TIMEOUT = 300.0
 """Longest wait for a browser that has loaded the scene [wall s]."""

@@ -16,7 +16,7 @@ from tool0.errors import ControlError, Tool0Error
 
 if TYPE_CHECKING:
     from tool0.api.robot import Robot
-    from tool0.recording.episodes import EpisodeEnd, EpisodesStatus
+    from tool0.protocol.episodes import EpisodeEnd, EpisodesStatus
 
 HELP: Final = """\
   Space  start an episode          y  success    n  failure    x  discard
@@ -46,7 +46,7 @@ _PERIOD: Final = 0.25
 
 def record_episodes(folder: Path, task: str, *, reset: bool, bringup: Bringup) -> int:
     """Record episodes of a running bring-up into a folder, until ``q`` or Ctrl-C."""
-    from tool0.recording.episodes import CloseEpisodes, OpenEpisodes
+    from tool0.protocol.episodes import CloseEpisodes, OpenEpisodes
 
     with bringup.connect() as robot, StopSignal() as stop, _keys() as keys:
         path = str(folder.expanduser().absolute())
@@ -77,7 +77,7 @@ class _Session:
 
     def take(self, key: str) -> None:
         """Carry out a key; the empty one only shows the time."""
-        from tool0.recording.episodes import EndEpisode, StartEpisode
+        from tool0.protocol.episodes import EndEpisode, StartEpisode
 
         channel, problem = self._robot.channel, ""
         try:
@@ -97,7 +97,7 @@ class _Session:
 
     def show(self, problem: str = "") -> None:
         """Show the status if it has changed, or what went wrong."""
-        from tool0.recording.episodes import ReadEpisodes
+        from tool0.protocol.episodes import ReadEpisodes
 
         text = problem or _described(self._robot.channel.call(ReadEpisodes()))
         if text == self._shown:

@@ -32,7 +32,7 @@ from tool0.errors import ConfigError, GoalTimeoutError
 if TYPE_CHECKING:
     from tool0.api.controller import GoalHandle
     from tool0.api.robot import Robot
-    from tool0.sensing.grasp import GraspState
+    from tool0.protocol.gripper import GraspState
 
 ToolPose = Annotated[
     tuple[Metres, Metres, Metres, Radians, Radians, Radians],

@@ -14,7 +14,7 @@ from tool0.cli.text import columns
 if TYPE_CHECKING:
     from tool0.api.programs import ProgramHandle
     from tool0.api.robot import Robot
-    from tool0.programs.run import ProgramCheck, ProgramProblem, ProgramRun
+    from tool0.protocol.programs import ProgramCheck, ProgramProblem, ProgramRun
 
 Source = Annotated[str, Option(is_positional=True, metavar="FILE | PROGRAM")]
 ProgramName = Annotated[str, Option(is_positional=True, metavar="PROGRAM")]
@@ -55,7 +55,7 @@ def _report(name: str, found: ProgramCheck) -> int:
 
 
 def _problem(name: str, kind: str, problem: ProgramProblem) -> str:
-    from tool0.programs.model import path_text
+    from tool0.protocol.program import path_text
 
     where = name if problem.line is None else f"{name}:{problem.line}"
     step = f"step {path_text(problem.step)}: " if problem.step else ""
@@ -95,7 +95,7 @@ def _stopped(handle: ProgramHandle) -> ProgramRun:
 
 def _show(run: ProgramRun, shown: tuple[object, ...]) -> tuple[object, ...]:
     """Print the step, unless it was ``shown``; return what is shown now."""
-    from tool0.programs.model import path_text
+    from tool0.protocol.program import path_text
 
     state = "paused" if run.state == "paused" else ""
     now = run.step, state

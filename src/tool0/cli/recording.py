@@ -14,7 +14,7 @@ from tool0.cli.stop_signal import StopSignal
 from tool0.errors import ConfigError, RecordingError
 
 if TYPE_CHECKING:
-    from tool0.recording.options import RecordingStatus
+    from tool0.protocol.recordings import RecordingStatus
     from tool0.recording.reading import RecordingFile
 
 _PERIOD: Final = 0.25

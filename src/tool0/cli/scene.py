@@ -34,7 +34,7 @@ from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
     from tool0.description.scene import SceneObject
-    from tool0.hardware.engine import ObjectState
+    from tool0.protocol.state import ObjectState
 
 Name = Annotated[str, Option(is_positional=True, metavar="OBJECT")]
 Place = Annotated[tuple[Metres, Metres, Metres], Option(metavar="X Y Z")]
@@ -215,7 +215,7 @@ def _described(shape: Solid) -> str:
 def _plain(item: SceneObject, state: ObjectState) -> dict[str, object]:
     from msgspec import to_builtins
 
-    from tool0.requests.objects import shape_of
+    from tool0.protocol.objects import shape_of
 
     return {
         "name": item.name,

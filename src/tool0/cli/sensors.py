@@ -16,15 +16,14 @@ from tool0.cli.parameters import Option
 from tool0.cli.text import columns
 from tool0.description.transform import to_pose
 from tool0.errors import ConfigError
-from tool0.sensing.force_torque import DEFAULT_CUTOFF
+from tool0.protocol.sensors import DEFAULT_CUTOFF
 
 if TYPE_CHECKING:
     from tool0.api.sensors import CameraHandle, ForceTorque
     from tool0.description.transform import Pose, Vector3
-    from tool0.sensing.cameras import CameraImage
-    from tool0.sensing.force_torque import WrenchReading
-    from tool0.sensing.grasp import GraspState
-    from tool0.sensing.snapshot import Snapshot
+    from tool0.protocol.gripper import GraspState
+    from tool0.protocol.sensors import CameraImage, WrenchReading
+    from tool0.protocol.state import Snapshot
 
 
 def state(

@@ -8,7 +8,7 @@ from tool0.cli.connection import DEFAULT, Bringup
 from tool0.cli.parameters import Option
 from tool0.cli.text import columns
 from tool0.errors import ConfigError
-from tool0.requests.state import EmergencyStop
+from tool0.protocol.running import EmergencyStop
 
 Names = Annotated[tuple[str, ...], Option(is_positional=True, metavar="CONTROLLER ...")]
 

@@ -89,7 +89,7 @@ def ur_lines(arms: Mapping[str, UrArm]) -> list[str]:
 
 
 def _examples(robot: Robot, name: str) -> Iterator[str]:
-    from tool0.control.controller import Role
+    from tool0.protocol.controllers import Role
 
     suffix = "" if name == "tool0" else f" --name {name}"
     position = robot.joint_state.position

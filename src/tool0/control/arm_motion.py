@@ -14,16 +14,17 @@ from typing import ClassVar, Final, Literal, final
 from tool0.control.arm_compliance import Compliance, ComplianceTask
 from tool0.control.arm_model import ArmModel
 from tool0.control.arm_path import CONTINUITY, ArmPath, SplineMotion
-from tool0.control.arm_setpoint import ArmSetpoint, StreamedMotion
+from tool0.control.arm_setpoint import StreamedMotion
 from tool0.control.arm_stream import ServoStream, SpeedStream
 from tool0.control.law import TrajectoryLaw
-from tool0.control.parameters import Gains
 from tool0.control.spline import JointSpline, Segment, along
 from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface, Joint
 from tool0.errors import ControlError
 from tool0.hardware.engine import JointState, joint_selector
 from tool0.hardware.robot_hardware import EffortLaw
+from tool0.protocol.controllers import Gains
+from tool0.protocol.state import ArmSetpoint
 
 Mode = Literal["hold", "path", "servo", "speed", "stop", "freedrive"]
 

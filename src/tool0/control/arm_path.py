@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple, final
 
-from tool0.control.arm_setpoint import ArmSetpoint
 from tool0.control.law import REAL_CLOCK, TrajectoryClock, TrajectoryLaw
 from tool0.control.sampler import TrajectorySampler
 from tool0.control.spline import (
@@ -23,6 +22,7 @@ from tool0.control.spline import (
 )
 from tool0.description.model import Joint
 from tool0.errors import ControlError
+from tool0.protocol.state import ArmSetpoint
 
 if TYPE_CHECKING:
     import numpy as np

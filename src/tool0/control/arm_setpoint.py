@@ -2,30 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
-
-class ArmSetpoint(NamedTuple):
-    """The commanded motion of an arm's joints at an instant, base to flange."""
-
-    positions: Sequence[float]
-    """[rad]"""
-    velocities: Sequence[float]
-    """In simulated time [rad/s]."""
-    accelerations: Sequence[float]
-    """[rad/s²]"""
-
-    @property
-    def is_at_rest(self) -> bool:
-        """Whether no joint moves."""
-        return not any(self.velocities)
-
-    @staticmethod
-    def resting(positions: Sequence[float]) -> ArmSetpoint:
-        """Return the setpoint of resting at ``positions`` [rad]."""
-        zeros = (0.0,) * len(positions)
-        return ArmSetpoint(tuple(positions), zeros, zeros)
+from tool0.protocol.state import ArmSetpoint
 
 
 class StreamedMotion(Protocol):

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.control.arm_model import ArmModel
-from tool0.control.arm_setpoint import ArmSetpoint
 from tool0.description.model import Joint
+from tool0.protocol.state import ArmSetpoint
 
 if TYPE_CHECKING:
     import numpy as np

@@ -2,33 +2,19 @@
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol, runtime_checkable
 
-from tool0.control.goal import Goal
 from tool0.control.law import Law
-from tool0.control.parameters import Gains, Pid
+from tool0.control.parameters import Pid
 from tool0.control.spline import JointSpline, MotionPlan
-from tool0.control.trajectory import JointsMotion, Setpoint, TrajectoryGoal
+from tool0.control.trajectory import Setpoint, TrajectoryGoal
 from tool0.description.model import Interface, Joint
 from tool0.hardware.engine import JointState
 from tool0.hardware.limits import DriveLimits
-
-
-class Role(enum.Enum):
-    """What a controller is for: which requests it takes."""
-
-    TRAJECTORY = "trajectory"
-    """It follows trajectories: ``TrajectoryFollower``."""
-    GRIPPER = "gripper"
-    """It moves one joint and squeezes: ``GripperDriver``."""
-    COMMAND = "command"
-    """It takes a number for each joint: ``CommandTaker``."""
-    MOTION = "motion"
-    """It is tool0's own, and moves an arm: ``requests/arm_motion.py``."""
-    READER = "reader"
-    """It moves nothing."""
+from tool0.protocol.controllers import Gains
+from tool0.protocol.goals import Goal
+from tool0.protocol.trajectories import JointsMotion
 
 
 class Controller(Protocol):

@@ -8,12 +8,13 @@ from functools import cache
 from importlib import import_module
 from typing import Literal, NamedTuple, final
 
-from tool0.control.controller import ControllerSpec, Role
+from tool0.control.controller import ControllerSpec
 from tool0.control.parameters import RobotJoints
 from tool0.description.finding import Finding
 from tool0.description.yaml_tree import Tree, YamlEntry
 from tool0.description.yaml_values import Namespace, Value
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
+from tool0.protocol.controllers import Role
 
 Parser = Callable[[str, str, Namespace, RobotJoints], ControllerSpec]
 """Reads a controller's name, type and parameters."""

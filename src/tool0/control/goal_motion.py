@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from tool0.control.goal import Goal, TrajectoryTolerances
+from tool0.control.goal import TrajectoryTolerances
 from tool0.control.position_limits import check_position, position_range
 from tool0.control.spline import (
     JointSpline,
@@ -18,9 +18,11 @@ from tool0.control.spline import (
     MotionPlan,
     wrap_offset,
 )
-from tool0.control.trajectory import BLOCK, MARGIN, TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import BLOCK, MARGIN, TrajectoryGoal
 from tool0.description.model import Joint, JointType
 from tool0.errors import GoalRejectedError
+from tool0.protocol.goals import Goal
+from tool0.protocol.trajectories import TrajectoryPoint
 
 _COARSE = 1e-9
 """If times are rounded to more than this [s], every segment is examined."""

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from tool0.control.goal import Goal, GoalStatus, GripperResult
 from tool0.control.law import Grip, GripperLaw
-from tool0.control.parameters import Gains, Pid
+from tool0.control.parameters import Pid
 from tool0.control.position_limits import check_position
 from tool0.control.spline import hold
 from tool0.control.trajectory import Setpoint
@@ -17,6 +16,8 @@ from tool0.description.model import Interface, Joint, ParallelGripper
 from tool0.errors import GoalRejectedError
 from tool0.hardware.engine import JointState, joint_selector
 from tool0.hardware.limits import DriveLimits
+from tool0.protocol.controllers import Gains
+from tool0.protocol.goals import Goal, GoalStatus, GripperResult
 
 _IN_PADS = "set_gripper_max_"
 """In the name of an interface that sets the speed [m/s] or force [N] at the pads; the

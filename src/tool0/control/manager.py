@@ -8,10 +8,9 @@ from dataclasses import replace
 from typing import Final, final
 
 from tool0.control.config import ControllerConfig, ControllerParameters
-from tool0.control.controller import Adjustable, Controller, ControllerSpec, Role
+from tool0.control.controller import Adjustable, Controller, ControllerSpec
 from tool0.control.loaded import LoadedController
-from tool0.control.parameters import Gains, RobotJoints
-from tool0.control.status import ControllerStatus, start_command
+from tool0.control.parameters import RobotJoints
 from tool0.control.trajectory import Setpoint
 from tool0.description.model import Joint, RobotModel
 from tool0.description.yaml_values import Value
@@ -24,6 +23,7 @@ from tool0.errors import (
 )
 from tool0.hardware.engine import JointState, as_slice
 from tool0.hardware.robot_hardware import EffortLaw, RobotHardware
+from tool0.protocol.controllers import ControllerStatus, Gains, Role, start_command
 
 _KIND: Final[Mapping[type, str]] = {
     bool: "bool",

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import enum
-import math
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, final
+from typing import final
 
 from tool0.control.goal import (
     DEFAULT_GOAL_TOLERANCE,
     DEFAULT_SLIDING_TOLERANCE,
     DEFAULT_STOPPED_VELOCITY,
     JointTolerances,
-    Tolerance,
 )
 from tool0.description.finding import quoted
 from tool0.description.hardware_component import HardwareComponent
@@ -22,65 +18,8 @@ from tool0.description.model import Interface, Joint, JointType, ParallelGripper
 from tool0.description.yaml_tree import YamlEntry
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean, nearest_name
-
-UNLIMITED: Final = sys.float_info.max
-"""As a limit of gains: they are sent as JSON, which has no infinity."""
-
-
-class Unwinding(enum.Enum):
-    """What keeps the integral of a PID from growing while its command is limited."""
-
-    NONE = 0
-    CONDITIONAL_INTEGRATION = 1
-    """An error that would drive the command further is not integrated."""
-    BACK_CALCULATION = 2
-    """The integral shrinks by what the limits take from the command."""
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Gains:
-    """PID gains of one joint: ``p e + clamp(i ∫e dt) + d de/dt``.
-
-    ``e`` is the position error [rad | m]; the command of an effort controller is an
-    effort [N·m | N].  As in control_toolbox, an integral without a clamp contributes
-    nothing.
-    """
-
-    p: float
-    """Command per position error [N·m/rad | N/m]."""
-    i: float = 0.0
-    """Command per position error and second [N·m/(rad·s) | N/(m·s)]."""
-    d: float = 0.0
-    """Command per velocity error [N·m·s/rad | N·s/m]."""
-    i_min: float = 0.0
-    """Least contribution of the integral, at most 0 [N·m | N]."""
-    i_max: float = 0.0
-    """Greatest contribution of the integral, at least 0 [N·m | N]."""
-    antiwindup: bool = False
-    """Clamp the integral itself, not only its contribution."""
-    u_min: float = -UNLIMITED
-    """Least command, at most 0; the last five are ROS 2's."""
-    u_max: float = UNLIMITED
-    """Greatest command, at least 0."""
-    error_deadband: float = 0.0
-    """Errors up to this are not integrated [rad | m]."""
-    unwinding: Unwinding = Unwinding.NONE
-    """How the integral gives way while the command is at a limit."""
-    tracking_time: float = 1.0
-    """Of BACK_CALCULATION: the shorter, the faster the integral shrinks [s]."""
-
-    def __post_init__(self) -> None:
-        if not all(map(math.isfinite, (self.p, self.i, self.d))):
-            raise ConfigError(f"gains must be finite numbers, got {self}")
-        if not self.i_min <= 0.0 <= self.i_max:
-            raise ConfigError(f"need i_min <= 0 <= i_max, got {self}")
-        if not self.u_min <= 0.0 <= self.u_max:
-            raise ConfigError(f"need u_min <= 0 <= u_max, got {self}")
-        if not (self.error_deadband >= 0.0 and self.tracking_time > 0.0):
-            raise ConfigError(
-                f"need error_deadband >= 0 and tracking_time > 0, got {self}"
-            )
+from tool0.protocol.controllers import Gains, Unwinding
+from tool0.protocol.goals import Tolerance
 
 
 @final

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 from tool0.control.law import IdleLaw
-from tool0.control.parameters import Gains
 from tool0.description.model import Interface
 from tool0.hardware.engine import JointState
+from tool0.protocol.controllers import Gains
 
 
 @final

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Sequence
 from operator import neg, sub
 from typing import NamedTuple, final
 
-from tool0.control.goal import UNCHECKED, Goal, GoalResult, GoalStatus, Tolerance
+from tool0.control.goal import UNCHECKED
 from tool0.control.spline import (
     JointSpline,
     Polynomial,
@@ -18,6 +18,7 @@ from tool0.control.spline import (
     resting,
 )
 from tool0.errors import ControlError
+from tool0.protocol.goals import Goal, GoalResult, GoalStatus, Tolerance
 
 
 class Piece(NamedTuple):

@@ -11,8 +11,9 @@ from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, final
 
-from tool0.control.goal import NO_TOLERANCES, Goal, JointTolerances
+from tool0.control.goal import NO_TOLERANCES, JointTolerances
 from tool0.errors import GoalRejectedError
+from tool0.protocol.goals import Goal
 
 Polynomial = tuple[float, ...]
 """``(t0, c0 … c5, 2 c2, 3 c3, 4 c4, 5 c5)``: position and velocity by Horner's rule.

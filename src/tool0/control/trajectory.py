@@ -7,18 +7,23 @@ need not look at every point.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import sub
 from typing import TYPE_CHECKING, final
 
 from msgspec import Struct
 
-from tool0.control.goal import ToleranceOverride
 from tool0.control.spline import IMPLAUSIBLE, JointSpline, Sample, shortest_turn
 from tool0.description.model import Joint, JointType
-from tool0.errors import GoalRejectedError
 from tool0.hardware.engine import JointSelector, JointState
+from tool0.protocol.goals import ToleranceOverride
+from tool0.protocol.state import ArmSetpoint, JointSetpoint
+from tool0.protocol.trajectories import (
+    JointsMotion,
+    TrajectoryPoint,
+    TrajectoryState,
+)
 
 if TYPE_CHECKING:
     import numpy as np
@@ -46,33 +51,7 @@ MARGIN = IMPLAUSIBLE / 2.0
 """By how much positions may be shifted before every point must be examined [rad]."""
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class TrajectoryPoint:
-    """Desired motion of the joints at a time after the trajectory's start.
-
-    Each sequence has shape (n_joints,), in the order of the goal's joints.
-    """
-
-    positions: Sequence[float]
-    """[rad | m]"""
-    velocities: Sequence[float] | None = None
-    """[rad/s | m/s]; None leaves them open: the motion to and from this point is
-    linear."""
-    accelerations: Sequence[float] | None = None
-    """[rad/s² | m/s²]; None leaves them open: the motion to and from this point is
-    cubic at most."""
-    time_from_start: float = 0.0
-    """Simulated time after the start of the trajectory [s]."""
-
-    def __post_init__(self) -> None:
-        _set(self, "positions", _floats("positions", self.positions))
-        if self.velocities is not None:
-            _set(self, "velocities", _floats("velocities", self.velocities))
-        if self.accelerations is not None:
-            _set(self, "accelerations", _floats("accelerations", self.accelerations))
-        (time,) = _floats("time_from_start", (self.time_from_start,))
-        _set(self, "time_from_start", time)
+_set = object.__setattr__  # for the fields of frozen instances
 
 
 @final
@@ -136,52 +115,6 @@ class PositionRanges:
         is_within = (self.lowest >= lower) & (self.highest <= upper)
         beyond: list[int] = np.flatnonzero(~is_within.all(axis=1)).tolist()
         return beyond
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class JointsMotion:
-    """How several joints move: trajectory_msgs/JointTrajectoryPoint."""
-
-    positions: tuple[float, ...]
-    """[rad | m], shape (n_joints,)."""
-    velocities: tuple[float, ...]
-    """[rad/s | m/s], shape (n_joints,)."""
-    accelerations: tuple[float, ...] = ()
-    """[rad/s² | m/s²], shape (n_joints,); empty where they are not known."""
-    time_from_start: float = 0.0
-    """[s]"""
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TrajectoryState:
-    """Desired and measured motion of a controller's joints, and the difference."""
-
-    joint_names: tuple[str, ...]
-    """The controller's joints: the order of the other fields."""
-    time: float
-    """Simulated time of the update that it describes [s]."""
-    desired: JointsMotion
-    """The setpoint."""
-    actual: JointsMotion
-    """The measured motion."""
-    error: JointsMotion
-    """desired - actual; the shortest way round for a continuous joint."""
-    speed_scaling: float = 1.0
-    """Trajectory time per simulated time."""
-
-
-_set = object.__setattr__  # for the fields of frozen instances
-
-
-def _floats(name: str, values: Iterable[object]) -> tuple[float, ...]:
-    try:
-        return tuple(map(float, values))  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        raise GoalRejectedError(
-            f"{name} of a trajectory point must be numbers, got {values!r:.80}"
-        ) from None
 
 
 def _examine(
@@ -273,6 +206,32 @@ class Setpoint(Struct, frozen=True):
         """The joints of every sequence here."""
         return tuple(joint.name for joint in self.joint_models)
 
+    def joint_setpoints(self) -> Mapping[str, JointSetpoint]:
+        """Return the setpoint of each joint."""
+        time = self.time
+        found: dict[str, JointSetpoint] = {}
+        for joint, spline in zip(self.joint_models, self.splines, strict=True):
+            now = spline.sample(time)
+            found[joint.name] = JointSetpoint(now.position, now.velocity, spline.target)
+        return found
+
+    def desired_motion(self, joints: Sequence[str], time: float) -> ArmSetpoint | None:
+        """Return the desired motion of these joints at a simulated time [s].
+
+        None if one is none of these.
+        """
+        names = self.joint_names
+        if not set(joints).issubset(names):
+            return None
+        scale = self.speed_scaling
+        at = self.time + (time - self.measured.time) * scale
+        samples = [self.splines[names.index(joint)].sample(at) for joint in joints]
+        return ArmSetpoint(
+            tuple(sample.position for sample in samples),
+            tuple(scale * sample.velocity for sample in samples),
+            tuple(scale * scale * sample.acceleration for sample in samples),
+        )
+
     def target(self) -> tuple[float, ...]:
         """Return the final positions of the joints [rad | m]."""
         return tuple(spline.target for spline in self.splines)
@@ -280,7 +239,7 @@ class Setpoint(Struct, frozen=True):
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:
         """Return the desired position of one joint then and in the end [rad | m].
 
-        None if it is none of these; much cheaper than ``state`` and ``target``.
+        None if it is none of these; much cheaper than ``joint_setpoints``.
         """
         for model, spline in zip(self.joint_models, self.splines, strict=True):
             if model.name == joint:

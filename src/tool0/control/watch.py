@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import final
 
-from tool0.control.goal import Goal, GoalResult, GoalStatus, Tolerance
+from tool0.protocol.goals import Goal, GoalResult, GoalStatus, Tolerance
 
 REACHED = GoalResult(
     status=GoalStatus.SUCCEEDED, error_string="Goal successfully reached!"

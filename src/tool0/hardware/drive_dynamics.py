@@ -11,13 +11,14 @@ from tool0.description.model import JointType, RobotModel
 from tool0.description.transform import Vector3
 from tool0.hardware.bodies import DynamicsTable, JointDynamics, Matrix
 from tool0.hardware.engine import JointState
-from tool0.hardware.payload import Payload, replaced_tools
+from tool0.hardware.payload import replaced_tools
 from tool0.hardware.servo_masses import (
     bounded_masses,
     expected_load,
     integral_rate,
     largest_ratio,
 )
+from tool0.protocol.control_box_state import Payload
 
 
 @final

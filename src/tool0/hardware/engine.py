@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from operator import itemgetter
 from typing import NamedTuple, Protocol, final, overload
 
 from tool0.description.scene import SceneObject
 from tool0.description.transform import Vector3
 from tool0.errors import ConfigError, DivergenceError, EngineError, did_you_mean
+from tool0.protocol.state import Contact, ObjectState
 
 
 class JointState(NamedTuple):
@@ -52,23 +52,6 @@ def as_slice(indices: Sequence[int]) -> slice | None:
     if list(indices) == list(range(first, first + len(indices))):
         return slice(first, first + len(indices))
     return None
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class ObjectState:
-    """Pose and velocity of a scene object, in the robot's root."""
-
-    name: str
-    """Of the object."""
-    position: tuple[float, float, float]
-    """Of its origin [m]."""
-    quat_wxyz: tuple[float, float, float, float]
-    """Its orientation, a unit quaternion."""
-    linear: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Velocity of its origin [m/s]."""
-    angular: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Angular velocity [rad/s]."""
 
 
 @final
@@ -115,27 +98,6 @@ class RecordedObjects(Sequence[ObjectState]):
 
     def __repr__(self) -> str:
         return repr(self.states)
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """The resultant of all contact points between two links or objects.
-
-    Links and objects have their own names, also links that are fixed to others; the
-    engine's own ground is ``ground``.  Vectors are in the axes of the robot's root.
-    """
-
-    first: str
-    """A link or an object."""
-    second: str
-    """What it touches."""
-    point: tuple[float, float, float]
-    """Mean of the contact points, weighted by their normal forces, in the root [m]."""
-    force: tuple[float, float, float]
-    """Force that ``first`` exerts on ``second`` [N]."""
-    torque: tuple[float, float, float]
-    """Torque that ``first`` exerts on ``second``, about ``point`` [N·m]."""
 
 
 Wrench = tuple[Vector3, Vector3]

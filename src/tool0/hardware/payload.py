@@ -9,28 +9,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Final
+from typing import Final
 
 import numpy as np
-from msgspec import Meta, Struct
 
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import RobotModel
-from tool0.description.transform import Vector3
 from tool0.hardware.bodies import BodyInertia, total_inertia
+from tool0.protocol.control_box_state import Payload
 
 DENSITY: Final = 1000.0
 """Of the sphere whose inertia a payload has [kg/m³]: 1 g/cm³, as for URScript's
 ``set_target_payload`` without an inertia."""
-
-
-class Payload(Struct, frozen=True):
-    """Mass and centre of gravity of all that is fixed to an arm's flange."""
-
-    mass: Annotated[float, Meta(ge=0.0, le=1000.0)]
-    """[kg]"""
-    center_of_gravity: Vector3 = (0.0, 0.0, 0.0)
-    """In the flange's frame [m]."""
 
 
 def modelled_payload(model: RobotModel, flange: str) -> Payload:

@@ -41,7 +41,6 @@ from tool0.hardware.limits import (
     EffortLimiter,
     EffortLimits,
 )
-from tool0.hardware.payload import Payload
 from tool0.hardware.servos import (
     INTEGRAL_RATE,
     PositionServo,
@@ -58,6 +57,7 @@ from tool0.hardware.speed_governor import (
     GovernorState,
     SpeedGovernor,
 )
+from tool0.protocol.control_box_state import Payload
 
 POSE_PERIOD = 64
 """Steps between updates of values that depend only on the pose and need not be exact:

@@ -29,12 +29,10 @@ from tool0.hardware.bodies import (
     total_inertia,
     turn_z_to,
 )
-from tool0.hardware.engine import Contact
+from tool0.protocol.state import Contact, Wrench
 
 Frame = tuple[float, ...]
 """Axes x, y, z and origin, 12 floats."""
-Wrench = tuple[float, float, float, float, float, float]
-"""Force [N] and torque [N·m]."""
 
 _WORLD: Frame = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 _ZERO: Vector3 = (0.0, 0.0, 0.0)

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import Literal, final
+from typing import final
 
 import numpy as np
 
@@ -13,6 +11,7 @@ from tool0.description.model import JointType
 from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import SINGULAR, ArmGeometry, wrapped
+from tool0.kinematics.posture import Branch, Solution
 
 PRECISION = 1e-9
 """Largest error of a solution [m, rad]."""
@@ -24,67 +23,6 @@ _LIMIT_ROUNDING = 1e-9
 """Excess over a limit that is clipped [rad]."""
 _STEPS = 12
 _DAMPING = 1e-12
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Branch:
-    """Which of the eight postures that reach one pose; None for either.
-
-    Left, up and no flip is the usual posture of a UR.  Where two branches meet the arm
-    is singular.
-    """
-
-    shoulder: Literal["left", "right"] | None = None
-    """On which side of the line from the base to the wrist's centre the upper arm is,
-    as seen from behind the base."""
-    elbow: Literal["up", "down"] | None = None
-    """Whether the elbow is above the line from the shoulder to the fourth joint;
-    reversed where that joint and the wrist's centre are on different sides of the
-    base's axis, so that the word changes in singular postures alone."""
-    wrist: Literal["flip", "no_flip"] | None = None
-    """The sign of the fifth joint's sine, from where the sixth axis is parallel to the
-    second: negative for "no_flip"."""
-
-    def __post_init__(self) -> None:
-        for name, values in _BRANCHES.items():
-            value = getattr(self, name)
-            if value is not None and value not in values:
-                raise ControlError(
-                    f"{name} must be {values[0]!r} or {values[1]!r}, got {value!r}"
-                )
-
-    def includes(self, other: Branch) -> bool:
-        """Return whether ``other`` matches every given field."""
-        return all(
-            getattr(self, name) in (None, getattr(other, name)) for name in _BRANCHES
-        )
-
-    def __str__(self) -> str:
-        """Return the given fields as text."""
-        words = (getattr(self, item.name) for item in fields(self))
-        return ", ".join(word for word in words if word is not None) or "any"
-
-
-_BRANCHES = {
-    "shoulder": ("left", "right"),
-    "elbow": ("up", "down"),
-    "wrist": ("flip", "no_flip"),
-}
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Solution:
-    """A posture that reaches the pose."""
-
-    positions: Mapping[str, float]
-    """Joint → position [rad], from base to tip."""
-    branch: Branch
-    """Its branch, one of eight."""
-    distance: float
-    """Distance from ``near``: each joint's turn divided by its largest velocity, as the
-    root of the sum of squares [s]."""
 
 
 @final

@@ -12,8 +12,8 @@ from msgspec.structs import replace
 
 from tool0.errors import ConfigError, ControlError, SourceLocation, did_you_mean
 from tool0.programs.files import parse_program, program_text, read_program
-from tool0.programs.model import Program, walk
-from tool0.programs.run import SavedProgram
+from tool0.protocol.program import Program, walk
+from tool0.protocol.programs import SavedProgram
 from tool0.user_data import data_folder, replace_text
 
 LONGEST_NAME: Final = 60

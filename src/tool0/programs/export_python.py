@@ -9,7 +9,7 @@ from typing import Any
 from msgspec import NODEFAULT, Struct
 from msgspec.structs import fields
 
-from tool0.programs.model import CommentStep, LoopStep, Program, Step
+from tool0.protocol.program import CommentStep, LoopStep, Program, Step
 
 _WIDTH = 88
 _HEAD = '''\

@@ -13,7 +13,9 @@ from tool0.errors import ProgramError
 from tool0.kinematics.chain import Array, fixed_transform
 from tool0.kinematics.moves import Move
 from tool0.kinematics.pose import matrix_of, rotation_vector
-from tool0.programs.model import (
+from tool0.programs.planning import moves_from, problems_text, static_problems
+from tool0.programs.robot_context import RobotContext
+from tool0.protocol.program import (
     CommentStep,
     GripperStep,
     LoopStep,
@@ -27,8 +29,6 @@ from tool0.programs.model import (
     path_text,
     walk,
 )
-from tool0.programs.planning import moves_from, problems_text, static_problems
-from tool0.programs.robot_context import RobotContext
 
 
 def urscript_text(context: RobotContext) -> str:

@@ -15,8 +15,8 @@ from msgspec.structs import fields
 
 from tool0.description.yaml_tree import YamlEntry, read_verbatim_text, text_of
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
-from tool0.programs.model import Program, Step, StepPath
-from tool0.programs.run import ProgramProblem
+from tool0.protocol.program import Program, Step, StepPath
+from tool0.protocol.programs import ProgramProblem
 
 _PLACE: Final = re.compile(r"^(?P<what>.*?)(?: - at `\$(?P<path>.*)`)?$", re.DOTALL)
 _PART: Final = re.compile(r"\.(\w+)|\[(\d+)\]")

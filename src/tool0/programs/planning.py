@@ -17,7 +17,8 @@ from tool0.errors import ControlError, ModelError, did_you_mean
 from tool0.kinematics.chain import Array
 from tool0.kinematics.moves import Move, MoveError, MovePlan
 from tool0.kinematics.segments import sampled
-from tool0.programs.model import (
+from tool0.programs.robot_context import RobotContext
+from tool0.protocol.program import (
     MOST_NESTED,
     MOST_STEPS,
     CommentStep,
@@ -35,8 +36,7 @@ from tool0.programs.model import (
     path_text,
     walk,
 )
-from tool0.programs.robot_context import RobotContext
-from tool0.programs.run import PlannedMotion, ProgramCheck, ProgramProblem
+from tool0.protocol.programs import PlannedMotion, ProgramCheck, ProgramProblem
 
 _SAME: Final = 1e-7
 """Postures closer to each other than this are one [rad]."""

@@ -19,7 +19,7 @@ from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.move_planner import MovePlanner
 from tool0.kinematics.moves import Move
 from tool0.kinematics.pose import rotation_vector
-from tool0.programs.model import (
+from tool0.protocol.program import (
     GripperStep,
     MoveLinearStep,
     MoveStep,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tool0.programs.model import (
+from tool0.protocol.program import (
     CommentStep,
     GripperStep,
     LoopStep,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
 
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.state import Snapshot
 
 if TYPE_CHECKING:
     from tool0.recording.reading import RecordingFile

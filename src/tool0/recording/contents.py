@@ -12,13 +12,13 @@ from msgspec import Struct
 
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Geometry, Mesh, parts_of
-from tool0.requests.reproduction import Reproduction, reproduction
-from tool0.requests.state import (
+from tool0.protocol.robot import (
     DescriptionInfo,
     ReadDescription,
     ReadInfo,
     SimulationInfo,
 )
+from tool0.requests.reproduction import Reproduction, reproduction
 from tool0.requests.table import answer
 
 if TYPE_CHECKING:

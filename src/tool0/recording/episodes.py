@@ -12,24 +12,31 @@ import os
 import threading
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, Literal, final
+from typing import TYPE_CHECKING, Final, final
 
 import msgspec
-from msgspec import Meta, Struct
+from msgspec import Struct
 
 from tool0.errors import ControlError, RecordingError
+from tool0.protocol.episodes import (
+    CloseEpisodes,
+    EndEpisode,
+    EpisodeEnd,
+    EpisodesStatus,
+    OpenEpisodes,
+    Outcome,
+    ReadEpisodes,
+    StartEpisode,
+)
+from tool0.protocol.running import Reset
 from tool0.recording.recordings import Recordings
-from tool0.requests.state import Reset
-from tool0.requests.table import Request, answer, handles
+from tool0.requests.table import answer, handles
 
 if TYPE_CHECKING:
-    from tool0.recording.options import RecordingStatus
+    from tool0.protocol.recordings import RecordingStatus
     from tool0.runtime.simulation import Simulation
 
 INDEX: Final = "episodes.jsonl"
-Outcome = Literal["success", "failure"]
-EpisodeEnd = Literal[Outcome, "discard"]
-FolderName = Annotated[str, Meta(min_length=1, max_length=4000)]
 
 
 class EpisodeRow(Struct, frozen=True, kw_only=True):
@@ -46,56 +53,6 @@ class EpisodeRow(Struct, frozen=True, kw_only=True):
     """Simulated time [s]."""
     wall_start: float
     """[s since 1970, UTC]"""
-
-
-class EpisodesStatus(Struct, frozen=True, kw_only=True):
-    """A folder of episodes, and whether one is being recorded."""
-
-    folder: str
-    """Its path on the simulation's machine."""
-    task: str
-    """What is to be done, in words."""
-    is_recording: bool
-    """Whether an episode is being recorded."""
-    duration: float
-    """Simulated time of the episode being recorded [s]; 0 without one."""
-    episodes: int
-    """Episodes in the folder."""
-    succeeded: int
-    """Of these, with the outcome ``success``."""
-    error: str | None = None
-    """Why an episode ended by itself: a full disk."""
-
-
-class OpenEpisodes(Request[EpisodesStatus], frozen=True):
-    """Choose the folder for episodes, which may have some already.
-
-    From then on the panel has keys to start and end them.
-    """
-
-    folder: FolderName
-    task: Annotated[str, Meta(max_length=500)] = ""
-    """What is to be done, in words; each line of the index has it."""
-    reset: bool = True
-    """Whether each episode starts with a reset of robot and objects."""
-
-
-class CloseEpisodes(Request[None], frozen=True):
-    """Leave the folder; an episode that is being recorded is discarded."""
-
-
-class StartEpisode(Request[EpisodesStatus], frozen=True):
-    """Start to record an episode."""
-
-
-class EndEpisode(Request[EpisodesStatus], frozen=True):
-    """End the episode: keep it with its outcome, or discard it."""
-
-    outcome: EpisodeEnd
-
-
-class ReadEpisodes(Request[EpisodesStatus | None], frozen=True):
-    """The folder of episodes; null while there is none."""
 
 
 def read_index(folder: Path) -> list[EpisodeRow]:

@@ -10,15 +10,14 @@ from typing import Any, Final, final
 import msgspec
 
 from tool0.description.model import RobotModel
-from tool0.hardware.engine import Contact
+from tool0.protocol.codec import outcome_of
+from tool0.protocol.state import Contact, Snapshot
 from tool0.recording.cdr import encode_text
 from tool0.recording.frames import stamp
 from tool0.recording.mcap_file import McapFile
 from tool0.recording.message_types import LOG, TEXT, message, stamp_of
-from tool0.requests.codec import outcome_of
 from tool0.runtime.bus import Event, GoalFinished, Subscription, WasReset
 from tool0.runtime.notifications import Notification, Severity, changes, described
-from tool0.sensing.snapshot import Snapshot
 
 EVENTS: Final = "/tool0/events"
 ROSOUT: Final = "/rosout"

@@ -12,12 +12,12 @@ from tool0.description.model import Joint, JointType, RobotModel
 from tool0.description.parts import find_grippers, flange_names
 from tool0.description.scene import SceneObject
 from tool0.description.transform import to_transform
+from tool0.protocol.state import JointSetpoint, Snapshot
 from tool0.recording.cdr import JointStates, Points, Transforms, Wrenches, encode_text
 from tool0.recording.contents import attach_meshes, object_meshes
 from tool0.recording.mcap_file import McapFile
 from tool0.recording.message_types import JOINT_STATE, POINTS, TEXT, TRANSFORMS, WRENCH
 from tool0.recording.state import Derived, encode_change
-from tool0.sensing.snapshot import JointSetpoint, Snapshot
 
 JOINT_STATES: Final = "/joint_states"
 JOINT_COMMANDS: Final = "/joint_commands"

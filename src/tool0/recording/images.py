@@ -14,8 +14,8 @@ from tool0.recording.message_types import IMAGE, message, stamp_of, typestore
 from tool0.sensing.cameras import encode_png
 
 if TYPE_CHECKING:
+    from tool0.protocol.state import Snapshot
     from tool0.sensing.cameras import Cameras
-    from tool0.sensing.snapshot import Snapshot
 
 _ROUNDING: Final = 1e-6  # [s]
 

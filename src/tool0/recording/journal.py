@@ -9,12 +9,12 @@ import msgspec
 from msgspec import Raw
 
 from tool0.errors import RequestError
+from tool0.protocol.request import method_name
 from tool0.recording.cdr import encode_text
 from tool0.recording.frames import stamp
 from tool0.recording.mcap_file import McapFile
 from tool0.recording.message_types import TEXT
 from tool0.requests.journal_codec import params_of
-from tool0.requests.table import method_name
 
 if TYPE_CHECKING:
     from tool0.runtime.journal import Executed, Journal

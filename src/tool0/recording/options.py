@@ -8,26 +8,6 @@ from msgspec import Struct
 
 
 @final
-class RecordingStatus(Struct, frozen=True, kw_only=True):
-    """The recording in progress, or the last one."""
-
-    file: str
-    """The file that is written; the last one, after a rotation."""
-    is_recording: bool
-    """Whether snapshots are still written."""
-    duration: float
-    """Simulated time recorded, in all files [s]."""
-    size: int
-    """Of all its files [bytes]."""
-    files: int = 1
-    """How many there are: the recording rotates."""
-    dropped: int = 0
-    """Snapshots that are missing, because the disk was too slow."""
-    error: str | None = None
-    """Why it ended by itself, such as a full disk."""
-
-
-@final
 class Rotation(Struct, frozen=True, kw_only=True):
     """When a recording goes on in another file."""
 

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.errors import RecordingError
-from tool0.hardware.engine import Contact
+from tool0.protocol.objects import ObjectInfo
+from tool0.protocol.state import Contact
 from tool0.recording.cdr import JointStates, Wrenches, decode_text
 from tool0.recording.columns import columns_of
 from tool0.recording.contents import (
@@ -47,15 +48,14 @@ from tool0.recording.parsing import Stream, parse
 from tool0.recording.robot import RecordedRobot
 from tool0.recording.snapshots import Snapshots, held
 from tool0.recording.state import decode_change
-from tool0.requests.objects import ObjectInfo
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from tool0.description.robot import RobotDescription
+    from tool0.protocol.robot import SimulationInfo
+    from tool0.protocol.state import Snapshot
     from tool0.requests.reproduction import Reproduction
-    from tool0.requests.state import SimulationInfo
-    from tool0.sensing.snapshot import Snapshot
 
 Array = NDArray[np.float64]
 

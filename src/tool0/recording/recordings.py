@@ -7,13 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, final
 
 from tool0.errors import ControlError
-from tool0.recording.options import (
-    NO_IMAGES,
-    NO_ROTATION,
-    Images,
-    RecordingStatus,
-    Rotation,
-)
+from tool0.protocol.recordings import RecordingStatus
+from tool0.recording.options import NO_IMAGES, NO_ROTATION, Images, Rotation
 from tool0.recording.recorder import Recorder
 
 if TYPE_CHECKING:

@@ -4,46 +4,21 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Annotated
-
-from msgspec import Meta
 
 from tool0.errors import RecordingError
-from tool0.recording.options import Images, RecordingStatus, Rotation
+from tool0.protocol.recordings import (
+    ReadRecording,
+    RecordingStatus,
+    StartRecording,
+    StopRecording,
+)
+from tool0.recording.options import Images, Rotation
 from tool0.recording.recordings import Recordings
-from tool0.requests.table import Name, Request, handles
+from tool0.requests.table import handles
 from tool0.runtime.simulation import Simulation
 from tool0.user_data import data_folder
 
 SUFFIX = ".mcap"
-
-
-class StartRecording(Request[RecordingStatus], frozen=True):
-    """Record to an MCAP file until ``stop_recording``, or until the robot is closed."""
-
-    file: Annotated[str, Meta(min_length=1, max_length=4000)] | None = None
-    """The path on the simulation's machine, which ends in ``.mcap``, or a folder for a
-    file named by date and time; if left out, the user's folder of recordings."""
-    overwrite: bool = False
-    """Whether to replace a file that exists."""
-    max_size: Annotated[int, Meta(ge=1_000_000, le=1 << 40)] | None = None
-    """Go on in another file from this size on [bytes]."""
-    max_duration: Annotated[float, Meta(ge=1.0, le=1e6)] | None = None
-    """Go on in another file after this simulated time [s]."""
-    max_files: Annotated[int, Meta(ge=1, le=100_000)] | None = None
-    """Keep only so many files, the newest."""
-    cameras: Annotated[tuple[Name, ...], Meta(max_length=16)] = ()
-    """Cameras whose images are recorded."""
-    camera_rate: Annotated[float, Meta(ge=0.1, le=60.0)] = 5.0
-    """Images of each per simulated second [Hz]."""
-
-
-class StopRecording(Request[RecordingStatus], frozen=True):
-    """End the recording, and complete its file."""
-
-
-class ReadRecording(Request[RecordingStatus | None], frozen=True):
-    """The recording in progress, or the last one."""
 
 
 @handles(StartRecording)

@@ -15,14 +15,15 @@ from typing import Any, Final, final
 import msgspec
 
 from tool0.errors import RecordingError, RequestError, Tool0Error
+from tool0.protocol.objects import AddModel, AddObject, PlaceObject, with_meshes
+from tool0.protocol.request import Request
+from tool0.protocol.running import Pause, Reset, Resume, SetSpeed, Step
 from tool0.recording.comparison import DivergedError, Divergence, Frames
 from tool0.recording.entries import RecordedRequest
 from tool0.recording.reading import RecordingFile, open_recording
 from tool0.requests.journal_codec import request_of
-from tool0.requests.objects import AddModel, AddObject, PlaceObject, with_meshes
 from tool0.requests.reproduction import current_platform, current_versions, restarted
-from tool0.requests.state import Pause, Reset, Resume, SetSpeed, Step
-from tool0.requests.table import Request, answer
+from tool0.requests.table import answer
 from tool0.runtime.simulation import Simulation
 
 _ABOUT_TIME: Final = (Pause, Resume, SetSpeed, Step)

@@ -17,9 +17,9 @@ from tool0.description.robot import RobotDescription
 from tool0.description.scene import SceneObject
 from tool0.description.xml_source import parse_text
 from tool0.errors import RecordingError, Tool0Error
+from tool0.protocol.objects import ObjectInfo, object_of, with_meshes
+from tool0.protocol.robot import DescriptionInfo, described_by
 from tool0.recording.frames import wrench_topics
-from tool0.requests.objects import ObjectInfo, object_of, with_meshes
-from tool0.requests.state import DescriptionInfo, described_by
 
 
 @final

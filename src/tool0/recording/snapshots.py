@@ -12,9 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.description.scene import SceneObject
-from tool0.hardware.engine import Contact, ObjectState
+from tool0.protocol.state import (
+    ArmSample,
+    Contact,
+    JointSetpoint,
+    MotionMode,
+    ObjectState,
+    Snapshot,
+)
 from tool0.recording.robot import RecordedRobot
-from tool0.sensing.snapshot import ArmSample, JointSetpoint, MotionMode, Snapshot
 
 Array = NDArray[np.float64]
 

@@ -8,11 +8,10 @@ from typing import Any, Final, final
 import msgspec
 from msgspec import UNSET, Struct, UnsetType
 
-from tool0.control.status import ControllerStatus
-from tool0.hardware.control_box import ControlBoxState
-from tool0.requests.objects import ObjectInfo, info_of
-from tool0.sensing.snapshot import MotionMode, Snapshot
-from tool0.sensing.stalls import Stall
+from tool0.protocol.control_box_state import ControlBoxState
+from tool0.protocol.controllers import ControllerStatus
+from tool0.protocol.objects import ObjectInfo, info_of
+from tool0.protocol.state import MotionMode, Snapshot, Stall
 
 _TIMING: Final = ("real_time_factor", "overruns", "late_ticks")
 _COMPARED: Final = ("is_paused", "is_stopped", "fault", "speed", "stalls", "gripping")

@@ -14,8 +14,8 @@ from tool0.sensing.video import VideoWriter
 
 if TYPE_CHECKING:
     from tool0.description.camera import Camera
+    from tool0.protocol.state import Snapshot
     from tool0.recording.reading import RecordingFile
-    from tool0.sensing.snapshot import Snapshot
 
 MAX_SPEED: Final = 1000.0
 

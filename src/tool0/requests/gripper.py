@@ -3,65 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated
 
-from msgspec import Meta
-
-from tool0.control.controller import Role
-from tool0.control.status import start_command, why_not_driven
-from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import ParallelGripper
 from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, ModelError, did_you_mean
-from tool0.requests.motion import (
-    CommandGripper,
-    FollowTrajectory,
-    GoalStarted,
-    GripLimits,
-    drive_limits,
-)
-from tool0.requests.table import Name, Request, answer, handles
+from tool0.protocol.controllers import Role, start_command, why_not_driven
+from tool0.protocol.goals import GoalStarted
+from tool0.protocol.gripper import Grip, ReactivateGripper, ReadGripper
+from tool0.protocol.motion import CommandGripper, GripLimits
+from tool0.protocol.trajectories import FollowTrajectory, TrajectoryPoint
+from tool0.requests.motion import drive_limits
+from tool0.requests.table import answer, handles
 from tool0.runtime.gripper_motion import opening_motion
 from tool0.runtime.simulation import Simulation
-from tool0.sensing.grasp import GraspState, judge, wanted_openings
+from tool0.sensing.grasp import judge, wanted_openings
 
 SQUEEZED = 0.001
 """Distance by which the commanded opening must be inside the measured one to count as
 squeezing [m]."""
-
-
-class Grip(Request[GoalStarted], frozen=True):
-    """Move the pads of a gripper to an opening."""
-
-    gripper: Name | None = None
-    """The robot's only one, if left out."""
-    opening: float | None = None
-    """Distance between the pads [m], 0 … the gripper's maximum."""
-    position: float | None = None
-    """Instead of an opening: position of the driven joint [rad | m]."""
-    speed: float | None = None
-    """Of the pads relative to each other [m/s]; the fastest, if left out."""
-    force: float | None = None
-    """Largest force at each pad [N]; the strongest, if left out."""
-    effort: Annotated[float, Meta(gt=0.0)] | None = None
-    """Instead of a force: largest effort of the driven joint [N·m | N]."""
-
-
-class ReactivateGripper(Request[GoalStarted], frozen=True):
-    """Activate a gripper again, as ROS 2's service does: it opens, whatever it holds.
-
-    A real one closes and opens once more.
-    """
-
-    controller: Name
-    """A running RobotiqActivationController; it and its gripper have one prefix."""
-
-
-class ReadGripper(Request[GraspState], frozen=True):
-    """The state of a gripper: whether it moves, has arrived, or holds an object."""
-
-    gripper: Name | None = None
-    """The robot's only one, if left out."""
 
 
 @handles(Grip)

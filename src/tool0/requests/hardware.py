@@ -4,53 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from msgspec import Struct
-
 from tool0.description.hardware_component import (
-    ComponentType,
     HardwareComponent,
     HardwareInterface,
     HardwareItem,
 )
 from tool0.description.model import RobotModel
 from tool0.description.ros2_control import DRIVEN_BY
-from tool0.requests.table import Request, handles
+from tool0.protocol.hardware import (
+    HardwareComponentState,
+    HardwareInterfaceState,
+    ListHardware,
+)
+from tool0.requests.table import handles
 from tool0.runtime.simulation import Simulation
 
 _UNSUPPORTED = "acceleration"
 """The interface of a joint that ros2_control knows and no drive follows."""
-
-
-class HardwareInterfaceState(Struct, frozen=True, kw_only=True):
-    """A command or state interface."""
-
-    name: str
-    """Such as ``elbow_joint/position``."""
-    is_available: bool
-    """Whether controllers can use it."""
-    is_claimed: bool
-    """Whether a running controller commands through it."""
-
-
-class HardwareComponentState(Struct, frozen=True, kw_only=True):
-    """One device with a driver: a ``<ros2_control>`` tag."""
-
-    name: str
-    type: ComponentType
-    """``system``, ``actuator`` or ``sensor``."""
-    plugin: str
-    """Its driver in the description, which tool0 replaces."""
-    state: str
-    """Always ``active``: simulated hardware has no other."""
-    command_interfaces: tuple[HardwareInterfaceState, ...]
-    state_interfaces: tuple[HardwareInterfaceState, ...]
-
-
-class ListHardware(Request[tuple[HardwareComponentState, ...]], frozen=True):
-    """Every hardware component with its interfaces.
-
-    A robot whose drives are described by ``<transmission>``s is one component.
-    """
 
 
 @handles(ListHardware)

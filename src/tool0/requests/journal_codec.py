@@ -9,7 +9,8 @@ import msgspec
 
 from tool0.control.config import ControllerConfig
 from tool0.errors import RequestError
-from tool0.requests.table import Request, entries, method_name, plain
+from tool0.protocol.request import Request, method_name, plain
+from tool0.requests.table import entries
 
 
 def params_of(request: Request[Any]) -> bytes:

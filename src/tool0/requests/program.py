@@ -3,17 +3,31 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Annotated, Generic, Literal
-
-from msgspec import Meta
+from typing import TYPE_CHECKING
 
 from tool0.description.parts import gripper_of
 from tool0.errors import ControlError, ProgramError
-from tool0.programs.model import Program, require_shallow
-from tool0.programs.run import ProgramCheck, ProgramRun, SavedProgram
-from tool0.requests.control_box import PauseProgram, PlayProgram
-from tool0.requests.motion import GoalStarted
-from tool0.requests.table import Name, Request, Response, answer, handles
+from tool0.protocol.control_box import PauseProgram, PlayProgram
+from tool0.protocol.goals import GoalStarted
+from tool0.protocol.program import Program, require_shallow
+from tool0.protocol.programs import (
+    CheckProgram,
+    DeleteProgram,
+    ExportProgram,
+    ListPrograms,
+    ParseProgram,
+    PauseRun,
+    ProgramCheck,
+    ReadProgram,
+    ReadRuns,
+    RenameProgram,
+    ResumeRun,
+    RunProgram,
+    SaveProgram,
+    StepRun,
+    StopRun,
+)
+from tool0.requests.table import answer, handles
 from tool0.runtime.loop import POLL_PERIOD
 from tool0.runtime.simulation import Simulation
 
@@ -24,102 +38,6 @@ if TYPE_CHECKING:
 
 _LONGEST_RETURN = 2.0
 """Of an arm that is given back while a program is to begin [wall s]."""
-LONGEST_TEXT = 1_000_000
-"""Characters of a program's file."""
-
-ProgramFormat = Literal["yaml", "python", "urscript"]
-
-
-class CheckProgram(Request[ProgramCheck], frozen=True):
-    """Plan a program from the present posture; nothing moves."""
-
-    program: Program
-
-
-class ParseProgram(Request[Program], frozen=True):
-    """Read a program's file, YAML; the error says the line."""
-
-    text: Annotated[str, Meta(max_length=LONGEST_TEXT)]
-
-
-class ExportProgram(Request[str], frozen=True):
-    """Write a program as its file, or in a language that does the same."""
-
-    program: Program
-    format: ProgramFormat
-    """``python`` is a script for this API, ``urscript`` one for a UR's control box."""
-
-
-class RunProgram(Request[GoalStarted], frozen=True):
-    """Check a program, and run it.
-
-    The program takes the arm from its controllers, and gives it back at the end.  The
-    goal ends with the program; its number is the negative one of the run.
-    """
-
-    program: Program | None = None
-    name: Name | None = None
-    """Instead of a program: that of a saved one."""
-    paused: bool = False
-    """Whether it waits before its first step, for ``step_run`` or ``resume_run``."""
-
-
-class _OfRun(Request[Response], Generic[Response], frozen=True):
-    """The field of every request to a program that runs."""
-
-    arm: Name | None = None
-    """Whose program; the only one that runs, if left out."""
-
-
-class PauseRun(_OfRun[None], frozen=True):
-    """Pause a program: the arm slows down to a standstill on its path."""
-
-
-class ResumeRun(_OfRun[None], frozen=True):
-    """Continue a program that was paused."""
-
-
-class StepRun(_OfRun[None], frozen=True):
-    """Continue a program that was paused until its next step is done."""
-
-
-class StopRun(_OfRun[None], frozen=True):
-    """End a program: the arm stops on its path, and its controllers start again."""
-
-
-class ReadRuns(Request[tuple[ProgramRun, ...]], frozen=True):
-    """The last program of each arm."""
-
-
-class ListPrograms(Request[tuple[SavedProgram, ...]], frozen=True):
-    """The programs that were saved with this robot."""
-
-
-class ReadProgram(Request[Program], frozen=True):
-    """A saved program."""
-
-    name: Name
-
-
-class SaveProgram(Request[None], frozen=True):
-    """Save a program under its name, on the simulation's machine."""
-
-    program: Program
-    overwrite: bool = True
-    """Whether it replaces a saved one of that name; otherwise that is an error."""
-
-
-class RenameProgram(Request[None], frozen=True):
-    """Give a saved program another name."""
-
-    name: Name
-    new_name: Name
-
-
-class DeleteProgram(Request[None], frozen=True):
-    """Delete a saved program."""
-
-    name: Name
 
 
 def _context(simulation: Simulation, program: Program) -> RobotContext:
@@ -234,7 +152,7 @@ def _continue(simulation: Simulation, request: ResumeRun | StepRun) -> None:
 
 handles(ResumeRun)(_continue)
 handles(StepRun)(_continue)
-handles(StopRun, urgent=True, revokes=("run_program", "resume_run", "step_run"))(
+handles(StopRun)(
     lambda sim, request: sim.program_runs.find(request.arm).stop("it was stopped")
 )
 handles(ReadRuns)(lambda sim, _: sim.program_runs.states)

@@ -15,10 +15,24 @@ from typing import TYPE_CHECKING, Final, TypeVar, final
 
 from msgspec.structs import replace
 
-from tool0.control.goal import Goal, GoalResult, GoalStatus
 from tool0.errors import ControlError, Tool0Error
-from tool0.hardware.control_box import ControlBoxState, ProgramState
-from tool0.programs.model import (
+from tool0.programs.planning import (
+    NumberedMove,
+    ProgramPath,
+    ProgramPlan,
+    StepError,
+    moves_from,
+    plan_path,
+    plan_search,
+)
+from tool0.programs.words import step_text
+from tool0.protocol.arm_motion import ExecutePath, ReturnArm, StopArm, TakeArm
+from tool0.protocol.control_box import PauseProgram, SetIO
+from tool0.protocol.control_box_state import ControlBoxState, ProgramState
+from tool0.protocol.goals import Goal, GoalResult, GoalStatus
+from tool0.protocol.gripper import Grip
+from tool0.protocol.objects import PlaceObject
+from tool0.protocol.program import (
     CommentStep,
     GripperStep,
     LoopStep,
@@ -32,27 +46,14 @@ from tool0.programs.model import (
     path_text,
     walk,
 )
-from tool0.programs.planning import (
-    NumberedMove,
-    ProgramPath,
-    ProgramPlan,
-    StepError,
-    moves_from,
-    plan_path,
-    plan_search,
-)
-from tool0.programs.run import ProgramRun, RunState
-from tool0.programs.words import step_text
-from tool0.requests.arm_motion import ExecutePath, ReturnArm, StopArm, TakeArm
-from tool0.requests.control_box import PauseProgram, SetIO
-from tool0.requests.gripper import Grip
-from tool0.requests.objects import PlaceObject
+from tool0.protocol.programs import ProgramRun, RunState
+from tool0.protocol.request import Request, Response
+from tool0.protocol.state import Snapshot
 from tool0.requests.program_touch import Touch
-from tool0.requests.table import Request, Response, answer
+from tool0.requests.table import answer
 from tool0.runtime.bus import WasReset
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.grasp import GraspDetector
-from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from tool0.control.arm_motion import ArmMotionController

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
 
-from tool0.programs.model import UntilStep
+from tool0.protocol.program import UntilStep
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:
-    from tool0.hardware.engine import Contact
     from tool0.kinematics.chain import Array
     from tool0.programs.robot_context import RobotContext
+    from tool0.protocol.state import Contact
 
 CONTACT_FORCE: Final = 1.0
 """Against the direction, above that at the start, which is a contact [N]."""

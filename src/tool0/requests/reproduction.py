@@ -26,12 +26,7 @@ from tool0.description.shapes import Mesh, parts_of
 from tool0.errors import Tool0Error
 from tool0.installation.machine import python_package_version
 from tool0.kernel.library import kernel_status
-from tool0.requests.objects import (
-    ObjectInfo,
-    info_of,
-    object_of,
-    with_meshes,
-)
+from tool0.protocol.objects import ObjectInfo, info_of, object_of, with_meshes
 from tool0.runtime.bringup import start_simulation
 from tool0.runtime.config import ControlConfig, SimulationConfig
 from tool0.runtime.simulation import Simulation

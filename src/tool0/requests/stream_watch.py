@@ -15,23 +15,13 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from tool0.errors import ControlError, Tool0Error
-from tool0.requests.table import Name, Request, answer, handles
+from tool0.protocol.arm_motion import EndStream
+from tool0.requests.table import answer, handles
 from tool0.runtime.simulation import Simulation
 
-SILENCE: Final = 0.5
-"""Longest time between two commands of a stream [wall s], unless they say otherwise."""
 BRAKE: Final = 4.0
 """Of the leading joint at the end of a stream, at least [rad/s²]; a stream of
 velocities ends as soon as with its own acceleration."""
-
-
-class EndStream(Request[None], frozen=True):
-    """Ramp down to rest if the arm follows a stream; any other motion goes on.
-
-    The simulation does so itself when a stream has fallen silent.
-    """
-
-    arm: Name
 
 
 @handles(EndStream, in_tick=True)

@@ -2,124 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from typing import Annotated, Any, Literal, final
+from collections.abc import Collection, Sequence
+from typing import Any
 
-from msgspec import UNSET, Meta, Struct, UnsetType
-
-from tool0.control.arm_setpoint import ArmSetpoint
-from tool0.control.status import ControllerStatus
 from tool0.errors import ControlError
-from tool0.hardware.control_box import ControlBoxState
-from tool0.requests.table import Name, Request, handles
-from tool0.runtime.simulation import MAX_SNAPSHOT_RATE, MIN_SNAPSHOT_RATE, Simulation
-from tool0.sensing.snapshot import ArmSample, MotionMode, Snapshot
-
-
-class SubscribeUpdates(Request[None], frozen=True):
-    """Receive control updates as ``update`` messages, and faults and resets.
-
-    A second request replaces the first.  Up to four times real time, there are no more
-    updates per second of wall time than ``rate``.  While time runs faster, or as fast
-    as possible, there are 50 a second, the newest only: the simulation is not slowed
-    down.
-    """
-
-    rate: Annotated[float, Meta(ge=MIN_SNAPSHOT_RATE, le=MAX_SNAPSHOT_RATE)] = (
-        MAX_SNAPSHOT_RATE
-    )
-    """Updates per simulated second [Hz]."""
-    motions: Annotated[tuple[Name, ...], Meta(max_length=100)] = ()
-    """The trajectory controllers whose motion is sent."""
-    arms: Annotated[tuple[Name, ...], Meta(max_length=100)] = ()
-    """The arms whose setpoint and wrench are sent."""
-
-
-Rows = tuple[tuple[float, ...], ...]
-Six = tuple[float, float, float, float, float, float]
-"""Of an arm's joints from base to flange, or a wrench: force above torque."""
-
-
-class Motion(Struct, frozen=True, kw_only=True):
-    """How a trajectory controller moves its joints, in its order."""
-
-    reference: Rows
-    """Desired positions, velocities and accelerations [rad | m] and per second."""
-    feedback: Rows
-    """Measured positions and velocities."""
-    error: Rows
-    """reference - feedback, of positions and velocities."""
-    time_from_start: float
-    """[s]"""
-    speed_scaling: float
-    """Trajectory time per simulated time."""
-
-
-class ArmUpdate(Struct, frozen=True, kw_only=True):
-    """An arm as its control box reports it."""
-
-    target_position: Six
-    """The setpoint of what moves the arm; measured, if nothing does [rad]."""
-    target_velocity: Six
-    """[rad/s]"""
-    target_acceleration: Six
-    """[rad/s²]"""
-    mode: MotionMode
-    """What moves it: ``free`` is a controller of ROS, or nothing."""
-    path: int
-    """Number of the last path; 0 before the first."""
-    path_time: float
-    """On that path [s]; it passes more slowly if the speed is scaled."""
-    is_done: bool
-    """Whether the path has arrived at its end, or the stop has ended: the setpoint is
-    at rest.  Not after a failure."""
-    force_mode: bool
-    """Whether it pushes with a force; the setpoint is the motion without it."""
-    wrench: Six
-    """External force [N] and torque [N·m] on the tool at the flange, in its axes, less
-    the payload and the tare."""
-    failure: str = ""
-    """Why the motion failed: the arm rests where it was, and accepts no motion until it
-    is taken again.  Empty if it did not."""
-
-
-@final
-class UpdateMessage(Struct, frozen=True, kw_only=True, tag="update"):
-    """The robot after one control update, in the order of ``joint_names``."""
-
-    time: float
-    """Simulated [s]."""
-    tick: int
-    position: tuple[float, ...]
-    """[rad | m]"""
-    velocity: tuple[float, ...]
-    """[rad/s | m/s]"""
-    effort: tuple[float, ...]
-    """[N·m | N]"""
-    is_paused: bool
-    is_stopped: bool
-    """Whether the emergency stop is engaged."""
-    joint_names: tuple[str, ...] | UnsetType = UNSET
-    """Only in the first message."""
-    controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
-    """Only when they changed."""
-    control_boxes: tuple[ControlBoxState, ...] | UnsetType = UNSET
-    """Only when one changed."""
-    command: tuple[float, ...] | UnsetType = UNSET
-    """The last command of each joint, in the unit of its interface; only with
-    ``motions``."""
-    motions: Mapping[str, Motion] | UnsetType = UNSET
-    """Of the requested controllers that are running."""
-    arms: Mapping[str, ArmUpdate] | UnsetType = UNSET
-    """The requested ones, by name."""
-
-
-@final
-class LogMessage(Struct, frozen=True, kw_only=True, tag="log"):
-    """A warning or an error of the simulation, for its users."""
-
-    level: Literal["warning", "error"]
-    message: str
+from tool0.protocol.state import (
+    ArmSample,
+    ArmSetpoint,
+    Snapshot,
+)
+from tool0.protocol.updates import (
+    ArmUpdate,
+    Motion,
+    Six,
+    SubscribeUpdates,
+    UpdateMessage,
+)
+from tool0.requests.table import handles
+from tool0.runtime.simulation import Simulation
 
 
 def update_message(
@@ -194,19 +94,9 @@ def arm_update(snapshot: Snapshot, sample: ArmSample) -> ArmUpdate:
 def _setpoint(snapshot: Snapshot, joints: tuple[str, ...]) -> ArmSetpoint:
     """Return the motion that a controller desires of these joints, or the measured."""
     for setpoint in snapshot.controller_setpoints.values():
-        names = setpoint.joint_names
-        if not set(joints).issubset(names):
-            continue
-        scale = setpoint.speed_scaling
-        time = setpoint.time + (snapshot.time - setpoint.measured.time) * scale
-        samples = [
-            setpoint.splines[names.index(joint)].sample(time) for joint in joints
-        ]
-        return ArmSetpoint(
-            tuple(sample.position for sample in samples),
-            tuple(scale * sample.velocity for sample in samples),
-            tuple(scale * scale * sample.acceleration for sample in samples),
-        )
+        motion = setpoint.desired_motion(joints, snapshot.time)
+        if motion is not None:
+            return motion
     index = snapshot.joint_names.index
     return ArmSetpoint(
         tuple(snapshot.position[index(joint)] for joint in joints),

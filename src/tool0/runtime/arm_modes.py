@@ -17,7 +17,9 @@ from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.model import RobotModel
 from tool0.description.parts import find_arms
 from tool0.errors import ControlError
-from tool0.hardware.control_box import (
+from tool0.hardware.engine import JointState
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.protocol.control_box_state import (
     POWERED,
     UNSTOPPED,
     ControlBoxState,
@@ -25,8 +27,6 @@ from tool0.hardware.control_box import (
     RobotMode,
     SafetyMode,
 )
-from tool0.hardware.engine import JointState
-from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.control_boxes import ControlBoxes
 
 logger = logging.getLogger(__name__)

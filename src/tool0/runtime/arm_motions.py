@@ -16,14 +16,13 @@ from tool0.control.manager import ControllerManager
 from tool0.description.model import FLANGE, Interface, RobotModel
 from tool0.description.parts import find_arms
 from tool0.errors import ControlError
-from tool0.hardware.control_box import ControlBoxState
 from tool0.hardware.engine import JointState
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.hardware.tool_dynamics import Wrench
+from tool0.protocol.control_box_state import ControlBoxState
+from tool0.protocol.state import ArmSample, Wrench
 from tool0.runtime.arm_mechanics import ArmMechanics
 from tool0.runtime.arm_modes import ArmModes
 from tool0.runtime.control_boxes import ControlBoxes
-from tool0.sensing.snapshot import ArmSample
 
 logger = logging.getLogger(__name__)
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import final
 
 from tool0.description.model import RobotModel
-from tool0.hardware.engine import Contact, Engine, JointState
+from tool0.hardware.engine import Engine, JointState
 from tool0.hardware.robot_hardware import RobotHardware
+from tool0.protocol.state import ArmSample, Contact
 from tool0.runtime.arm_motions import ArmMotions
 from tool0.runtime.control_boxes import ControlBoxes
-from tool0.sensing.snapshot import ArmSample
 from tool0.sensing.tool_wrench import ToolWrench
 
 

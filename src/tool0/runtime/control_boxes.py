@@ -15,17 +15,18 @@ from msgspec.structs import replace
 from tool0.description.model import FLANGE, RobotModel
 from tool0.description.parts import find_arms
 from tool0.errors import ControlError, did_you_mean
-from tool0.hardware.control_box import (
+from tool0.hardware.payload import modelled_payload
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.protocol.control_box_state import (
     AnalogDomain,
     AnalogPin,
     ControlBoxState,
+    Payload,
     Pose6,
     ProgramState,
     SafetyLimits,
     UrReport,
 )
-from tool0.hardware.payload import Payload, modelled_payload
-from tool0.hardware.robot_hardware import RobotHardware
 
 RAMP: Final = 5.0
 """Largest change of the speed scaling factor [1/s]: UR's driver adds 0.01 in each cycle

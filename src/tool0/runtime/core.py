@@ -12,24 +12,25 @@ from tool0.control.controller import (
     CommandTaker,
     Controller,
     GripperDriver,
-    Role,
     SpeedScalable,
     TrajectoryFollower,
 )
-from tool0.control.goal import Goal, GripperResult, Result
 from tool0.control.manager import ControllerManager
-from tool0.control.status import KIND_OF
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError, did_you_mean
-from tool0.hardware.engine import Contact, Engine, JointState, joint_selector
+from tool0.hardware.engine import Engine, JointState, joint_selector
 from tool0.hardware.limits import DriveLimits
-from tool0.hardware.payload import Payload
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.kernel import Kernel
 from tool0.kernel.program import Ended, Program
+from tool0.protocol.control_box_state import Payload
+from tool0.protocol.controllers import KIND_OF, Role
+from tool0.protocol.goals import Goal, GripperResult, Result
+from tool0.protocol.state import ArmSample, Contact, contacts_text
+from tool0.protocol.trajectories import TrajectoryPoint
 from tool0.runtime.arm_modes import ArmModes
 from tool0.runtime.arm_motions import ArmMotions
 from tool0.runtime.arm_samples import ArmSamples
@@ -46,8 +47,7 @@ from tool0.runtime.scene_objects import SceneObjects
 from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp import GraspAssist
 from tool0.sensing.grip_contacts import GripContacts
-from tool0.sensing.snapshot import ArmSample
-from tool0.sensing.stalls import StallMonitor, contacts_text, external_contacts
+from tool0.sensing.stalls import StallMonitor, external_contacts
 
 
 @final

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import ParallelGripper
+from tool0.protocol.trajectories import TrajectoryPoint
 
 RAMP_TIME = 1.0 / 15.0
 """Time in which the pads reach their full speed, and stop from it [s]: a guess, for

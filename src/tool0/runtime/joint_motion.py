@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
-from tool0.control.controller import Role, TrajectoryFollower
+from tool0.control.controller import TrajectoryFollower
 from tool0.control.manager import ControllerManager
 from tool0.control.position_limits import ROUNDING, check_position
 from tool0.control.spline import Motion, MotionPlan, Segment, shortest_turn
-from tool0.control.status import why_not_driven
-from tool0.control.trajectory import JointsMotion
 from tool0.description.model import Joint, JointType
 from tool0.errors import ControlError, GoalRejectedError, did_you_mean
+from tool0.protocol.controllers import Role, why_not_driven
+from tool0.protocol.trajectories import JointsMotion
 
 if TYPE_CHECKING:
     import ruckig

@@ -10,12 +10,12 @@ from typing import final
 
 import numpy as np
 
-from tool0.control.trajectory import TrajectoryPoint
 from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import Array
 from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.line import MIN_PATH_SPEED, LinePath, PathSegment, PathTiming
 from tool0.kinematics.tool_path import PathFollower
+from tool0.protocol.trajectories import TrajectoryPoint
 from tool0.runtime.joint_motion import TIME_TO_FULL_ACCELERATION
 
 STEP = 0.002

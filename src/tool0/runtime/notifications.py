@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, final
 
-from tool0.control.goal import Goal, GoalResult, GoalStatus, GripperResult
-from tool0.hardware.control_box import ControlBoxState, SafetyMode
+from tool0.protocol.control_box_state import ControlBoxState, SafetyMode
+from tool0.protocol.goals import Goal, GoalResult, GoalStatus, GripperResult
 from tool0.runtime.bus import (
     Event,
     Faulted,
@@ -18,7 +18,7 @@ from tool0.runtime.bus import (
 )
 
 if TYPE_CHECKING:
-    from tool0.sensing.snapshot import Snapshot
+    from tool0.protocol.state import Snapshot
 
 Severity = Literal["info", "warning", "error"]
 NoticeCode = Literal[

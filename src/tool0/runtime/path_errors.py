@@ -9,9 +9,10 @@ from tool0.control.arm_stream import SINGULAR
 from tool0.control.manager import ControllerManager
 from tool0.description.model import RobotModel
 from tool0.description.parts import ArmParts
-from tool0.hardware.engine import Contact, JointState, World
+from tool0.hardware.engine import JointState, World
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.sensing.stalls import LARGEST_LAG, contacts_text, external_contacts
+from tool0.protocol.state import Contact, contacts_text
+from tool0.sensing.stalls import LARGEST_LAG, external_contacts
 
 RECENT: Final = 0.1
 """For how long a contact counts as a cause after it has ended [s]: what hits the ground

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 from urllib.parse import quote
@@ -22,6 +21,7 @@ from tool0.errors import (
     SourceLocation,
     did_you_mean,
 )
+from tool0.protocol.poses import NamedPose, Positions
 from tool0.user_data import data_folder, locked, replace_text
 
 DEFAULT_POSE = "home"
@@ -29,25 +29,10 @@ LONGEST_NAME = 60
 """Characters of a pose's name that fit on a button."""
 _HEADER = "# Poses saved with tool0: joint positions [rad | m].\n"
 
-Positions = Mapping[str, float]
-
 
 def poses_file(robot: str) -> Path:
     """Return the file with the saved poses of the robot of that name."""
     return data_folder() / "poses" / f"{quote(robot, safe=' ')}.yaml"
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NamedPose:
-    """Positions of some or all joints, under a name."""
-
-    name: str
-    """Such as ``home``."""
-    positions: Positions
-    """Joint → [rad | m]."""
-    saved: bool
-    """Whether a user saved it."""
 
 
 @final

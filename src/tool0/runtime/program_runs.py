@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol, TypeVar, final
 
-from tool0.control.goal import Goal
 from tool0.errors import ControlError
-from tool0.programs.run import ENDED, ProgramRun
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.goals import Goal
+from tool0.protocol.programs import ENDED, ProgramRun
+from tool0.protocol.state import Snapshot
 
 
 class Execution(Protocol):

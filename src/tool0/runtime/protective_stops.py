@@ -16,12 +16,13 @@ from typing import Final, final
 from tool0.control.manager import ControllerManager
 from tool0.description.model import RECOVERABLE, Interface, RobotModel
 from tool0.description.parts import ArmParts, find_arms
-from tool0.hardware.control_box import ControlBoxState
-from tool0.hardware.engine import Contact, JointState, World, joint_selector
+from tool0.hardware.engine import JointState, World, joint_selector
 from tool0.hardware.payload import modelled_payload
 from tool0.hardware.robot_hardware import RobotHardware
+from tool0.protocol.control_box_state import ControlBoxState
+from tool0.protocol.state import Contact, contacts_text
 from tool0.runtime.path_errors import PathErrors
-from tool0.sensing.stalls import contacts_text, external_contacts
+from tool0.sensing.stalls import external_contacts
 
 DETECTION_TIME: Final = 0.1
 """Time constant of the low-pass filter of contact forces [s]: an impact is no clamping.

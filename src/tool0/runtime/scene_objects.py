@@ -9,7 +9,8 @@ from typing import final
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.errors import ControlError
-from tool0.hardware.engine import Engine, ObjectState
+from tool0.hardware.engine import Engine
+from tool0.protocol.state import ObjectState
 from tool0.runtime.applied_wrenches import AppliedWrenches
 
 

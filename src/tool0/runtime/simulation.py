@@ -9,13 +9,14 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol, TypeVar, cast, final
 
-from tool0.control.goal import Goal
 from tool0.description.camera import Camera
 from tool0.description.finding import Finding
 from tool0.description.model import JointLimits, ParallelGripper, RobotModel
 from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, did_you_mean
 from tool0.programs.book import ProgramBook
+from tool0.protocol.goals import Goal
+from tool0.protocol.state import MAX_SNAPSHOT_RATE, MIN_SNAPSHOT_RATE, Snapshot
 from tool0.runtime.assembly import Setup
 from tool0.runtime.bus import Bus, Subscription
 from tool0.runtime.core import Core
@@ -25,7 +26,6 @@ from tool0.runtime.program_runs import ProgramRuns
 from tool0.sensing.cameras import Cameras
 from tool0.sensing.collisions import CollisionFinder
 from tool0.sensing.force_torque import ForceTorqueSensors
-from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from tool0.kinematics.chain import ArmChain
@@ -40,9 +40,6 @@ class Service(Protocol):
 
 
 ServiceType = TypeVar("ServiceType", bound=Service)
-
-MIN_SNAPSHOT_RATE, MAX_SNAPSHOT_RATE = 0.001, 500.0
-"""Range of snapshot rates for subscribers, per simulated second [Hz]."""
 
 
 @final

@@ -9,15 +9,14 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from threading import Lock
 from typing import TYPE_CHECKING, Any, final
 
 from tool0.description.camera import Camera
 from tool0.description.model import RobotModel
-from tool0.description.transform import Transform
 from tool0.errors import RenderError, did_you_mean
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.sensors import CameraImage
+from tool0.protocol.state import Snapshot
 
 if TYPE_CHECKING:
     from concurrent.futures import Future, ThreadPoolExecutor
@@ -26,24 +25,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from tool0.engines.mujoco.rendering import Renderer
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CameraImage:
-    """An image with depth."""
-
-    time: float
-    """Simulated time [s]."""
-    rgb: NDArray[np.uint8]
-    """Colours, shape (height, width, 3); the first row is the top one."""
-    depth: NDArray[np.float32]
-    """Distance along the camera's z [m], shape (height, width), as REP-118 has it:
-    infinite where there is nothing up to ``camera.far``."""
-    K: NDArray[np.float64]
-    """The intrinsics, shape (3, 3): ``Camera.intrinsics``."""
-    T_root_camera: Transform
-    """The optical frame in the robot's root."""
 
 
 @final

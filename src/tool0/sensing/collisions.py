@@ -18,10 +18,10 @@ from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.scene import SceneObject
 from tool0.description.transform import Transform, from_quaternion, to_transform
 from tool0.errors import ControlError, ModelError, PenetrationError
-from tool0.hardware.engine import ObjectState
+from tool0.protocol.objects import Collision
+from tool0.protocol.state import ObjectState, Snapshot
 from tool0.sensing.grasp import pad_links
 from tool0.sensing.grip_contacts import finger_links
-from tool0.sensing.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from tool0.engines.mujoco.overlaps import OverlapFinder, Pair
@@ -35,23 +35,6 @@ an arm of 1 m."""
 MAX_PENETRATION = 0.002
 """Depth [m] up to which links may be in something when a person places the robot or an
 object: the physics pushes them apart without a jerk."""
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Collision:
-    """Two things that would be in each other, on a path or at its end."""
-
-    first: str
-    """A link of the robot, or an object that it holds."""
-    second: str
-    """Another link, an object, or ``ground``."""
-    depth: float
-    """Largest depth on the path [m]."""
-    begins: float
-    """Where on the path the collision begins: 0 at its start, 1 at its end."""
-    depth_at_end: float
-    """Depth at the end of the path [m]; 0 if they do not collide there."""
 
 
 @final

@@ -6,16 +6,18 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import final
 
 from tool0.description.model import FLANGE, RobotModel
 from tool0.description.robot import RobotDescription
-from tool0.description.transform import Vector3
 from tool0.errors import ControlError
-from tool0.hardware.engine import Contact, Engine, JointState
-from tool0.hardware.payload import Payload, payload_inertia
+from tool0.hardware.engine import Engine, JointState
+from tool0.hardware.payload import payload_inertia
 from tool0.hardware.tool_dynamics import ToolDynamics
+from tool0.protocol.control_box_state import Payload
+from tool0.protocol.sensors import DEFAULT_CUTOFF, WrenchReading
+from tool0.protocol.state import Contact
 
 Contacts = Callable[[], tuple[Contact, ...]]
 
@@ -23,9 +25,6 @@ RATES = (50.0, 1000.0)
 """Slowest and fastest sampling [Hz]."""
 DEFAULT_RATE = 125.0
 """Default sampling rate [Hz] if it divides the control rate: that of a UR."""
-DEFAULT_CUTOFF = 15.0
-"""Cutoff of the filter [Hz]: a compromise between fast response to a load and
-suppressing vibrations of the arm; not from a data sheet."""
 READINGS_KEPT = 4096
 """Number of samples kept for slow readers: four seconds at 1 kHz."""
 
@@ -79,33 +78,6 @@ class LowPass:
             memory.append((2.0 * b0 * x - a1 * y + second, b0 * x - a2 * y))
         self._memory = memory
         return passed
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class WrenchReading:
-    """Wrench of the tool on the flange, averaged over one step of the physics.
-
-    In the axes of ``frame``, at its origin, minus the payload if one was set, and minus
-    the reading at the last tare.
-    """
-
-    time: float
-    """Simulated time at the end of the step [s]."""
-    number: int
-    """Number of the sample since the sensor was started; a reset does not change it."""
-    frame: str
-    """The link."""
-    force: Vector3
-    """Filtered [N]."""
-    torque: Vector3
-    """Filtered [N·m]."""
-    raw_force: Vector3
-    """[N]"""
-    raw_torque: Vector3
-    """[N·m]"""
-    dropped: int = 0
-    """In ``samples()``: samples before this one that were no longer kept."""
 
 
 @final

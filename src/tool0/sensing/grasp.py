@@ -12,19 +12,15 @@ import logging
 import math
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal, NamedTuple, final
+from typing import NamedTuple, final
 
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.transform import Transform, from_matrix
 from tool0.errors import ConfigError, ControlError
 from tool0.hardware.engine import Engine
-from tool0.sensing.snapshot import Snapshot
-
-GripperMotion = Literal[
-    "moving", "at_target", "holding_inside", "holding_outside", "blocked", "idle"
-]
+from tool0.protocol.gripper import GraspState, GripperMotion
+from tool0.protocol.state import Snapshot
 
 WINDOW = 0.1
 """Simulated time for which the pads must be still to hold something [s].  Pads of a
@@ -48,40 +44,6 @@ PUSH = 0.05
 the fingers take less at a free pad: on a 2F-85 0.8 of this 1 N."""
 FIRM = 0.5
 """Fraction of the weakest grip from which the drive pushes firmly."""
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GraspState:
-    """What a gripper does, and how wide it is."""
-
-    motion: GripperMotion
-    """``holding_inside`` squeezes an object between the pads, ``holding_outside``
-    presses them outwards against one; ``blocked`` cannot move on, without anything that
-    presses on both fingers; ``idle`` without a position controller."""
-    opening: float
-    """Distance between the pads [m]."""
-    width: float | None = None
-    """Width of the object between the pads [m]; None where fingers wrap around it."""
-
-    @property
-    def gobj(self) -> int:
-        """Robotiq's register.
-
-        0 moving, idle or blocked, 1 stopped by an object while opening, 2 the same
-        while closing, 3 arrived.  (A real gripper takes blocked fingers for an object.)
-        """
-        return _GOBJ[self.motion]
-
-
-_GOBJ: dict[GripperMotion, int] = {
-    "moving": 0,
-    "idle": 0,
-    "blocked": 0,
-    "holding_outside": 1,
-    "holding_inside": 2,
-    "at_target": 3,
-}
 
 
 class _Sample(NamedTuple):

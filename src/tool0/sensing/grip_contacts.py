@@ -9,7 +9,8 @@ from typing import final
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.transform import Vector3
 from tool0.errors import ControlError
-from tool0.hardware.engine import Contact, JointState
+from tool0.hardware.engine import JointState
+from tool0.protocol.state import Contact
 from tool0.sensing.grasp import PUSH, pad_links
 
 PERIOD = 0.04

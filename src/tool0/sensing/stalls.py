@@ -6,12 +6,13 @@ import logging
 import math
 from collections.abc import Callable, Mapping, Sequence
 from operator import ge
-from typing import NamedTuple, final
+from typing import final
 
 from tool0.description.model import JointLimits, RobotModel
-from tool0.hardware.engine import Contact, JointState, joint_selector
+from tool0.hardware.engine import JointState, joint_selector
 from tool0.hardware.limits import PUSHING
 from tool0.hardware.robot_hardware import RobotHardware
+from tool0.protocol.state import Contact, Stall
 
 logger = logging.getLogger(__name__)
 
@@ -29,31 +30,6 @@ BREAK = 0.05
 """Time below the limit that does not end a push [s]: contacts chatter."""
 WEAKEST = 0.1
 """Contacts weaker than this part of the strongest one do not stop a joint."""
-
-
-class Stall(NamedTuple):
-    """A joint that is driven and has not moved for ``STALL_TIME``."""
-
-    joint: str
-    effort: float
-    """[N·m | N]"""
-    contacts: tuple[tuple[str, str], ...] = ()
-    """The links beyond the joint that touch something, and what they touch; the
-    strongest contact first.  Empty if the joint is at its stop or overloaded."""
-    lag: float | None = None
-    """Distance from its setpoint [rad | m]; None if it pushes with its effort limit."""
-
-    def __str__(self) -> str:
-        touching = contacts_text(self.contacts) or "no contact: its stop, or the load"
-        does = f"pushes with its limit of {abs(self.effort):.4g}"
-        if self.lag is not None:
-            does = f"is {self.lag:.3f} from its setpoint"
-        return f"joint '{self.joint}' {does} and does not move ({touching})"
-
-
-def contacts_text(contacts: Sequence[tuple[str, str]]) -> str:
-    """Return pairs of names as text."""
-    return ", ".join(f"'{link}' touches '{other}'" for link, other in contacts)
 
 
 def external_contacts(

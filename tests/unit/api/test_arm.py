@@ -12,7 +12,7 @@ from ur5_rig import ARM, ARM_JOINTS, CONTROLLERS, HOME
 import tool0
 from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ControlError, ModelError, UnreachableError
-from tool0.kinematics.inverse import Branch
+from tool0.kinematics.posture import Branch
 from tool0.runtime import linear_motion
 from tool0.runtime.linear_motion import LinearMotion
 

@@ -10,8 +10,8 @@ from raises_naming import raises_naming
 
 import tool0
 from tool0.errors import ConfigError, ControlError
-from tool0.requests.gripper import ReactivateGripper
-from tool0.requests.motion import ReadControllerParameters, SetControllerParameters
+from tool0.protocol.controllers import ReadControllerParameters, SetControllerParameters
+from tool0.protocol.gripper import ReactivateGripper
 
 HAND, ARM = "robotiq_gripper_controller", "joint_trajectory_controller"
 

@@ -20,7 +20,8 @@ def test_keys_drive_the_robot_and_mark_episodes(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    from tool0.recording.episodes import ReadEpisodes, read_index
+    from tool0.protocol.episodes import ReadEpisodes
+    from tool0.recording.episodes import read_index
     from tool0.recording.reading import open_recording
 
     folder = tmp_path / "push"

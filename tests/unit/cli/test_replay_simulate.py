@@ -15,7 +15,7 @@ pytest.importorskip("mcap", reason="the extra 'record' is not installed")
 def test_it_says_whether_a_recording_repeats(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from tool0.recording.requests import StartRecording, StopRecording
+    from tool0.protocol.recordings import StartRecording, StopRecording
 
     file = tmp_path / "motion.mcap"
     with tool0.bringup(realtime=False) as robot:

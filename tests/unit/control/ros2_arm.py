@@ -8,8 +8,9 @@ from typing import Any
 from toy_robot import ToyRobot
 
 from tool0.control.ros2.joint_trajectory import JointTrajectoryController
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.model import Interface
+from tool0.protocol.trajectories import TrajectoryPoint
 
 JTC = "joint_trajectory_controller/JointTrajectoryController"
 NAMES = ("hip", "slide", "wheel")

@@ -9,8 +9,8 @@ import pytest
 from toy_robot import make_joint
 
 from tool0.control.arm_path import ArmPath, SplineMotion
-from tool0.control.arm_setpoint import ArmSetpoint
 from tool0.errors import ControlError
+from tool0.protocol.state import ArmSetpoint
 
 DT = 0.001
 JOINTS = [make_joint("hip"), make_joint("knee")]

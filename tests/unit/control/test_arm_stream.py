@@ -9,7 +9,6 @@ import pytest
 from toy_robot import make_joint
 
 from tool0.control.arm_model import ArmDynamics, Placement
-from tool0.control.arm_setpoint import ArmSetpoint
 from tool0.control.arm_stream import (
     MAX_ACCELERATION,
     SINGULAR,
@@ -19,6 +18,7 @@ from tool0.control.arm_stream import (
 )
 from tool0.control.arm_stream import _fastest_before as fastest_before
 from tool0.hardware.engine import JointState
+from tool0.protocol.state import ArmSetpoint
 
 DT = 0.001
 JOINTS = [make_joint(f"joint{k}") for k in range(6)]

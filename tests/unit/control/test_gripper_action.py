@@ -4,10 +4,10 @@ import pytest
 from raises_naming import raises_naming
 from toy_robot import DT, ToyRobot
 
-from tool0.control.goal import GoalStatus
 from tool0.description.model import Interface, ParallelGripper, RotaryOpening
 from tool0.errors import GoalRejectedError
 from tool0.hardware.limits import DriveLimits
+from tool0.protocol.goals import GoalStatus
 
 GRIPPER = """
 hand:

@@ -4,10 +4,12 @@ import math
 import pytest
 from toy_robot import ARM, DT, JOINTS, POSITION_ARM, ToyRobot
 
-from tool0.control.goal import DEFAULT_GOAL_TIME, GoalResult, GoalStatus, Tolerance
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.goal import DEFAULT_GOAL_TIME
+from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.model import Interface
 from tool0.errors import GoalRejectedError
+from tool0.protocol.goals import GoalResult, GoalStatus, Tolerance
+from tool0.protocol.trajectories import TrajectoryPoint
 
 Point = TrajectoryPoint
 REST = [0.0, 0.0, 0.0]

@@ -2,13 +2,13 @@ import pytest
 from raises_naming import raises_naming
 from toy_robot import ARM, ToyRobot
 
-from tool0.control.controller import Role
-from tool0.control.goal import GoalStatus
 from tool0.control.manager import Strictness
-from tool0.control.status import ControllerStatus
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.model import Interface
 from tool0.errors import ClaimError, ConfigError, ControlError, GoalRejectedError
+from tool0.protocol.controllers import ControllerStatus, Role
+from tool0.protocol.goals import GoalStatus
+from tool0.protocol.trajectories import TrajectoryPoint
 
 YAML = (
     ARM

@@ -14,8 +14,9 @@ from toy_robot import ARM, ToyRobot
 
 from tool0.control import spline as spline_module
 from tool0.control.spline import Motion, Segment
-from tool0.control.trajectory import BLOCK, MANY, TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import BLOCK, MANY, TrajectoryGoal
 from tool0.errors import GoalRejectedError
+from tool0.protocol.trajectories import TrajectoryPoint
 
 pytestmark = pytest.mark.slow
 

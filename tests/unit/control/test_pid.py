@@ -5,8 +5,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from tool0.control.parameters import Gains, Pid, Unwinding
+from tool0.control.parameters import Pid
 from tool0.errors import ConfigError
+from tool0.protocol.controllers import Gains, Unwinding
 
 numbers = st.floats(-100.0, 100.0)
 gains = st.builds(

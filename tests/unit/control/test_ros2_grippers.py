@@ -7,7 +7,6 @@ from raises_naming import raises_naming
 from toy_robot import JOINTS, ToyHardware, ToyRobot
 
 from tool0.control.config import ControllerConfig
-from tool0.control.goal import GoalStatus, GripperResult
 from tool0.control.gripper_action import GripperActionController
 from tool0.control.manager import ControllerManager
 from tool0.description.hardware_component import (
@@ -22,6 +21,7 @@ from tool0.description.model import (
     RobotModel,
 )
 from tool0.errors import ConfigError, GoalRejectedError
+from tool0.protocol.goals import GoalStatus, GripperResult
 
 PARALLEL = "parallel_gripper_action_controller/GripperActionController"
 PADS = "slide/set_gripper_max_"

@@ -6,11 +6,11 @@ import pytest
 from ros2_arm import NAMES, REST, Point, arm, goal
 from toy_robot import DT
 
-from tool0.control.goal import GoalResult, GoalStatus, Tolerance
 from tool0.control.spline import Motion, hold
 from tool0.control.watch import REACHED
 from tool0.description.model import Interface
 from tool0.errors import ControlError
+from tool0.protocol.goals import GoalResult, GoalStatus, Tolerance
 
 AT_ONCE = {"allow_trajectory_replacement": "false"}
 PARTIAL = {"allow_partial_joints_goal": "true"}

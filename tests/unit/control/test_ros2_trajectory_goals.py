@@ -10,9 +10,9 @@ from ros2_arm import NAMES, REST, Point, arm, goal, yaml
 from toy_robot import ToyRobot
 
 from tool0.control.config import ControllerConfig
-from tool0.control.parameters import UNLIMITED, Gains, Unwinding
 from tool0.description.model import Interface
 from tool0.errors import ConfigError, GoalRejectedError
+from tool0.protocol.controllers import UNLIMITED, Gains, Unwinding
 
 THERE = Point([0.1, 0.1, 0.1], REST, time_from_start=1.0)
 

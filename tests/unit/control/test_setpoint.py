@@ -3,8 +3,9 @@ import pickle
 import pytest
 from toy_robot import ARM, ToyRobot
 
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.model import Interface
+from tool0.protocol.trajectories import TrajectoryPoint
 
 OTHERS = """
 js: {type: joint_state_controller/JointStateController, publish_rate: 100}

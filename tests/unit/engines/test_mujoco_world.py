@@ -15,7 +15,7 @@ from tool0.description.scene import SceneObject
 from tool0.description.shapes import Mesh
 from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.hardware.engine import ObjectState
+from tool0.protocol.state import ObjectState
 
 LINK = "cap"
 WEIGHT = 0.1 * 9.81  # [N]

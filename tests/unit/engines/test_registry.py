@@ -24,7 +24,8 @@ from tool0.engines.registry import (
     register_engine,
 )
 from tool0.errors import ConfigError, EngineError, EngineUnavailableError
-from tool0.hardware.engine import Contact, Engine, JointState, ObjectState, Wrench
+from tool0.hardware.engine import Engine, JointState, Wrench
+from tool0.protocol.state import Contact, ObjectState
 
 
 @final

@@ -10,7 +10,7 @@ import pytest
 wp = pytest.importorskip("warp", reason="MuJoCo Warp: pip install 'tool0[gpu]'")
 
 import tool0  # noqa: E402
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint  # noqa: E402
+from tool0.control.trajectory import TrajectoryGoal  # noqa: E402
 from tool0.description.config import SPAWN_Z  # noqa: E402
 from tool0.description.model import SafetyController  # noqa: E402
 from tool0.description.robot import RobotDescription, load_description  # noqa: E402
@@ -18,6 +18,7 @@ from tool0.engines.registry import make_engine  # noqa: E402
 from tool0.hardware.engine import JointState  # noqa: E402
 from tool0.hardware.limits import DriveLimits  # noqa: E402
 from tool0.kernel.device import DeviceControl, DeviceState  # noqa: E402
+from tool0.protocol.trajectories import TrajectoryPoint  # noqa: E402
 from tool0.runtime.assembly import Assembly  # noqa: E402
 from tool0.runtime.core import Core  # noqa: E402
 from tool0.scene import Scene  # noqa: E402

@@ -12,11 +12,11 @@ from ur5_rig import ARM_JOINTS
 
 import tool0
 from tool0 import TrajectoryPoint
-from tool0.control.controller import Role
 from tool0.description.config import DescriptionConfig
 from tool0.description.shapes import Box
 from tool0.errors import Tool0Error
 from tool0.kernel import library
+from tool0.protocol.controllers import Role
 from tool0.runtime.config import ControlConfig, SimulationConfig
 
 Record = list[object]

@@ -6,7 +6,7 @@ import pytest
 
 from tool0.errors import ConfigError, ControlError
 from tool0.programs.book import ProgramBook
-from tool0.programs.model import CommentStep, LoopStep, Program, WaitStep
+from tool0.protocol.program import CommentStep, LoopStep, Program, WaitStep
 
 PICK = Program(
     name="pick & place/2",

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tool0.errors import ConfigError
 from tool0.programs.files import parse_program, program_text, read_program
-from tool0.programs.model import (
+from tool0.protocol.program import (
     CommentStep,
     GripperStep,
     LoopStep,

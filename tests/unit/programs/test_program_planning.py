@@ -41,7 +41,7 @@ SECOND = to(0.4, 0.1, 0.3)
 THIRD = to(0.4, -0.1, 0.3)
 
 
-def check(robot: tool0.Robot, *steps: tool0.programs.model.Step) -> ProgramCheck:
+def check(robot: tool0.Robot, *steps: tool0.protocol.program.Step) -> ProgramCheck:
     return robot.programs.check(Program(name="p", steps=steps))
 
 

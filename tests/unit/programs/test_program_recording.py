@@ -13,7 +13,7 @@ pytest.importorskip("mcap", reason="the extra 'record' is not installed")
 
 
 def test_a_recorded_program_is_repeated_to_the_bit(tmp_path: Path) -> None:
-    from tool0.recording.requests import StartRecording, StopRecording
+    from tool0.protocol.recordings import StartRecording, StopRecording
     from tool0.recording.resimulation import resimulate
 
     with tool0.bringup(arm="ur5e", scene="table_and_bin", realtime=False) as robot:

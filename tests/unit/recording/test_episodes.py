@@ -14,17 +14,16 @@ from promised import require_gl
 
 import tool0
 from tool0.errors import ControlError, RecordingError
-from tool0.recording.episodes import (
-    INDEX,
+from tool0.protocol.episodes import (
     CloseEpisodes,
     EndEpisode,
     OpenEpisodes,
     ReadEpisodes,
     StartEpisode,
-    read_index,
 )
+from tool0.protocol.recordings import StartRecording, StopRecording
+from tool0.recording.episodes import INDEX, read_index
 from tool0.recording.reading import open_recording
-from tool0.recording.requests import StartRecording, StopRecording
 from tool0.recording.resimulation import resimulate
 from tool0.recording.video import cameras_of
 from tool0.sensing.cameras import encode_png

@@ -17,7 +17,7 @@ from recording_session import Session, recorded
 
 import tool0
 from tool0.description.model import FLANGE
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.state import Snapshot
 
 TOPICS = {
     "/joint_states": "sensor_msgs/msg/JointState",

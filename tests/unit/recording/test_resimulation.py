@@ -15,15 +15,16 @@ from tool0.control.config import ControllerConfig
 from tool0.description.config import DescriptionConfig
 from tool0.description.shapes import Box
 from tool0.errors import RecordingError, Tool0Error
-from tool0.hardware.control_box import SafetyMode
 from tool0.kernel import library
+from tool0.protocol.arm_motion import SpeedTool
+from tool0.protocol.control_box_state import SafetyMode
+from tool0.protocol.controllers import SetControllerParameters
+from tool0.protocol.motion import SteerJoints
+from tool0.protocol.objects import AddModel
+from tool0.protocol.recordings import StartRecording, StopRecording
 from tool0.recording.journal import REQUESTS
 from tool0.recording.reading import open_recording
-from tool0.recording.requests import StartRecording, StopRecording
 from tool0.recording.resimulation import Resimulation, resimulate
-from tool0.requests.arm_motion import SpeedTool
-from tool0.requests.motion import SetControllerParameters, SteerJoints
-from tool0.requests.objects import AddModel
 from tool0.requests.table import post
 from tool0.runtime.config import ControlConfig, SimulationConfig
 

@@ -10,8 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tool0
-from tool0.control.goal import GoalResult, GoalStatus, GripperResult, Result
-from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Compound, Cylinder
 from tool0.description.transform import Pose
@@ -24,9 +22,10 @@ from tool0.errors import (
     Tool0Error,
     TransportError,
 )
-from tool0.requests import codec
-from tool0.requests.motion import FollowTrajectory, MoveJoints
-from tool0.requests.objects import (
+from tool0.protocol import codec
+from tool0.protocol.goals import GoalResult, GoalStatus, GripperResult, Result
+from tool0.protocol.motion import MoveJoints
+from tool0.protocol.objects import (
     AddObject,
     BoxShape,
     ObjectInfo,
@@ -34,8 +33,10 @@ from tool0.requests.objects import (
     object_of,
     shape_of,
 )
-from tool0.requests.state import EmergencyStop, ReadSnapshot, Step
-from tool0.requests.table import Request, checked
+from tool0.protocol.request import Request, checked
+from tool0.protocol.robot import ReadSnapshot
+from tool0.protocol.running import EmergencyStop, Step
+from tool0.protocol.trajectories import FollowTrajectory, TrajectoryPoint
 
 MUG = Compound(
     parts=(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tool0
 from tool0.description.config import DescriptionConfig
-from tool0.requests.hardware import HardwareComponentState, ListHardware
+from tool0.protocol.hardware import HardwareComponentState, ListHardware
 
 CONTROLLERS = """
 moving:

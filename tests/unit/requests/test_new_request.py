@@ -20,8 +20,9 @@ from tool0.errors import RequestError
 from tool0.interfaces.panel.address import open_endpoint
 from tool0.interfaces.panel.server import panel_service
 from tool0.interfaces.server.server import Server, UnixSocketService
-from tool0.requests import codec
-from tool0.requests.table import Request, handles
+from tool0.protocol import codec
+from tool0.protocol.request import Request
+from tool0.requests.table import handles
 from tool0.runtime.simulation import Simulation
 
 

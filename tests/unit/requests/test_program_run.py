@@ -25,7 +25,7 @@ from tool0 import (
     UntilStep,
     WaitStep,
 )
-from tool0.requests.arm_motion import ReturnArm, SpeedJoints, TakeArm
+from tool0.protocol.arm_motion import ReturnArm, SpeedJoints, TakeArm
 
 TIMEOUT = 60.0
 """[simulated s]"""

@@ -9,10 +9,10 @@ import pytest
 
 import tool0
 from tool0.control.config import ControllerConfig
-from tool0.control.trajectory import TrajectoryPoint
 from tool0.errors import RequestError
+from tool0.protocol.trajectories import FollowTrajectory, TrajectoryPoint
 from tool0.requests.journal_codec import params_of, request_of
-from tool0.requests.motion import FollowTrajectory, LoadControllerWith
+from tool0.requests.motion import LoadControllerWith
 from tool0.requests.reproduction import Reproduction, reproduction, restarted
 from tool0.runtime.config import SimulationConfig
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tool0
-from tool0.requests.arm_motion import ReturnArm, TakeArm
+from tool0.protocol.arm_motion import ReturnArm, TakeArm
 
 
 @pytest.mark.parametrize("dialect", [False, True], ids=["efforts", "positions"])

@@ -10,7 +10,7 @@ from ur5_rig import ARM
 import tool0
 from tool0.description.config import DescriptionConfig
 from tool0.errors import ControlError, GoalRejectedError
-from tool0.hardware.control_box import ProgramState, RobotMode, SafetyMode
+from tool0.protocol.control_box_state import ProgramState, RobotMode, SafetyMode
 
 ELBOW = {"elbow_joint": 1.0}
 

@@ -10,11 +10,11 @@ import pytest
 
 import tool0
 from tool0.control.arm_model import Placement
-from tool0.control.controller import Role
 from tool0.description.config import DescriptionConfig
 from tool0.errors import ControlError, RequestError
-from tool0.hardware.control_box import RobotMode
-from tool0.requests.arm_motion import ServoJoints, StartForceMode
+from tool0.protocol.arm_motion import ServoJoints, StartForceMode
+from tool0.protocol.control_box_state import RobotMode
+from tool0.protocol.controllers import Role
 from tool0.runtime.config import ControlConfig, SimulationConfig
 from tool0.scene import Box
 

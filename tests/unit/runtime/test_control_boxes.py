@@ -12,14 +12,7 @@ from ur5_rig import ARM
 import tool0
 from tool0.description.config import DescriptionConfig
 from tool0.errors import ControlError, RequestError
-from tool0.hardware.control_box import (
-    AnalogDomain,
-    AnalogPin,
-    ProgramState,
-    RobotMode,
-    SafetyMode,
-)
-from tool0.requests.codec import (
+from tool0.protocol.codec import (
     Reply,
     decode_request,
     decode_response,
@@ -28,7 +21,14 @@ from tool0.requests.codec import (
     snapshot_message,
     snapshot_of,
 )
-from tool0.requests.control_box import ReadIO, SetIO
+from tool0.protocol.control_box import ReadIO, SetIO
+from tool0.protocol.control_box_state import (
+    AnalogDomain,
+    AnalogPin,
+    ProgramState,
+    RobotMode,
+    SafetyMode,
+)
 from tool0.runtime.config import ControlConfig
 
 GRAVITY = 9.81

@@ -8,8 +8,7 @@ import pytest
 from raises_naming import raises_naming
 from skew_rig import START, build_core, follow, switch
 
-from tool0.control.goal import GoalStatus
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.robot import assemble
 from tool0.errors import (
     ConfigError,
@@ -17,6 +16,8 @@ from tool0.errors import (
     LimitsError,
 )
 from tool0.hardware.limits import DriveLimits
+from tool0.protocol.goals import GoalStatus
+from tool0.protocol.trajectories import TrajectoryPoint
 from tool0.runtime.core import Core
 
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from tool0.control.spline import JointSpline, Knots, Motion, MotionPlan, point_to_point
-from tool0.control.trajectory import JointsMotion
 from tool0.description.model import (
     DEFAULT_SLIDE_VELOCITY,
     DEFAULT_TURN_VELOCITY,
@@ -18,6 +17,7 @@ from tool0.description.model import (
     JointType,
 )
 from tool0.errors import ControlError
+from tool0.protocol.trajectories import JointsMotion
 from tool0.runtime.joint_motion import (
     SPACING,
     plan_motion,

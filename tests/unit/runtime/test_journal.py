@@ -8,14 +8,10 @@ import pytest
 
 import tool0
 from tool0.errors import Tool0Error
-from tool0.requests.motion import (
-    CommandTrajectory,
-    FollowTrajectory,
-    MoveJoints,
-    SteerJoints,
-)
-from tool0.requests.objects import ReadContacts
-from tool0.requests.state import Reset
+from tool0.protocol.motion import MoveJoints, SteerJoints
+from tool0.protocol.objects import ReadContacts
+from tool0.protocol.running import Reset
+from tool0.protocol.trajectories import CommandTrajectory, FollowTrajectory
 from tool0.requests.table import entries
 from tool0.runtime import journal as journals
 from tool0.runtime.journal import Journal

@@ -9,13 +9,13 @@ import pytest
 from arm_rig import calibration, ur5
 
 from tool0.control.spline import Knots, Motion, hold
-from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import TIME_TO_FULL_SPEED
 from tool0.description.transform import Pose, as_matrix
 from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import Array
 from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.line import LinePath
+from tool0.protocol.trajectories import TrajectoryPoint
 from tool0.runtime.linear_motion import PERIOD, LinearLimits, LinearMotion
 
 pytestmark = pytest.mark.slow

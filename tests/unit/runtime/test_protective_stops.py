@@ -15,8 +15,8 @@ from tool0.description.scene import SceneObject
 from tool0.description.shapes import Sphere
 from tool0.description.transform import Pose
 from tool0.errors import ControlError
-from tool0.hardware.control_box import ProgramState, SafetyMode
-from tool0.requests.arm_motion import ExecutePath, ReturnArm, TakeArm
+from tool0.protocol.arm_motion import ExecutePath, ReturnArm, TakeArm
+from tool0.protocol.control_box_state import ProgramState, SafetyMode
 from tool0.runtime.config import ControlConfig
 
 INTERFACE = "hardware_interface/PositionJointInterface"

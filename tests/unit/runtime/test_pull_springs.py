@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 import tool0
 from tool0.description.forward_kinematics import link_pose
 from tool0.errors import EngineError, ModelError
-from tool0.requests.arm_motion import StartFreedrive, TakeArm
-from tool0.requests.objects import ClearWrenches, PullLink
+from tool0.protocol.arm_motion import StartFreedrive, TakeArm
+from tool0.protocol.objects import ClearWrenches, PullLink
 
 WAY = np.array([0.05, -0.08, 0.05])  # [m]
 POINT = (0.05, 0.0, 0.1)

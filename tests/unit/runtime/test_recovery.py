@@ -7,12 +7,11 @@ from collections.abc import Callable, Iterator
 import pytest
 
 import tool0
-from tool0.control.trajectory import TrajectoryPoint
 from tool0.description.model import RECOVERABLE
 from tool0.errors import ControlError
 from tool0.kinematics.move_planner import MovePlanner
 from tool0.kinematics.moves import Move
-from tool0.requests.arm_motion import (
+from tool0.protocol.arm_motion import (
     ExecutePath,
     ReadArmMotion,
     ServoJoints,
@@ -20,7 +19,8 @@ from tool0.requests.arm_motion import (
     StartFreedrive,
     TakeArm,
 )
-from tool0.requests.motion import MoveJoints, SteerJoints
+from tool0.protocol.motion import MoveJoints, SteerJoints
+from tool0.protocol.trajectories import TrajectoryPoint
 
 PAN = "shoulder_pan_joint"
 LIMIT = 6.283185307179586

@@ -12,7 +12,7 @@ from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose
 from tool0.errors import ControlError
-from tool0.hardware.engine import ObjectState
+from tool0.protocol.state import ObjectState
 from tool0.runtime.bus import WasReset
 
 HERE = (5.0, 0.0, 1.0)

@@ -10,7 +10,7 @@ from ur5_rig import POST
 
 import tool0
 from tool0.description.transform import Pose
-from tool0.programs.model import MoveLinearStep, Program, ToolPose
+from tool0.protocol.program import MoveLinearStep, Program, ToolPose
 
 LIMIT = 0.2
 LIMITS = f"""

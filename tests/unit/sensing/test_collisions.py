@@ -7,8 +7,8 @@ from flat_options import configured
 
 import tool0
 from tool0.errors import LimitsError, ModelError
+from tool0.protocol.objects import Collision
 from tool0.scene import Box
-from tool0.sensing.collisions import Collision
 
 LIFT = "shoulder_lift_joint"
 

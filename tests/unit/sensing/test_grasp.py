@@ -13,7 +13,8 @@ import tool0
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box, Cylinder
 from tool0.description.transform import Pose
-from tool0.sensing.grasp import WINDOW, GraspDetector, GraspState
+from tool0.protocol.gripper import GraspState
+from tool0.sensing.grasp import WINDOW, GraspDetector
 
 pytestmark = pytest.mark.slow
 

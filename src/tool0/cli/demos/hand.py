@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, final
 
 from tool0.api.grasps import Bin, Grasp
 from tool0.cli.demos.monitor import GraspMonitor
-from tool0.control.goal import GoalResult, GoalStatus
 from tool0.description.transform import Transform, Vector3
 from tool0.errors import ModelError, Tool0Error
 from tool0.hardware.limits import DriveLimits
+from tool0.protocol.goals import GoalResult, GoalStatus
 from tool0.runtime.joint_motion import require_speed
 from tool0.sensing.grasp import grasp_frame
 

@@ -20,7 +20,7 @@ from tool0.description.scene import Scene
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, Transform, Vector3, to_transform
 from tool0.errors import ModelError
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.state import Snapshot
 
 if TYPE_CHECKING:
     from tool0.api.robot import Robot

@@ -12,8 +12,8 @@ from tool0.api.scene import object_pose
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.transform import Transform, Vector3
 from tool0.errors import ControlError, EngineError
+from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot
 from tool0.sensing.grasp import pad_links
-from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
 
 if TYPE_CHECKING:
     from tool0.api.gripper import Gripper

@@ -18,7 +18,7 @@ from tool0.cli.demos.hand import Hand, PickOptions, TaskFailure
 from tool0.cli.demos.monitor import GraspMonitor
 from tool0.cli.demos.report import PickReport
 from tool0.errors import ControlError, ModelError
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.state import Snapshot
 
 if TYPE_CHECKING:
     from tool0.api.robot import Robot

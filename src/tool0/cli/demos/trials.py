@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, final
 from tool0.cli.demos.monitor import GraspMonitor
 from tool0.cli.demos.report import PickReport
 from tool0.description.transform import Pose, to_transform
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.state import Snapshot
 
 if TYPE_CHECKING:
     from tool0.api.robot import Robot

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from tool0.control.controller import Role
 from tool0.control.dialect import ControllerType, Declared, Dialect, Stages
 from tool0.description.yaml_tree import YamlEntry
 from tool0.description.yaml_values import Namespace
+from tool0.protocol.controllers import Role
 
 _FORWARD = ControllerType(Role.COMMAND, "tool0.control.ros1.forward_command")
 _GRIPPER = ControllerType(Role.GRIPPER, "tool0.control.ros1.gripper_action")

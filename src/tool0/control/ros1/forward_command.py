@@ -10,7 +10,6 @@ from tool0.control.held_commands import HeldPositions, checked_commands
 from tool0.control.law import CommandLaw
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Gains,
     Pid,
     RobotJoints,
     controlled_joints,
@@ -22,6 +21,7 @@ from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace
 from tool0.hardware.engine import JointState, joint_selector
+from tool0.protocol.controllers import Gains
 
 
 @final

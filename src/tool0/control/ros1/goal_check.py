@@ -16,7 +16,7 @@ from bisect import bisect_right
 from collections.abc import Collection, Sequence
 from typing import final
 
-from tool0.control.goal import Goal, Tolerance, TrajectoryTolerances
+from tool0.control.goal import TrajectoryTolerances
 from tool0.control.goal_motion import (
     Splines,
     check_finite,
@@ -27,9 +27,11 @@ from tool0.control.goal_motion import (
     whole_turns,
 )
 from tool0.control.spline import JointSpline, Knots, Sample, hold, stop
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.model import Joint, JointType
 from tool0.errors import GoalRejectedError, did_you_mean
+from tool0.protocol.goals import Goal, Tolerance
+from tool0.protocol.trajectories import TrajectoryPoint
 
 logger = logging.getLogger(__name__)
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Gains,
     RobotJoints,
     read_gains,
     single_joint,
 )
 from tool0.description.model import Interface
 from tool0.description.yaml_values import Namespace
+from tool0.protocol.controllers import Gains
 
 
 def parse(

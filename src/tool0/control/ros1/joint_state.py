@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from tool0.control.parameters import Gains, RobotJoints
+from tool0.control.parameters import RobotJoints
 from tool0.control.passive import PassiveController
 from tool0.description.model import Interface
 from tool0.description.yaml_tree import YamlEntry
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean
 from tool0.hardware.engine import JointState
+from tool0.protocol.controllers import Gains
 
 
 @final

@@ -7,18 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from tool0.control.goal import (
-    DEFAULT_GOAL_TIME,
-    Goal,
-    GoalResult,
-    GoalStatus,
-    TrajectoryTolerances,
-)
+from tool0.control.goal import DEFAULT_GOAL_TIME, TrajectoryTolerances
 from tool0.control.goal_motion import splines_by_plan
 from tool0.control.law import TrajectoryLaw
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Gains,
     Pid,
     RobotJoints,
     controlled_joints,
@@ -28,16 +21,14 @@ from tool0.control.parameters import (
 from tool0.control.ros1.goal_check import TrajectoryReplacement, check_names
 from tool0.control.sampler import GoalMonitor, TrajectorySampler
 from tool0.control.spline import JointSpline, MotionPlan, hold, shortest_turn
-from tool0.control.trajectory import (
-    JointsMotion,
-    Setpoint,
-    TrajectoryGoal,
-    joints_motion,
-)
+from tool0.control.trajectory import Setpoint, TrajectoryGoal, joints_motion
 from tool0.description.model import Interface, Joint, JointType
 from tool0.description.yaml_values import Namespace
 from tool0.hardware.engine import JointState, joint_selector
 from tool0.hardware.limits import PUSHING
+from tool0.protocol.controllers import Gains
+from tool0.protocol.goals import Goal, GoalResult, GoalStatus
+from tool0.protocol.trajectories import JointsMotion
 
 RELIEF = 0.005
 """Distance by which a stop moves back a joint that pushes at its effort limit

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-from tool0.control.controller import Role
 from tool0.control.dialect import ControllerType, Dialect, Stages
 from tool0.control.ros2.layout import (
     control_period,
@@ -12,6 +11,7 @@ from tool0.control.ros2.layout import (
     joint_limits,
     parameters,
 )
+from tool0.protocol.controllers import Role
 
 _TRAJECTORY = ControllerType(
     Role.TRAJECTORY, "tool0.control.ros2.trajectory_parameters"

@@ -10,7 +10,6 @@ from tool0.control.held_commands import HeldPositions, checked_commands
 from tool0.control.law import CommandLaw
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Gains,
     RobotJoints,
     controlled_joint,
     controlled_joints,
@@ -20,6 +19,7 @@ from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean
 from tool0.hardware.engine import JointState, joint_selector
+from tool0.protocol.controllers import Gains
 
 _INTERFACES = {item.name.lower(): item for item in Interface}
 

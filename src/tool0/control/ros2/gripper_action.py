@@ -12,7 +12,6 @@ import math
 from tool0.control.gripper_action import DriveSettings, GripperActionSpec
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Gains,
     RobotJoints,
     read_gains,
     single_joint,
@@ -20,6 +19,7 @@ from tool0.control.parameters import (
 from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean
+from tool0.protocol.controllers import Gains
 
 _ADJUSTABLE = (
     *("goal_tolerance", "allow_stalling", "stall_velocity_threshold"),

@@ -9,10 +9,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, NamedTuple, final
 
-from tool0.control.goal import Goal, GoalResult, GoalStatus
 from tool0.control.goal_motion import check_limits, splines_by_plan
 from tool0.control.law import TrajectoryClock, TrajectoryLaw
-from tool0.control.parameters import Gains, Pid
+from tool0.control.parameters import Pid
 from tool0.control.ros2.trajectory_check import (
     Acceptance,
     ActiveTolerances,
@@ -30,16 +29,14 @@ from tool0.control.ros2.trajectory_motion import (
 from tool0.control.ros2.trajectory_settings import Replacement, SpeedSource
 from tool0.control.sampler import TrajectorySampler
 from tool0.control.spline import JointSpline, Motion, MotionPlan, hold, shortest_turn
-from tool0.control.trajectory import (
-    JointsMotion,
-    Setpoint,
-    TrajectoryGoal,
-    joints_motion,
-)
+from tool0.control.trajectory import Setpoint, TrajectoryGoal, joints_motion
 from tool0.control.watch import TrajectoryWatch
 from tool0.description.model import Interface, Joint, JointType
 from tool0.errors import GoalRejectedError
 from tool0.hardware.engine import JointState, joint_selector
+from tool0.protocol.controllers import Gains
+from tool0.protocol.goals import Goal, GoalResult, GoalStatus
+from tool0.protocol.trajectories import JointsMotion
 
 logger = logging.getLogger(__name__)
 

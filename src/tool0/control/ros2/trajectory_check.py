@@ -12,15 +12,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from tool0.control.goal import (
-    NO_TOLERANCES,
-    JointTolerances,
-    Tolerance,
-    ToleranceOverride,
-)
+from tool0.control.goal import NO_TOLERANCES, JointTolerances
 from tool0.control.goal_motion import check_finite
-from tool0.control.trajectory import TrajectoryGoal, TrajectoryPoint
+from tool0.control.trajectory import TrajectoryGoal
 from tool0.errors import GoalRejectedError, did_you_mean
+from tool0.protocol.goals import Tolerance, ToleranceOverride
+from tool0.protocol.trajectories import TrajectoryPoint
 
 logger = logging.getLogger(__name__)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from tool0.control.parameters import UNLIMITED, Gains, Unwinding
 from tool0.description.model import Joint
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean
+from tool0.protocol.controllers import UNLIMITED, Gains, Unwinding
 
 _GAINS = (
     *("p", "i", "d", "i_clamp", "i_clamp_min", "i_clamp_max", "ff_velocity_scale"),

@@ -10,12 +10,7 @@ import logging
 import math
 from collections.abc import Sequence
 
-from tool0.control.parameters import (
-    Gains,
-    RobotJoints,
-    controlled_joints,
-    read_tolerances,
-)
+from tool0.control.parameters import RobotJoints, controlled_joints, read_tolerances
 from tool0.control.ros2.joint_trajectory import JointTrajectorySpec
 from tool0.control.ros2.trajectory_check import Acceptance, ActiveTolerances
 from tool0.control.ros2.trajectory_gains import choice, read_joint_gains
@@ -23,6 +18,7 @@ from tool0.control.ros2.trajectory_settings import Replacement, SpeedSource
 from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean
+from tool0.protocol.controllers import Gains
 
 logger = logging.getLogger(__name__)
 

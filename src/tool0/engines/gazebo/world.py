@@ -42,8 +42,6 @@ from tool0.errors import (
 )
 from tool0.hardware.bodies import Matrix, MovingBody, fixed_to_world
 from tool0.hardware.engine import (
-    Contact,
-    ObjectState,
     Wrench,
     check_attachable,
     check_new_name,
@@ -51,6 +49,7 @@ from tool0.hardware.engine import (
     find_object,
     immovable,
 )
+from tool0.protocol.state import Contact, ObjectState
 
 logger = logging.getLogger(__name__)
 

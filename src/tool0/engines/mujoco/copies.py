@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.engines.mujoco.objects import ObjectStates
-from tool0.hardware.engine import Engine, ObjectState
+from tool0.hardware.engine import Engine
+from tool0.protocol.state import ObjectState
 
 Array = NDArray[np.float64]
 

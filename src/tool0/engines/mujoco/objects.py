@@ -39,7 +39,8 @@ from tool0.engines.mujoco.model import (
     quat_wxyz,
 )
 from tool0.errors import ModelError
-from tool0.hardware.engine import ObjectState, RecordedObjects
+from tool0.hardware.engine import RecordedObjects
+from tool0.protocol.state import ObjectState
 
 OBJECT_SOLREF = (0.004, 1.0)
 """Time constant of contacts between objects, ground and links [s]: a fifth of

@@ -24,7 +24,7 @@ from tool0.description.transform import Transform
 from tool0.engines.mujoco.gl import make_context
 from tool0.engines.mujoco.model import MESH_SUFFIXES, build_spec
 from tool0.engines.mujoco.objects import compile_with_scene, free_joint_name
-from tool0.hardware.engine import ObjectState
+from tool0.protocol.state import ObjectState
 
 logger = logging.getLogger(__name__)
 

@@ -25,8 +25,6 @@ from tool0.engines.mujoco.objects import (
 )
 from tool0.errors import EngineError
 from tool0.hardware.engine import (
-    Contact,
-    ObjectState,
     Wrench,
     check_attachable,
     check_new_name,
@@ -34,6 +32,7 @@ from tool0.hardware.engine import (
     find_object,
     immovable,
 )
+from tool0.protocol.state import Contact, ObjectState
 
 logger = logging.getLogger(__name__)
 

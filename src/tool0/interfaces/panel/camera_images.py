@@ -7,14 +7,15 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final, Literal, final
 
-from tool0.sensing.cameras import CameraImage, Cameras, depth_in_mm, encode_png
+from tool0.protocol.sensors import CameraImage
+from tool0.sensing.cameras import Cameras, depth_in_mm, encode_png
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from tool0.description.scene import SceneObject
-    from tool0.sensing.snapshot import Snapshot
+    from tool0.protocol.state import Snapshot
 
 ImageKind = Literal["color", "depth"]
 

@@ -12,13 +12,13 @@ from typing import Literal
 
 from msgspec import Struct
 
-from tool0.control.controller import Role
 from tool0.description.catalogue import DisplayName
-from tool0.hardware.control_box import ControlBoxState
-from tool0.programs.run import ProgramRun
-from tool0.recording.episodes import EpisodesStatus
-from tool0.requests.codec import Mode
-from tool0.requests.table import RGBA, Quaternion, Vector3
+from tool0.protocol.codec import Mode
+from tool0.protocol.control_box_state import ControlBoxState
+from tool0.protocol.controllers import Role
+from tool0.protocol.episodes import EpisodesStatus
+from tool0.protocol.programs import ProgramRun
+from tool0.protocol.request import RGBA, Quaternion, Vector3
 from tool0.runtime.notifications import NoticeCode, Severity
 
 # ---- parts of messages ---------------------------------------------------------------

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, cast, final
 
 from msgspec import structs
 
-from tool0.control.controller import Role
-from tool0.control.status import ControllerStatus
 from tool0.description.model import Joint, JointType
 from tool0.description.parts import find_grippers
 from tool0.interfaces.panel.notices import EventWatcher
@@ -33,18 +31,19 @@ from tool0.interfaces.panel.robot_info import (
     pose_infos,
     robot_info,
 )
-from tool0.recording.episodes import Episodes, EpisodesStatus
+from tool0.protocol.controllers import ControllerStatus, Role
+from tool0.protocol.episodes import EpisodesStatus
+from tool0.protocol.gripper import GraspState
+from tool0.recording.episodes import Episodes
 from tool0.recording.recordings import Recordings
 from tool0.runtime.notifications import Notification
-from tool0.sensing.grasp import GraspDetector, GraspState
+from tool0.sensing.grasp import GraspDetector
 
 if TYPE_CHECKING:
     from tool0.description.scene import SceneObject
-    from tool0.hardware.engine import Contact
-    from tool0.hardware.tool_dynamics import Wrench
+    from tool0.protocol.state import ArmSample, Contact, Snapshot, Wrench
     from tool0.runtime.bus import Subscription
     from tool0.runtime.simulation import Simulation
-    from tool0.sensing.snapshot import ArmSample, Snapshot
 
 _FORCE_DIGITS = 4
 _DIGITS = 6

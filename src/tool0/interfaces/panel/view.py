@@ -23,10 +23,11 @@ from tool0.interfaces.panel.robot_info import (
     pose_infos,
     robot_info,
 )
-from tool0.requests.gripper import Grip
-from tool0.requests.motion import DeletePose, GoToPose, PoseJoints, SavePose
-from tool0.requests.state import Reset
-from tool0.requests.table import Request, method_name
+from tool0.protocol.gripper import Grip
+from tool0.protocol.motion import PoseJoints
+from tool0.protocol.poses import DeletePose, GoToPose, SavePose
+from tool0.protocol.request import Request, method_name
+from tool0.protocol.running import Reset
 from tool0.runtime.notifications import Notification
 from tool0.runtime.poses import PoseBook
 

@@ -15,8 +15,8 @@ from tool0.interfaces.panel.protocol import Frame, Status, ViewInfo, ViewScene
 from tool0.interfaces.panel.robot_info import RobotFiles
 from tool0.interfaces.server.hub import Hub
 from tool0.interfaces.server.session import Session
-from tool0.requests.codec import encode
-from tool0.requests.state import SubscribeView
+from tool0.protocol.codec import encode
+from tool0.protocol.updates import SubscribeView
 from tool0.runtime.notifications import Notification
 from tool0.sensing.cameras import Cameras
 

@@ -17,7 +17,6 @@ from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.ros1.forward_command import ForwardCommandSpec
 from tool0.control.ros1.joint_state import JointStateSpec
 from tool0.control.ros1.joint_trajectory import JointTrajectorySpec
-from tool0.control.status import ControllerStatus
 from tool0.errors import ControlError, RosUnavailableError, Tool0Error
 from tool0.interfaces.ros1.controllers import (
     ForwardCommandBridge,
@@ -28,7 +27,8 @@ from tool0.interfaces.ros1.controllers import (
 from tool0.interfaces.ros1.messages import Message
 from tool0.interfaces.ros1.namespace import RosNamespace
 from tool0.interfaces.ros1.node import SnapshotPublisher, WorkerThread
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.controllers import ControllerStatus
+from tool0.protocol.state import Snapshot
 
 STRICT = 2
 """Of controller_manager_msgs/SwitchController; anything else is best effort."""

@@ -14,13 +14,11 @@ from std_msgs.msg import Float64, Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
 from tool0.api.controller import ControllerHandle, GoalHandle
-from tool0.control.goal import GoalStatus, GripperResult, Result, Tolerance
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.publish_rate import PublishRate
 from tool0.control.ros1.forward_command import ForwardCommandSpec
 from tool0.control.ros1.joint_state import JointStateSpec
 from tool0.control.ros1.joint_trajectory import JointTrajectorySpec
-from tool0.control.trajectory import TrajectoryState
 from tool0.errors import ControlError, GoalRejectedError, Tool0Error
 from tool0.interfaces.ros1.messages import (
     Message,
@@ -29,7 +27,9 @@ from tool0.interfaces.ros1.messages import (
     to_tolerances,
 )
 from tool0.interfaces.ros1.namespace import RosNamespace
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.goals import GoalStatus, GripperResult, Result, Tolerance
+from tool0.protocol.state import Snapshot
+from tool0.protocol.trajectories import TrajectoryState
 
 STATUS_RATE = 5.0
 """Of the goals' status [Hz], as actionlib's own.  It is published here, in simulated

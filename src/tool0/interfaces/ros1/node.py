@@ -23,7 +23,7 @@ from rospy.rostime import _set_rostime, set_rostime_initialized
 from tool0.errors import RosUnavailableError
 from tool0.installation.ros1.master import Master
 from tool0.interfaces.ros1.options import NODE_NAME, Ros1Options
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.state import Snapshot
 
 logger = logging.getLogger(__name__)
 

@@ -26,8 +26,8 @@ from tool0.installation.ros1.library import find_node
 from tool0.interfaces.ros1.messages import Message, transform_message
 from tool0.interfaces.ros1.namespace import RosNamespace
 from tool0.interfaces.ros1.node import SnapshotPublisher, WorkerThread
-from tool0.sensing.force_torque import WrenchReading
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.sensors import WrenchReading
+from tool0.protocol.state import Snapshot
 
 logger = logging.getLogger(__name__)
 

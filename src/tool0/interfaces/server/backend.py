@@ -7,22 +7,19 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, final
 
 from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, did_you_mean
-from tool0.requests.arm import MoveLinear, MoveTo
-from tool0.requests.gripper import Grip
-from tool0.requests.motion import (
-    CommandTrajectory,
-    FollowTrajectory,
-    GoToPose,
-    MoveJoints,
-    SteerJoints,
-    SwitchControllers,
-)
-from tool0.requests.state import EmergencyStop, Reset
-from tool0.requests.table import Request, answer, post
+from tool0.protocol.arm import MoveLinear, MoveTo
+from tool0.protocol.controllers import SwitchControllers
+from tool0.protocol.gripper import Grip
+from tool0.protocol.motion import MoveJoints, SteerJoints
+from tool0.protocol.poses import GoToPose
+from tool0.protocol.request import Request
+from tool0.protocol.running import EmergencyStop, Reset
+from tool0.protocol.trajectories import CommandTrajectory, FollowTrajectory
+from tool0.requests.table import answer, post
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:
-    from tool0.requests.codec import Mode
+    from tool0.protocol.codec import Mode
 
 
 class Backend(Protocol):

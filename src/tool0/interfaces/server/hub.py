@@ -14,7 +14,6 @@ from functools import partial
 from importlib.metadata import version
 from typing import Any, Final, Protocol, final
 
-from tool0.control.goal import Goal
 from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.budget import Budget
 from tool0.interfaces.server.backend import Backend
@@ -26,8 +25,8 @@ from tool0.interfaces.server.streams import (
     StreamedSetpoint,
 )
 from tool0.interfaces.server.updates import UpdateStreams
-from tool0.requests.arm_motion import ReturnArm, TakeArm
-from tool0.requests.codec import (
+from tool0.protocol.arm_motion import ReturnArm, TakeArm
+from tool0.protocol.codec import (
     PROTOCOL,
     GoalEnded,
     Hello,
@@ -36,17 +35,17 @@ from tool0.requests.codec import (
     encode_reply,
     outcome_of,
 )
-from tool0.requests.motion import GoalStarted, SteerJoints
-from tool0.requests.state import (
-    Run,
-    Step,
+from tool0.protocol.goals import Goal, GoalStarted
+from tool0.protocol.motion import SteerJoints
+from tool0.protocol.request import Request
+from tool0.protocol.running import Run, Step
+from tool0.protocol.updates import (
     Subscribe,
+    SubscribeUpdates,
     SubscribeView,
     Unsubscribe,
     ViewShown,
 )
-from tool0.requests.table import Request, entry_of
-from tool0.requests.updates import SubscribeUpdates
 
 logger = logging.getLogger(__name__)
 
@@ -185,11 +184,10 @@ class Hub:
             else:
                 self._setpoints.submit(StreamedSetpoint(session, request))
             return True
-        entry = entry_of(type(request))
-        if ident is None and entry.is_streamed and not session.is_busy:
+        if ident is None and request.is_streamed and not session.is_busy:
             self._post(session, request)
             return True
-        if entry.is_urgent and not entry.revokes:
+        if request.is_urgent and not request.revokes:
             self._stop(session, ident, request)
             return True
         return False
@@ -233,8 +231,7 @@ class Hub:
             session.send(encode_reply(ident, request, None))
             return
         await self._setpoints.settle(self.backend.superseded(request))
-        is_urgent = entry_of(type(request)).is_urgent
-        workers = self._urgent_worker if is_urgent else self._workers
+        workers = self._urgent_worker if request.is_urgent else self._workers
         if not await self._carry_out(session, ident, request, workers):
             return
         if isinstance(request, TakeArm | ReturnArm):

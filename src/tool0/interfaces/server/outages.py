@@ -7,8 +7,8 @@ from typing import Any, Final, final
 
 from tool0.errors import ControlError
 from tool0.interfaces.server.session import Session
-from tool0.requests.arm import MoveLinear, MoveTo
-from tool0.requests.arm_motion import (
+from tool0.protocol.arm import MoveLinear, MoveTo
+from tool0.protocol.arm_motion import (
     ExecutePath,
     ServoJoints,
     SpeedJoints,
@@ -17,21 +17,15 @@ from tool0.requests.arm_motion import (
     StartFreedrive,
     TakeArm,
 )
-from tool0.requests.control_box import PlayProgram
-from tool0.requests.gripper import Grip, ReactivateGripper
-from tool0.requests.motion import (
-    CommandGripper,
-    CommandJoints,
-    CommandTrajectory,
-    FollowTrajectory,
-    GoToPose,
-    MoveJoints,
-    SteerJoints,
-)
-from tool0.requests.objects import PullLink
-from tool0.requests.program import ResumeRun, RunProgram, StepRun
-from tool0.requests.state import Resume, Step
-from tool0.requests.table import Request
+from tool0.protocol.control_box import PlayProgram
+from tool0.protocol.gripper import Grip, ReactivateGripper
+from tool0.protocol.motion import CommandGripper, CommandJoints, MoveJoints, SteerJoints
+from tool0.protocol.objects import PullLink
+from tool0.protocol.poses import GoToPose
+from tool0.protocol.programs import ResumeRun, RunProgram, StepRun
+from tool0.protocol.request import Request
+from tool0.protocol.running import Resume, Step
+from tool0.protocol.trajectories import CommandTrajectory, FollowTrajectory
 from tool0.runtime.clock import FreezeMeter
 
 READING: Final = 1.0

@@ -81,7 +81,7 @@ async def _serve(hub: Hub, peer: socket.socket, has_room: bool) -> None:
     import asyncio
 
     from tool0.interfaces.server.lines import LineTransport
-    from tool0.requests.codec import encode_error
+    from tool0.protocol.codec import encode_error
 
     lines = LineTransport(hub.budget.account())
     loop = asyncio.get_running_loop()

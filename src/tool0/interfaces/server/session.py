@@ -21,13 +21,13 @@ from typing import Any, Final, NamedTuple, Protocol, final
 
 from tool0.errors import ControlError, TransportError
 from tool0.interfaces.budget import Account
-from tool0.requests.codec import (
+from tool0.protocol.codec import (
     RequestReadError,
     decode_request,
     encode_error,
     may_be_urgent,
 )
-from tool0.requests.table import Request, entry_of
+from tool0.protocol.request import Request, method_name
 
 logger = logging.getLogger(__name__)
 
@@ -286,7 +286,7 @@ class Session:
             ident, request = decode_request(text, suggests=False)
         except RequestReadError:
             return False  # it is answered in its turn
-        if not entry_of(type(request)).is_urgent:
+        if not request.is_urgent:
             return False
         self._revoke(request)
         if self._current is not None and _undoes(self._current, request):
@@ -299,7 +299,7 @@ class Session:
 
     def _revoke(self, stop: Request[Any]) -> None:
         """Refuse what waits and would undo a stop that overtakes it."""
-        methods = entry_of(type(stop)).revokes
+        methods = stop.revokes
         for text in [text for text in self._texts if _names(text, methods)]:
             assert text is not None  # it names something
             with contextlib.suppress(RequestReadError):  # answered in its turn
@@ -391,7 +391,7 @@ def _names(text: bytes | str | None, methods: Collection[str]) -> bool:
 
 def _undoes(request: Request[Any], stop: Request[Any]) -> bool:
     """Return whether ``request``, sent before ``stop``, would undo it."""
-    if entry_of(type(request)).name not in entry_of(type(stop)).revokes:
+    if method_name(type(request)) not in stop.revokes:
         return False
     arms = {getattr(request, "arm", None), getattr(stop, "arm", None)}
     return None in arms or len(arms) == 1

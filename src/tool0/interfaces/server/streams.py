@@ -11,7 +11,7 @@ from typing import Any, Final, final
 import msgspec
 
 from tool0.interfaces.server.session import Session
-from tool0.requests.codec import (
+from tool0.protocol.codec import (
     EventMessage,
     Fault,
     GoalEnded,
@@ -21,6 +21,7 @@ from tool0.requests.codec import (
     outcome_of,
     snapshot_message,
 )
+from tool0.protocol.state import Snapshot
 from tool0.runtime.bus import (
     Faulted,
     GoalFinished,
@@ -31,7 +32,6 @@ from tool0.runtime.bus import (
     WasReset,
 )
 from tool0.runtime.simulation import Simulation
-from tool0.sensing.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 

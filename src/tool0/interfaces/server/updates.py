@@ -11,11 +11,12 @@ from typing import Final, final
 from tool0.errors import ControlError
 from tool0.interfaces.server.session import Session
 from tool0.interfaces.server.streams import event_message
-from tool0.requests.codec import encode
-from tool0.requests.updates import LogMessage, SubscribeUpdates, update_message
+from tool0.protocol.codec import encode
+from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot
+from tool0.protocol.updates import LogMessage, SubscribeUpdates
+from tool0.requests.updates import update_message
 from tool0.runtime.bus import Faulted, Subscription, WasReset
 from tool0.runtime.simulation import Simulation
-from tool0.sensing.snapshot import SNAPSHOT_PERIOD, Snapshot
 
 logger = logging.getLogger(__name__)
 

@@ -17,7 +17,6 @@ from tool0.api.connect import SocketChannel
 from tool0.description.model import FLANGE, JointLimits
 from tool0.description.parts import find_grippers, gripper_of
 from tool0.errors import Tool0Error, UnreachableError
-from tool0.hardware.control_box import ControlBoxState
 from tool0.interfaces.ur.messages import Messages
 from tool0.interfaces.ur.programs import ProgramSlot
 from tool0.interfaces.ur.registers import Registers
@@ -32,8 +31,9 @@ from tool0.kinematics.one_posture import (
     times,
 )
 from tool0.kinematics.pose import Nine, Three, matrix_of, rotation_vector_of
-from tool0.requests.table import Request
-from tool0.requests.updates import ArmUpdate, Six, UpdateMessage
+from tool0.protocol.control_box_state import ControlBoxState
+from tool0.protocol.request import Request
+from tool0.protocol.updates import ArmUpdate, Six, UpdateMessage
 
 logger = logging.getLogger(__name__)
 R = TypeVar("R")

@@ -17,20 +17,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.errors import ControlError, Tool0Error
-from tool0.hardware.control_box import SafetyMode
 from tool0.interfaces.ur.client_interface.robot_state import robot_model
 from tool0.interfaces.ur.compiling import compiled
 from tool0.interfaces.ur.listening import REQUEST_COST, Peer, Port
 from tool0.interfaces.ur.program_files import ProgramFile, ProgramFiles
 from tool0.interfaces.ur.programs import RuntimeState
-from tool0.requests.control_box import (
+from tool0.protocol.control_box import (
     PowerOff,
     PowerOn,
     ReleaseBrakes,
     RestartSafety,
     UnlockProtectiveStop,
 )
-from tool0.requests.table import Request
+from tool0.protocol.control_box_state import SafetyMode
+from tool0.protocol.request import Request
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box

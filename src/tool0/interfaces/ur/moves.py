@@ -19,7 +19,7 @@ from tool0.errors import ControlError
 from tool0.kinematics.chain import Array
 from tool0.kinematics.move_planner import MovePlanner
 from tool0.kinematics.moves import Move, MovePlan, MoveWarning
-from tool0.requests.arm_motion import (
+from tool0.protocol.arm_motion import (
     ExecutePath,
     ServoJoints,
     SpeedJoints,
@@ -29,7 +29,7 @@ from tool0.requests.arm_motion import (
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box
-    from tool0.requests.updates import Six
+    from tool0.protocol.updates import Six
 
 logger = logging.getLogger(__name__)
 T = TypeVar("T")

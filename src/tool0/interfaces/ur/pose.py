@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tool0.kinematics.chain import Array
 from tool0.kinematics.pose import matrix_of, rotation_of, rotation_vector
-from tool0.requests.updates import Six
+from tool0.protocol.updates import Six
 
 __all__ = ["matrix_of", "pose_of", "rotation_of", "rotation_vector"]
 

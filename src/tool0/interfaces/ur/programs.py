@@ -8,11 +8,11 @@ from enum import IntEnum
 from typing import Any, Generic, Protocol, TypeVar, final
 
 from tool0.errors import ControlError, Tool0Error
-from tool0.hardware.control_box import ControlBoxState, ProgramState
 from tool0.interfaces.ur.messages import Messages
-from tool0.requests.arm_motion import ReturnArm, StopArm, TakeArm
-from tool0.requests.control_box import PauseProgram, PlayProgram
-from tool0.requests.table import Request
+from tool0.protocol.arm_motion import ReturnArm, StopArm, TakeArm
+from tool0.protocol.control_box import PauseProgram, PlayProgram
+from tool0.protocol.control_box_state import ControlBoxState, ProgramState
+from tool0.protocol.request import Request
 
 logger = logging.getLogger(__name__)
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.interfaces.ur.listening import count_clients
-from tool0.requests.control_box import (
+from tool0.protocol.control_box import (
     MOST_POPUP,
     MOST_PROGRAM,
     ReportUr,

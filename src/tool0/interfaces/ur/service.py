@@ -14,9 +14,9 @@ from tool0.errors import Tool0Error, TransportError
 from tool0.interfaces.ur.box import Box
 from tool0.interfaces.ur.compiling import prepare
 from tool0.interfaces.ur.options import UrArm, UrOptions
-from tool0.requests.arm import ListArms
-from tool0.requests.state import ReadInfo
-from tool0.requests.updates import SubscribeUpdates, UpdateMessage
+from tool0.protocol.arm import ListArms
+from tool0.protocol.robot import ReadInfo
+from tool0.protocol.updates import SubscribeUpdates, UpdateMessage
 
 CONNECT_TIMEOUT: Final = 60.0
 """Longest wait for the bring-up [wall s]."""

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 from tool0.kinematics.one_posture import rotated
-from tool0.requests.updates import Six
+from tool0.protocol.updates import Six
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import pytest
 
 from tool0.cli.demos.monitor import FrameRecorder
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.state import Snapshot
 
 PERIOD = 0.008  # [s]
 

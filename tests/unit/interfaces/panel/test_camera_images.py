@@ -16,7 +16,8 @@ from promised import require_gl
 import tool0
 from tool0.interfaces.panel.camera_images import depth_pixels
 from tool0.interfaces.panel.server import Panel
-from tool0.sensing.cameras import CameraImage, Cameras
+from tool0.protocol.sensors import CameraImage
+from tool0.sensing.cameras import Cameras
 
 TOKEN = "secret"
 

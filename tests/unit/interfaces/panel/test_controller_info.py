@@ -4,9 +4,9 @@ from pathlib import Path
 
 import tool0
 from tool0.control.ros1.dialect import ROS1
-from tool0.control.status import ControllerStatus
 from tool0.description.model import Joint, JointLimits, JointType
 from tool0.interfaces.panel.simulation_view import SimulationView, controller_infos
+from tool0.protocol.controllers import ControllerStatus
 
 KIND = "effort_controllers/JointTrajectoryController"
 ELBOW = Joint(

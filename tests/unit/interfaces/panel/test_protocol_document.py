@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from tool0.interfaces.panel import protocol
-from tool0.requests.codec import Hello, Reply, decode_request
+from tool0.protocol.codec import Hello, Reply, decode_request
 
 TEXT = (Path(__file__).parents[4] / "docs" / "panel-protocol.md").read_text("utf-8")
 MESSAGES = {

@@ -13,7 +13,7 @@ from served import serving, use_folder
 import tool0
 from tool0.api.connect import SocketChannel
 from tool0.errors import ControlError, Tool0Error
-from tool0.requests.arm_motion import (
+from tool0.protocol.arm_motion import (
     ReadArmMotion,
     ReturnArm,
     ServoJoints,
@@ -21,7 +21,7 @@ from tool0.requests.arm_motion import (
     StopArm,
     TakeArm,
 )
-from tool0.requests.updates import ArmUpdate, SubscribeUpdates, UpdateMessage
+from tool0.protocol.updates import ArmUpdate, SubscribeUpdates, UpdateMessage
 
 LONG = 30.0  # [wall s]; only a failing test waits so long
 

@@ -11,9 +11,11 @@ import pytest
 
 from tool0.interfaces.budget import RESERVE, Account, Budget
 from tool0.interfaces.server.session import MAX_BACKLOG, MAX_TEXTS, Ident, Session
-from tool0.requests.program import RunProgram, StopRun
-from tool0.requests.state import EmergencyStop, ReadSnapshot
-from tool0.requests.table import Request, entries, entry_of
+from tool0.protocol.programs import RunProgram, StopRun
+from tool0.protocol.request import Request
+from tool0.protocol.robot import ReadSnapshot
+from tool0.protocol.running import EmergencyStop
+from tool0.requests.table import entries, entry_of
 
 LONG = 30.0  # [wall s]; only a failing test waits so long
 

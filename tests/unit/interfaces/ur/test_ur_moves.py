@@ -15,8 +15,8 @@ from tool0.errors import UnreachableError
 from tool0.interfaces.ur.box import Box
 from tool0.interfaces.ur.moves import STOP, Moves
 from tool0.kinematics.moves import Move
-from tool0.requests.arm_motion import ReturnArm, TakeArm
-from tool0.requests.updates import Six
+from tool0.protocol.arm_motion import ReturnArm, TakeArm
+from tool0.protocol.updates import Six
 
 HOME = np.array([0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0])
 HARDEST = 40.0

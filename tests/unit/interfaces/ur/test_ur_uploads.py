@@ -8,10 +8,10 @@ import pytest
 from ur_box_rig import control_box
 
 import tool0
-from tool0.hardware.control_box import RobotMode
 from tool0.interfaces.ur.client_interface.scripts import UNNAMED, Script
 from tool0.interfaces.ur.client_interface.uploads import Uploads
 from tool0.interfaces.ur.messages import MessageKind
+from tool0.protocol.control_box_state import RobotMode
 
 LONG = 30.0  # [wall s]; only a failing test waits so long
 

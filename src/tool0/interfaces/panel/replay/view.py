@@ -35,11 +35,12 @@ from tool0.interfaces.panel.simulation_view import (
     targets_of,
     with_forces,
 )
+from tool0.protocol.replay import LoopReplay, ReadReplay, ReplaySamples, SeekReplay
+from tool0.protocol.request import Request, method_name
+from tool0.protocol.robot import LimitsInfo
+from tool0.protocol.running import Pause, Reset, Resume, SetSpeed, Step
 from tool0.recording.signals import Signals, thinned
 from tool0.recording.video import cameras_of
-from tool0.requests.replay import LoopReplay, ReadReplay, ReplaySamples, SeekReplay
-from tool0.requests.state import LimitsInfo, Pause, Reset, Resume, SetSpeed, Step
-from tool0.requests.table import Request, method_name
 from tool0.runtime.notifications import Notification
 from tool0.sensing.grasp import WINDOW, judge
 

@@ -22,7 +22,7 @@ from tool0.interfaces.ros1.gazebo.world import (
 from tool0.interfaces.ros1.messages import Message, pose_message, twist_message
 from tool0.interfaces.ros1.namespace import RosNamespace
 from tool0.interfaces.ros1.options import NODE_NAME
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.state import Snapshot
 
 Handler = Callable[[Message, Message], str]
 """Takes a request, fills the response, returns the text of its status_message."""

@@ -15,8 +15,8 @@ from tool0.description.shapes import part_names
 from tool0.description.transform import Transform, from_quaternion
 from tool0.errors import ControlError, did_you_mean
 from tool0.interfaces.ros1.messages import Message, to_motion, to_transform, to_vector
-from tool0.requests.objects import ApplyWrench
-from tool0.sensing.snapshot import Snapshot
+from tool0.protocol.objects import ApplyWrench
+from tool0.protocol.state import Snapshot
 
 ROBOT = "robot"
 """Name of the robot's model in the launch files of ur_gazebo."""

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from tool0.hardware.control_box import RobotMode, SafetyMode
 from tool0.interfaces.ur.programs import RuntimeState
 from tool0.interfaces.ur.rtde import quantities as q
+from tool0.protocol.control_box_state import RobotMode, SafetyMode
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box

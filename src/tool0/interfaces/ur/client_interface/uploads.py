@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, final
 from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.ur.client_interface.scripts import UNNAMED, Script
 from tool0.interfaces.ur.compiling import compiled
-from tool0.requests.control_box import (
+from tool0.protocol.control_box import (
     PowerOff,
     PowerOn,
     ReleaseBrakes,

@@ -10,7 +10,6 @@ from typing import Any, Final, Protocol, TypeVar, final
 
 from tool0.description.model import ParallelGripper
 from tool0.errors import Tool0Error
-from tool0.hardware.control_box import ControlBoxState, RobotMode
 from tool0.interfaces.ur.robotiq.counts import FULL, Counts
 from tool0.interfaces.ur.robotiq.registers import (
     Activation,
@@ -19,10 +18,10 @@ from tool0.interfaces.ur.robotiq.registers import (
     ObjectStatus,
     Status,
 )
-from tool0.requests.gripper import Grip, ReadGripper
-from tool0.requests.table import Request
-from tool0.requests.updates import UpdateMessage
-from tool0.sensing.grasp import GraspState
+from tool0.protocol.control_box_state import ControlBoxState, RobotMode
+from tool0.protocol.gripper import GraspState, Grip, ReadGripper
+from tool0.protocol.request import Request
+from tool0.protocol.updates import UpdateMessage
 
 R = TypeVar("R")
 

@@ -9,11 +9,11 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final, final
 
 from tool0.errors import TransportError
-from tool0.hardware.control_box import AnalogDomain
 from tool0.interfaces.ur.registers import N_BITS, N_NUMBERS
 from tool0.interfaces.ur.rtde.outputs import FIRST_SINGLE_BIT, NOT_FOUND
 from tool0.interfaces.ur.rtde.protocol import LENGTHS, layout
-from tool0.requests.control_box import SetAnalogOutput, SetIO, SetSpeedSlider
+from tool0.protocol.control_box import SetAnalogOutput, SetIO, SetSpeedSlider
+from tool0.protocol.control_box_state import AnalogDomain
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box

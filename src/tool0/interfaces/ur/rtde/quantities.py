@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
-from tool0.hardware.control_box import AnalogDomain, RobotMode, SafetyMode
 from tool0.hardware.payload import payload_inertia
 from tool0.interfaces.ur.programs import RuntimeState
-from tool0.requests.updates import Six
+from tool0.protocol.control_box_state import AnalogDomain, RobotMode, SafetyMode
+from tool0.protocol.updates import Six
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box

@@ -17,8 +17,8 @@ from tool0.interfaces.ur.rtde_control.compliance import Compliance
 from tool0.interfaces.ur.rtde_control.exchange import Exchange
 from tool0.interfaces.ur.rtde_control.motions import Motions
 from tool0.kinematics.moves import Move
-from tool0.requests.arm_motion import ZeroWrench
-from tool0.requests.control_box import SetPayload, SetTcp, StopProtectively
+from tool0.protocol.arm_motion import ZeroWrench
+from tool0.protocol.control_box import SetPayload, SetTcp, StopProtectively
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box

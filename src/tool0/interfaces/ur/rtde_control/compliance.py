@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, Literal, cast, final
 from msgspec import structs
 
 from tool0.errors import ControlError
-from tool0.requests.arm_motion import (
+from tool0.protocol.arm_motion import (
     EndForceMode,
     EndFreedrive,
     StartForceMode,

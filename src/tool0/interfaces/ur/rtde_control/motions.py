@@ -14,12 +14,12 @@ from tool0.interfaces.ur.pose import rotation_of
 from tool0.interfaces.ur.rtde_control.exchange import Exchange
 from tool0.kinematics.chain import Array
 from tool0.kinematics.moves import Move, MoveKind
-from tool0.requests.arm_motion import ServoJoints, SpeedJoints, SpeedTool
+from tool0.protocol.arm_motion import ServoJoints, SpeedJoints, SpeedTool
 
 if TYPE_CHECKING:
     from tool0.interfaces.ur.box import Box
     from tool0.interfaces.ur.tool_contact import ToolHistory
-    from tool0.requests.updates import Six
+    from tool0.protocol.updates import Six
 
 JOG_STOP, CONTACT_STOP = 1.2, 3.0
 """How the program slows the tool down after jogging and at a contact [m/s²]."""

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Final, TypeAlias, final
 
 from tool0.interfaces.ur.urscript.errors import ValueProblem
 from tool0.interfaces.ur.urscript.values import Pose, Value, described, is_number
-from tool0.requests.updates import Six
+from tool0.protocol.updates import Six
 
 
 @final

@@ -10,10 +10,10 @@ from recorded_session import ADDED_AT, TURNED, record_session
 import tool0
 from tool0.errors import ControlError, RecordingError
 from tool0.interfaces.panel.replay.view import Replay
+from tool0.protocol.poses import GoToPose
+from tool0.protocol.replay import LoopReplay, SeekReplay
+from tool0.protocol.running import Pause, Reset, Resume, SetSpeed, Step
 from tool0.recording.reading import RecordingFile, open_recording
-from tool0.requests.motion import GoToPose
-from tool0.requests.replay import LoopReplay, SeekReplay
-from tool0.requests.state import Pause, Reset, Resume, SetSpeed, Step
 
 pytest.importorskip("mcap", reason="the extra 'record' is not installed")
 

@@ -18,7 +18,7 @@ import tool0
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose
-from tool0.requests.control_box import SetIO
+from tool0.protocol.control_box import SetIO
 
 READY = (0.0, -1.2, 1.9, -2.2708, -1.5708, 0.0)  # [rad]
 HOME = f"""

@@ -19,15 +19,15 @@ from tool0.interfaces.ur.urscript.kinds import (
     Vector,
 )
 from tool0.interfaces.ur.urscript.values import Pose, Value, described
-from tool0.requests.arm_motion import (
+from tool0.protocol.arm_motion import (
     EndForceMode,
     EndFreedrive,
     StartForceMode,
     StartFreedrive,
     ZeroWrench,
 )
-from tool0.requests.control_box import SetPayload, SetTcp, StopProtectively
-from tool0.requests.updates import Six
+from tool0.protocol.control_box import SetPayload, SetTcp, StopProtectively
+from tool0.protocol.updates import Six
 
 STANDARD_GRAVITY: Final = 9.82
 """What UR's programs give [m/s²]; g differs by less than the tolerance."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Final, Literal, TypeAlias, cast
 
-from tool0.hardware.control_box import AnalogDomain, AnalogPin
 from tool0.interfaces.ur.urscript.errors import ValueProblem
 from tool0.interfaces.ur.urscript.execution import Thread
 from tool0.interfaces.ur.urscript.functions import Function, function
 from tool0.interfaces.ur.urscript.kinds import Bool, Integer, Number
 from tool0.interfaces.ur.urscript.library.registers import address_kind
 from tool0.interfaces.ur.urscript.values import Value
-from tool0.requests.control_box import SetAnalogOutput, SetIO
+from tool0.protocol.control_box import SetAnalogOutput, SetIO
+from tool0.protocol.control_box_state import AnalogDomain, AnalogPin
 
 CONFIGURABLE: Final = 8
 """Number of the first configurable pin among all digital ones."""

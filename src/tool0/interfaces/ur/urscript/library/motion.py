@@ -21,7 +21,7 @@ from tool0.interfaces.ur.urscript.kinds import (
     Target,
 )
 from tool0.interfaces.ur.urscript.values import Pose
-from tool0.requests.updates import Six
+from tool0.protocol.updates import Six
 
 _LOOKAHEAD: Final = (0.03, 0.2)
 """[s]"""

@@ -15,8 +15,6 @@ import msgspec
 from msgspec import UNSET, Raw, Struct, UnsetType
 
 from tool0 import errors
-from tool0.control.goal import GoalResult, GripperResult, Result
-from tool0.control.status import ControllerStatus
 from tool0.errors import (
     DivergenceError,
     GoalRejectedError,
@@ -25,14 +23,14 @@ from tool0.errors import (
     TransportError,
     did_you_mean,
 )
-from tool0.hardware.control_box import ControlBoxState
-from tool0.hardware.engine import ObjectState
-from tool0.requests.objects import ObjectInfo, info_of, object_of
-from tool0.requests.sensors import Picture, image_of, picture_of
-from tool0.requests.table import Entry, Request, entries, entry_of, method_name, plain
-from tool0.sensing.cameras import CameraImage
-from tool0.sensing.snapshot import JointSetpoint, Snapshot
-from tool0.sensing.stalls import Stall
+from tool0.protocol.control_box_state import ControlBoxState
+from tool0.protocol.controllers import ControllerStatus
+from tool0.protocol.goals import GoalResult, GripperResult, Result
+from tool0.protocol.methods import methods
+from tool0.protocol.objects import ObjectInfo, info_of, object_of
+from tool0.protocol.request import Request, method_name, plain, response_type
+from tool0.protocol.sensors import CameraImage, Picture, image_of, picture_of
+from tool0.protocol.state import JointSetpoint, ObjectState, Snapshot, Stall
 
 PROTOCOL: Final = 2
 """Incremented when a program written for the old protocol could misread the new."""
@@ -383,15 +381,15 @@ def decode_request(
         ident = _id_in(text) if suggests else None
         raise RequestReadError(ident, TransportError(problem)) from None
     method = envelope.method
-    entry = entries().get(method)
-    if entry is None or entry.is_local:
-        near = did_you_mean(method[:_SHOWN], set(entries())) if suggests else ""
+    kind = methods().get(method)
+    if kind is None:
+        near = did_you_mean(method[:_SHOWN], set(methods())) if suggests else ""
         problem = f"unknown method '{method[:_SHOWN]}'{near}"
         raise RequestReadError(envelope.id, TransportError(problem))
     try:
-        return envelope.id, _decoder(entry.request).decode(envelope.params)
+        return envelope.id, _decoder(kind).decode(envelope.params)
     except (msgspec.DecodeError, RecursionError, Tool0Error) as error:
-        explained = _explained(entry, envelope.params, error, suggests=suggests)
+        explained = _explained(kind, envelope.params, error, suggests=suggests)
         raise RequestReadError(envelope.id, explained) from None
 
 
@@ -399,7 +397,7 @@ def encode_reply(
     ident: int | str | None, request: Request[Any], response: Any
 ) -> bytes:
     """Return the answer to a request that succeeded."""
-    form = _WIRE_FORMS.get(entry_of(type(request)).response)
+    form = _WIRE_FORMS.get(response_type(type(request)))
     result = _encoder.encode(response if form is None else form.write(response))
     return encode(Reply(id=ident, result=Raw(result)))
 
@@ -411,7 +409,7 @@ def encode_error(ident: int | str | None, error: BaseException) -> bytes:
 
 def decode_response(request: Request[Any], result: Raw) -> Any:
     """Return the response to ``request``, or raise TransportError if it is none."""
-    response = entry_of(type(request)).response
+    response = response_type(type(request))
     form = _WIRE_FORMS.get(response)
     try:
         value = _decoder(response if form is None else form.kind).decode(result)
@@ -438,22 +436,23 @@ def _id_in(text: bytes | str) -> int | str | None:
 
 @cache
 def _urgent_methods() -> tuple[str, ...]:
-    return tuple(name for name, entry in entries().items() if entry.is_urgent)
+    return tuple(name for name, kind in methods().items() if kind.is_urgent)
 
 
 def _explained(
-    entry: Entry, params: Raw, error: Exception, *, suggests: bool
+    kind: type[Request[Any]], params: Raw, error: Exception, *, suggests: bool
 ) -> Tool0Error:
     """Return what is wrong with a request's parameters."""
     if isinstance(error, Tool0Error):
         return error
+    method = method_name(kind)
     try:
         given = msgspec.json.decode(params)
     except (msgspec.DecodeError, RecursionError) as worse:
-        return TransportError(f"{entry.name}: {worse}")
-    valid = set(entry.request.__struct_fields__)
+        return TransportError(f"{method}: {worse}")
+    valid = set(kind.__struct_fields__)
     for field in given if isinstance(given, dict) else ():
         if field not in valid:
             near = did_you_mean(field[:_SHOWN], valid) if suggests else ""
-            return RequestError(entry.name, f"no field '{field[:_SHOWN]}'{near}")
-    return RequestError(entry.name, str(error))
+            return RequestError(method, f"no field '{field[:_SHOWN]}'{near}")
+    return RequestError(method, str(error))

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Literal, NamedTuple, final
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, Protocol, final
 
 from msgspec import Struct, field
 
-from tool0.control.arm_setpoint import ArmSetpoint
-from tool0.control.status import ControllerStatus
-from tool0.control.trajectory import Setpoint
 from tool0.description.scene import SceneObject
-from tool0.hardware.control_box import ControlBoxState
-from tool0.hardware.engine import Contact, ObjectState
-from tool0.hardware.tool_dynamics import Wrench
-from tool0.sensing.stalls import Stall
+from tool0.protocol.control_box_state import ControlBoxState
+from tool0.protocol.controllers import ControllerStatus
+from tool0.protocol.trajectories import TrajectoryState
 
 MotionMode = Literal["free", "hold", "path", "servo", "speed", "stop", "freedrive"]
 """What moves an arm: ``free`` is a controller of ROS, or nothing."""
@@ -44,6 +41,32 @@ class JointSetpoint(NamedTuple):
     """At this instant [rad/s | m/s]."""
     target: float
     """The end of the motion [rad | m]."""
+
+
+class ControllerSetpoint(Protocol):
+    """The setpoint of a controller at one instant, computed when it is read."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of every sequence here."""
+
+    def joint_setpoints(self) -> Mapping[str, JointSetpoint]:
+        """Return the setpoint of each joint."""
+
+    def desired_and_target(self, joint: str) -> tuple[float, float] | None:
+        """Return the desired and the final position of one joint [rad | m].
+
+        None if it is none of these; much cheaper than ``joint_setpoints``.
+        """
+
+    def desired_motion(self, joints: Sequence[str], time: float) -> ArmSetpoint | None:
+        """Return the desired motion of these joints at a simulated time [s].
+
+        None if one is none of these.
+        """
+
+    def state(self) -> TrajectoryState:
+        """Return desired, actual and error at that instant."""
 
 
 @final
@@ -105,7 +128,7 @@ class Snapshot(Struct, frozen=True):
     speed: float | None = None
     """Requested simulated time per wall time; None if time passes only on request, as
     fast as possible."""
-    controller_setpoints: Mapping[str, Setpoint] = field(default_factory=dict)
+    controller_setpoints: Mapping[str, ControllerSetpoint] = field(default_factory=dict)
     """The setpoint of each running controller; empty in another process."""
     received_setpoints: Mapping[str, JointSetpoint] = field(default_factory=dict)
     """Joint → setpoint, if another process computed them."""
@@ -144,14 +167,7 @@ class Snapshot(Struct, frozen=True):
             return self.received_setpoints
         found: dict[str, JointSetpoint] = {}
         for setpoint in self.controller_setpoints.values():
-            time = setpoint.time
-            for joint, spline in zip(
-                setpoint.joint_models, setpoint.splines, strict=True
-            ):
-                now = spline.sample(time)
-                found[joint.name] = JointSetpoint(
-                    now.position, now.velocity, spline.target
-                )
+            found.update(setpoint.joint_setpoints())
         return found
 
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:
@@ -165,3 +181,96 @@ class Snapshot(Struct, frozen=True):
                 return wanted
         received = self.received_setpoints.get(joint)
         return None if received is None else (received.position, received.target)
+
+
+class ArmSetpoint(NamedTuple):
+    """The commanded motion of an arm's joints at an instant, base to flange."""
+
+    positions: Sequence[float]
+    """[rad]"""
+    velocities: Sequence[float]
+    """In simulated time [rad/s]."""
+    accelerations: Sequence[float]
+    """[rad/s²]"""
+
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether no joint moves."""
+        return not any(self.velocities)
+
+    @staticmethod
+    def resting(positions: Sequence[float]) -> ArmSetpoint:
+        """Return the setpoint of resting at ``positions`` [rad]."""
+        zeros = (0.0,) * len(positions)
+        return ArmSetpoint(tuple(positions), zeros, zeros)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ObjectState:
+    """Pose and velocity of a scene object, in the robot's root."""
+
+    name: str
+    """Of the object."""
+    position: tuple[float, float, float]
+    """Of its origin [m]."""
+    quat_wxyz: tuple[float, float, float, float]
+    """Its orientation, a unit quaternion."""
+    linear: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Velocity of its origin [m/s]."""
+    angular: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Angular velocity [rad/s]."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """The resultant of all contact points between two links or objects.
+
+    Links and objects have their own names, also links that are fixed to others; the
+    engine's own ground is ``ground``.  Vectors are in the axes of the robot's root.
+    """
+
+    first: str
+    """A link or an object."""
+    second: str
+    """What it touches."""
+    point: tuple[float, float, float]
+    """Mean of the contact points, weighted by their normal forces, in the root [m]."""
+    force: tuple[float, float, float]
+    """Force that ``first`` exerts on ``second`` [N]."""
+    torque: tuple[float, float, float]
+    """Torque that ``first`` exerts on ``second``, about ``point`` [N·m]."""
+
+
+Wrench = tuple[float, float, float, float, float, float]
+"""Force [N] and torque [N·m]."""
+
+
+class Stall(NamedTuple):
+    """A joint that is driven and has not moved for ``STALL_TIME``."""
+
+    joint: str
+    effort: float
+    """[N·m | N]"""
+    contacts: tuple[tuple[str, str], ...] = ()
+    """The links beyond the joint that touch something, and what they touch; the
+    strongest contact first.  Empty if the joint is at its stop or overloaded."""
+    lag: float | None = None
+    """Distance from its setpoint [rad | m]; None if it pushes with its effort limit."""
+
+    def __str__(self) -> str:
+        touching = contacts_text(self.contacts) or "no contact: its stop, or the load"
+        does = f"pushes with its limit of {abs(self.effort):.4g}"
+        if self.lag is not None:
+            does = f"is {self.lag:.3f} from its setpoint"
+        return f"joint '{self.joint}' {does} and does not move ({touching})"
+
+
+def contacts_text(contacts: Sequence[tuple[str, str]]) -> str:
+    """Return pairs of names as text."""
+    return ", ".join(f"'{link}' touches '{other}'" for link, other in contacts)
+
+
+MIN_SNAPSHOT_RATE, MAX_SNAPSHOT_RATE = 0.001, 500.0
+"""Range of snapshot rates for subscribers, per simulated second [Hz]."""

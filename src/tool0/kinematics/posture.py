@@ -1,0 +1,70 @@
+"""The postures of an arm that reach one pose, and their branches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Literal, final
+
+from tool0.errors import ControlError
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Branch:
+    """Which of the eight postures that reach one pose; None for either.
+
+    Left, up and no flip is the usual posture of a UR.  Where two branches meet the arm
+    is singular.
+    """
+
+    shoulder: Literal["left", "right"] | None = None
+    """On which side of the line from the base to the wrist's centre the upper arm is,
+    as seen from behind the base."""
+    elbow: Literal["up", "down"] | None = None
+    """Whether the elbow is above the line from the shoulder to the fourth joint;
+    reversed where that joint and the wrist's centre are on different sides of the
+    base's axis, so that the word changes in singular postures alone."""
+    wrist: Literal["flip", "no_flip"] | None = None
+    """The sign of the fifth joint's sine, from where the sixth axis is parallel to the
+    second: negative for "no_flip"."""
+
+    def __post_init__(self) -> None:
+        for name, values in _BRANCHES.items():
+            value = getattr(self, name)
+            if value is not None and value not in values:
+                raise ControlError(
+                    f"{name} must be {values[0]!r} or {values[1]!r}, got {value!r}"
+                )
+
+    def includes(self, other: Branch) -> bool:
+        """Return whether ``other`` matches every given field."""
+        return all(
+            getattr(self, name) in (None, getattr(other, name)) for name in _BRANCHES
+        )
+
+    def __str__(self) -> str:
+        """Return the given fields as text."""
+        words = (getattr(self, item.name) for item in fields(self))
+        return ", ".join(word for word in words if word is not None) or "any"
+
+
+_BRANCHES = {
+    "shoulder": ("left", "right"),
+    "elbow": ("up", "down"),
+    "wrist": ("flip", "no_flip"),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Solution:
+    """A posture that reaches the pose."""
+
+    positions: Mapping[str, float]
+    """Joint → position [rad], from base to tip."""
+    branch: Branch
+    """Its branch, one of eight."""
+    distance: float
+    """Distance from ``near``: each joint's turn divided by its largest velocity, as the
+    root of the sum of squares [s]."""

@@ -1,0 +1,224 @@
+"""Requests to an arm that a program moves in place of ROS's controllers.
+
+A program takes the arm, sends paths or streams, and gives it back.  The joints are in
+the order from base to flange.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, Literal
+
+from msgspec import Meta
+
+from tool0.protocol.request import ArmRequest, Name, Request
+from tool0.protocol.updates import ArmUpdate
+
+Row6 = tuple[float, float, float, float, float, float]
+"""A number for each joint, from base to flange."""
+
+Rows6 = tuple[Row6, ...]
+
+ZERO_POSE: Row6 = (0.0,) * 6
+
+Flags6 = tuple[bool, bool, bool, bool, bool, bool]
+
+Limit = Annotated[float, Meta(gt=0.0, le=100.0)]
+
+Limits6 = tuple[Limit, Limit, Limit, Limit, Limit, Limit]
+
+Acceleration = Annotated[float, Meta(gt=0.0, le=1000.0)]
+"""[rad/s², m/s²]"""
+
+Duration = Annotated[float, Meta(ge=0.0)]
+"""[s]"""
+
+Timeout = Annotated[float, Meta(gt=0.0, le=1e6)]
+"""[wall s]"""
+
+PathNumber = Annotated[int, Meta(ge=1)]
+
+PathTime = Annotated[float, Meta(ge=0.0)]
+"""[s]"""
+
+MOST_KNOTS = 100_000
+SILENCE: Final = 0.5
+"""Longest time between two commands of a stream [wall s], unless they say otherwise."""
+
+
+class TakeArm(ArmRequest[None], frozen=True):
+    """Let a program move an arm: its controllers stop, and it holds still.
+
+    An arm that is taken already only gets the name of the program, and may move again
+    after a motion that failed, or the emergency stop.
+    """
+
+    by: Name
+    """The program, for people."""
+    protected: bool = False
+    """Whether a motion that fails is a protective stop, as on a UR; otherwise the arm
+    stays taken."""
+
+
+class ReturnArm(ArmRequest[None], frozen=True):
+    """Stop an arm, and start its controllers again once it is at rest."""
+
+    by: Name | None = None
+    """Only if this program still moves it: nobody else who took it is stopped."""
+
+
+class ExecutePath(ArmRequest[int], frozen=True):
+    """Follow a path of the joints; the response is its number, from 1 on.
+
+    It starts now, with the setpoint, or replaces another path.  Between two knots the
+    joints follow cubics, or quintics if there are accelerations.
+    """
+
+    unchecked = ("times", "positions", "velocities", "accelerations")
+
+    times: Annotated[tuple[float, ...], Meta(min_length=1, max_length=MOST_KNOTS)]
+    """Of the knots after the start [s], increasing.  A knot at 0 must be the setpoint,
+    within 1e-6 rad and rad/s."""
+    positions: Annotated[Rows6, Meta(max_length=MOST_KNOTS)]
+    """[rad]"""
+    velocities: Annotated[Rows6, Meta(max_length=MOST_KNOTS)]
+    """[rad/s]; 0 at the last knot."""
+    accelerations: Annotated[Rows6, Meta(max_length=MOST_KNOTS)] = ()
+    """[rad/s²]"""
+    after: PathNumber | None = None
+    """The number of the path that it replaces; none, if left out."""
+    at: PathTime | None = None
+    """From which time of that path on [s]."""
+
+
+class StopArm(ArmRequest[None], frozen=True):
+    """Ramp down to rest, from any motion."""
+
+    deceleration: Acceleration = 2.0
+    """Of the leading joint [rad/s²].  With ``along_path``, by how much the speed of the
+    path changes in a second [1/s²]: 2 ends it within half a second."""
+    along_path: bool = False
+    """Whether an arm on a path stays on it."""
+
+
+class ServoJoints(ArmRequest[None], frozen=True):
+    """Follow a target from now on: one of a stream, as URScript's ``servoj``.
+
+    Without an id, every one is executed at the next tick.  The law is
+    qdd = gain (target - (q + lookahead_time qd)), with the setpoint's q and qd, within
+    the limits of the joints.  The speed slider scales the largest velocity.
+    """
+
+    is_streamed = True
+
+    positions: Row6
+    """[rad]"""
+    duration: Annotated[float, Meta(ge=0.0, le=10.0)] = 0.002
+    """Until the next target is expected [s]; the last one is held after it."""
+    lookahead_time: Annotated[float, Meta(ge=0.03, le=0.2)] = 0.1
+    """[s]"""
+    gain: Annotated[float, Meta(ge=100.0, le=2000.0)] = 300.0
+    """[1/s²]"""
+    timeout: Timeout = SILENCE
+    """In real time: if the next target of a stream does not come within this wall time,
+    the stream has ended [s].  The arm stops, and follows no further target until it is
+    stopped (``stop_arm``), follows a path or is taken again."""
+
+
+class SpeedJoints(ArmRequest[None], frozen=True):
+    """Ramp to joint velocities, as URScript's ``speedj``.
+
+    The speed slider scales them.
+    """
+
+    is_streamed = True
+
+    velocities: Row6
+    """[rad/s]"""
+    acceleration: Acceleration = 1.4
+    """Of the leading joint [rad/s²]."""
+    duration: Duration | None = None
+    """After this time the arm ramps to rest [s]; never, if left out or 0."""
+    timeout: Timeout | None = None
+    """As for ``servo_joints``; 0.5 s without a ``duration``, otherwise none."""
+
+
+class SpeedTool(ArmRequest[None], frozen=True):
+    """Ramp to a velocity of the tool, as URScript's ``speedl``.
+
+    Where a joint would be too fast or reach its limit, the tool slows down on its way.
+    """
+
+    is_streamed = True
+
+    twist: Row6
+    """Of the TCP, linear and angular, in the axes of the base [m/s, rad/s]."""
+    acceleration: Acceleration = 1.2
+    """[m/s²], and the same number in [rad/s²]."""
+    duration: Duration | None = None
+    """After this time the arm ramps to rest [s]; never, if left out or 0."""
+    timeout: Timeout | None = None
+    """As for ``servo_joints``; 0.5 s without a ``duration``, otherwise none."""
+    tcp: Row6 = ZERO_POSE
+    """The TCP in the flange, with a rotation vector [m, rad]."""
+
+
+class StartForceMode(ArmRequest[None], frozen=True):
+    """Push with a force along some axes of a frame, as URScript's ``force_mode``.
+
+    It is superimposed on what else the arm does; a second request replaces the first.
+    The force is that which the tool applies to its environment at rest.  Motions and
+    their setpoints do not show how far the arm gives way.
+    """
+
+    frame: Row6
+    """In the base, with a rotation vector [m, rad]."""
+    selection: Flags6
+    """Which axes of the frame give way: x, y, z, and about them."""
+    wrench: Row6
+    """Along those [N, N·m]; the numbers of other axes do not count."""
+    limits: Limits6
+    """Largest speed along an axis that gives way [m/s, rad/s]; largest deviation from
+    the motion along another that it resists with more force [m, rad]."""
+    kind: Literal[1, 2, 3] = 2
+    """1: the frame's y axis points from the TCP to the frame's origin.  2: the frame is
+    as given.  3: its x axis is the TCP's velocity, projected onto its xy plane."""
+    tcp: Row6 = ZERO_POSE
+    """The TCP in the flange, with a rotation vector [m, rad]."""
+    damping: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.005
+    """As for ``force_mode_set_damping``: how soon an undriven motion decays."""
+    gain_scaling: Annotated[float, Meta(gt=0.0, le=2.0)] = 1.0
+    """As for ``force_mode_set_gain_scaling``: divides the damping."""
+
+
+class EndForceMode(ArmRequest[None], frozen=True):
+    """End force mode: the arm stops where it is, and a path of it ends."""
+
+
+class StartFreedrive(ArmRequest[None], frozen=True):
+    """Let the arm be moved by hand; it stays where it is left."""
+
+    axes: Flags6 = (True,) * 6
+    """Along and about which axes of the frame the tool gives way."""
+    frame: Row6 = ZERO_POSE
+    """In the base, with a rotation vector [m, rad]."""
+
+
+class EndFreedrive(ArmRequest[None], frozen=True):
+    """Hold the arm where it is."""
+
+
+class ReadArmMotion(ArmRequest[ArmUpdate], frozen=True):
+    """Setpoint, mode, path and wrench of an arm, as updates have them."""
+
+
+class ZeroWrench(ArmRequest[None], frozen=True):
+    """Let the wrench that updates have of an arm be 0 now: tare."""
+
+
+class EndStream(Request[None], frozen=True):
+    """Ramp down to rest if the arm follows a stream; any other motion goes on.
+
+    The simulation does so itself when a stream has fallen silent.
+    """
+
+    arm: Name

@@ -1,0 +1,291 @@
+"""Controllers: their status, roles and gains, and the requests to them."""
+
+from __future__ import annotations
+
+import enum
+import math
+import sys
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, Final, final
+
+from msgspec import Meta, Struct
+
+from tool0.errors import ConfigError, did_you_mean
+from tool0.protocol.request import Name, Request
+from tool0.protocol.trajectories import JointsMotion, TrajectoryState
+
+
+class Role(enum.Enum):
+    """What a controller is for: which requests it takes."""
+
+    TRAJECTORY = "trajectory"
+    """It follows trajectories: ``TrajectoryFollower``."""
+    GRIPPER = "gripper"
+    """It moves one joint and squeezes: ``GripperDriver``."""
+    COMMAND = "command"
+    """It takes a number for each joint: ``CommandTaker``."""
+    MOTION = "motion"
+    """It is tool0's own, and moves an arm: ``requests/arm_motion.py``."""
+    READER = "reader"
+    """It moves nothing."""
+
+
+KIND_OF: Final = {
+    Role.TRAJECTORY: "JointTrajectoryController",
+    Role.GRIPPER: "GripperActionController",
+    Role.COMMAND: "ForwardCommandController",
+}
+"""The usual class of a role, for messages."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ControllerStatus:
+    """A loaded controller: controller_manager_msgs/ControllerState."""
+
+    name: str
+    """Its name in the YAML."""
+    type: str
+    """As in the YAML: ``effort_controllers/JointTrajectoryController``."""
+    role: Role
+    """What it is for."""
+    state: str
+    """ROS 1: ``initialized`` after loading, then ``running`` or ``stopped``.  ROS 2:
+    ``unconfigured`` after loading, then ``inactive`` or ``active``."""
+    is_running: bool
+    """Whether it is running, or active."""
+    claimed: tuple[tuple[str, tuple[str, ...]], ...]
+    """Each command interface with the joints; claims count while it is running."""
+    command_interfaces: tuple[str, ...] = ()
+    """What it requires to command: ``elbow_joint/position``."""
+    state_interfaces: tuple[str, ...] = ()
+    """What it requires to read, as ROS 2 names it."""
+    blocked: str = ""
+    """Why it cannot be started: its arm is in a protective stop, powered off, or taken
+    by another program; empty if it can."""
+
+    @property
+    def joints(self) -> frozenset[str]:
+        """The joints that it drives while it is running."""
+        return frozenset(joint for _, joints in self.claimed for joint in joints)
+
+
+def why_not_driven(
+    statuses: Sequence[ControllerStatus],
+    joints: Collection[str],
+    roles: Collection[Role] = (Role.TRAJECTORY,),
+) -> str:
+    """Return why no running controller of these roles drives ``joints``, and a remedy.
+
+    The message is for a request that needs one.
+    """
+    able = [status for status in statuses if status.role in roles]
+    known = frozenset[str]().union(*(status.joints for status in able))
+    names = ", ".join(f"'{joint}'" for joint in joints)
+    problem = (
+        f"no running {' or '.join(KIND_OF[role] for role in roles)} drives {names}"
+    )
+    stopped = next((s for s in able if s.joints.issuperset(joints)), None)
+    if stopped is None:
+        unknown = next((joint for joint in joints if joint not in known), "")
+        return problem + (did_you_mean(unknown, known) if unknown else "")
+    name = stopped.name
+    if stopped.blocked:
+        return f"{problem}: {stopped.blocked}"
+    for other in statuses:
+        if other.is_running and other.joints & stopped.joints:
+            return (
+                f"{problem}: '{other.name}' is running instead of '{name}'; switch "
+                f"with `tool0 controllers switch --stop {other.name} --start {name}` "
+                f"or robot.switch(start=['{name}'], stop=['{other.name}'])"
+            )
+    return (
+        f"{problem}: controller '{name}' is {stopped.state}; start it with "
+        f"{start_command(name)}"
+    )
+
+
+def start_command(name: str) -> str:
+    """Return how to start a loaded controller, for a message."""
+    return f"`tool0 controllers start {name}` or robot.switch(start=['{name}'])"
+
+
+UNLIMITED: Final = sys.float_info.max
+"""As a limit of gains: they are sent as JSON, which has no infinity."""
+
+
+class Unwinding(enum.Enum):
+    """What keeps the integral of a PID from growing while its command is limited."""
+
+    NONE = 0
+    CONDITIONAL_INTEGRATION = 1
+    """An error that would drive the command further is not integrated."""
+    BACK_CALCULATION = 2
+    """The integral shrinks by what the limits take from the command."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gains:
+    """PID gains of one joint: ``p e + clamp(i ∫e dt) + d de/dt``.
+
+    ``e`` is the position error [rad | m]; the command of an effort controller is an
+    effort [N·m | N].  As in control_toolbox, an integral without a clamp contributes
+    nothing.
+    """
+
+    p: float
+    """Command per position error [N·m/rad | N/m]."""
+    i: float = 0.0
+    """Command per position error and second [N·m/(rad·s) | N/(m·s)]."""
+    d: float = 0.0
+    """Command per velocity error [N·m·s/rad | N·s/m]."""
+    i_min: float = 0.0
+    """Least contribution of the integral, at most 0 [N·m | N]."""
+    i_max: float = 0.0
+    """Greatest contribution of the integral, at least 0 [N·m | N]."""
+    antiwindup: bool = False
+    """Clamp the integral itself, not only its contribution."""
+    u_min: float = -UNLIMITED
+    """Least command, at most 0; the last five are ROS 2's."""
+    u_max: float = UNLIMITED
+    """Greatest command, at least 0."""
+    error_deadband: float = 0.0
+    """Errors up to this are not integrated [rad | m]."""
+    unwinding: Unwinding = Unwinding.NONE
+    """How the integral gives way while the command is at a limit."""
+    tracking_time: float = 1.0
+    """Of BACK_CALCULATION: the shorter, the faster the integral shrinks [s]."""
+
+    def __post_init__(self) -> None:
+        if not all(map(math.isfinite, (self.p, self.i, self.d))):
+            raise ConfigError(f"gains must be finite numbers, got {self}")
+        if not self.i_min <= 0.0 <= self.i_max:
+            raise ConfigError(f"need i_min <= 0 <= i_max, got {self}")
+        if not self.u_min <= 0.0 <= self.u_max:
+            raise ConfigError(f"need u_min <= 0 <= u_max, got {self}")
+        if not (self.error_deadband >= 0.0 and self.tracking_time > 0.0):
+            raise ConfigError(
+                f"need error_deadband >= 0 and tracking_time > 0, got {self}"
+            )
+
+
+Names = Annotated[tuple[Name, ...], Meta(max_length=100)]
+
+
+class ListControllers(Request[tuple[ControllerStatus, ...]], frozen=True):
+    """Every loaded controller with its state and claims."""
+
+
+class LoadController(Request[None], frozen=True):
+    """Load a controller: of the bring-up's configuration, or of files for ROS 2."""
+
+    name: Name
+    type: Name | None = None
+    """Its type, if the files do not say it; as the manager's ``<name>.type``."""
+    files: Annotated[tuple[str, ...], Meta(max_length=100)] = ()
+    """YAML files on the simulation's machine, as ``<name>.params_file``; the bring-up's
+    configuration, if left out together with the type."""
+    configure: bool = True
+    """Whether it is configured at once; a controller of ROS 1 always is."""
+
+
+class ConfigureController(Request[None], frozen=True):
+    """Check the parameters of a loaded controller: it can be started then."""
+
+    name: Name
+
+
+class CleanupController(Request[None], frozen=True):
+    """Make an inactive controller of ROS 2 unconfigured again."""
+
+    name: Name
+
+
+class ControllerTypeInfo(Struct, frozen=True, kw_only=True):
+    """A type of controllers that can be loaded."""
+
+    name: str
+    """``joint_trajectory_controller/JointTrajectoryController``"""
+    base: str
+    """The C++ class that ROS reports as its base."""
+
+
+class ListControllerTypes(Request[tuple[ControllerTypeInfo, ...]], frozen=True):
+    """Every type of controller that can be loaded."""
+
+
+class UnloadController(Request[None], frozen=True):
+    """Unload a controller that is not running."""
+
+    name: Name
+
+
+class SwitchControllers(Request[None], frozen=True):
+    """Stop and start controllers at one instant."""
+
+    start: Names = ()
+    stop: Names = ()
+    strict: bool = True
+    """Whether one impossible change rejects all; otherwise it is skipped."""
+
+
+class ReadController(Request[TrajectoryState], frozen=True):
+    """Desired, actual and error of a trajectory controller."""
+
+    controller: Name
+
+
+class QueryState(Request[JointsMotion], frozen=True):
+    """The setpoint of a trajectory controller at a time."""
+
+    controller: Name
+    time: float | None = None
+    """Simulated time [s]; now, if left out."""
+
+
+class ReadGains(Request[dict[str, Gains]], frozen=True):
+    """The PID gains of each joint of a controller; none where it has no PID."""
+
+    controller: Name
+
+
+class SetGains(Request[Gains], frozen=True):
+    """Change PID gains of one joint; the response is all of them.
+
+    Gains left out keep their values.  A running controller continues with the new
+    gains, and the contribution of its integral does not jump.  They hold until the
+    controller is unloaded; no file changes.
+    """
+
+    controller: Name
+    joint: Name
+    p: float | None = None
+    """Command per position error: [N·m/rad | N/m] for an effort controller."""
+    i: float | None = None
+    """Command per position error and second."""
+    d: float | None = None
+    """Command per velocity error."""
+    i_clamp: Annotated[float, Meta(ge=0.0)] | None = None
+    """Largest contribution of the integral in either direction: [N·m | N] for an effort
+    controller."""
+    antiwindup: bool | None = None
+    """Whether the integral itself is clamped, not only its contribution."""
+
+
+class ReadControllerParameters(Request[dict[str, Any]], frozen=True):
+    """Every parameter of a loaded controller by dotted name, defaults included."""
+
+    controller: Name
+
+
+class SetControllerParameters(Request[None], frozen=True):
+    """Change parameters of a loaded controller that may change while it runs.
+
+    They hold until the controller is unloaded; no file changes.
+    """
+
+    controller: Name
+    parameters: dict[str, bool | int | float | str]
+    """By dotted name: ``constraints.goal_time``."""

@@ -1,0 +1,65 @@
+"""Requests about demonstrations: a folder of recordings, one for each episode."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from tool0.protocol.request import Request
+
+Outcome = Literal["success", "failure"]
+
+EpisodeEnd = Literal[Outcome, "discard"]
+
+FolderName = Annotated[str, Meta(min_length=1, max_length=4000)]
+
+
+class EpisodesStatus(Struct, frozen=True, kw_only=True):
+    """A folder of episodes, and whether one is being recorded."""
+
+    folder: str
+    """Its path on the simulation's machine."""
+    task: str
+    """What is to be done, in words."""
+    is_recording: bool
+    """Whether an episode is being recorded."""
+    duration: float
+    """Simulated time of the episode being recorded [s]; 0 without one."""
+    episodes: int
+    """Episodes in the folder."""
+    succeeded: int
+    """Of these, with the outcome ``success``."""
+    error: str | None = None
+    """Why an episode ended by itself: a full disk."""
+
+
+class OpenEpisodes(Request[EpisodesStatus], frozen=True):
+    """Choose the folder for episodes, which may have some already.
+
+    From then on the panel has keys to start and end them.
+    """
+
+    folder: FolderName
+    task: Annotated[str, Meta(max_length=500)] = ""
+    """What is to be done, in words; each line of the index has it."""
+    reset: bool = True
+    """Whether each episode starts with a reset of robot and objects."""
+
+
+class CloseEpisodes(Request[None], frozen=True):
+    """Leave the folder; an episode that is being recorded is discarded."""
+
+
+class StartEpisode(Request[EpisodesStatus], frozen=True):
+    """Start to record an episode."""
+
+
+class EndEpisode(Request[EpisodesStatus], frozen=True):
+    """End the episode: keep it with its outcome, or discard it."""
+
+    outcome: EpisodeEnd
+
+
+class ReadEpisodes(Request[EpisodesStatus | None], frozen=True):
+    """The folder of episodes; null while there is none."""

@@ -1,0 +1,171 @@
+"""Goals: their status, outcome and tolerances, and the requests about them."""
+
+from __future__ import annotations
+
+import enum
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+from msgspec import Struct
+
+from tool0.protocol.request import Request
+
+
+class GoalStatus(enum.Enum):
+    """The status of a goal, as in actionlib."""
+
+    ACTIVE = "ACTIVE"
+    SUCCEEDED = "SUCCEEDED"
+    ABORTED = "ABORTED"
+    PREEMPTED = "PREEMPTED"
+
+    def __repr__(self) -> str:
+        """Return the bare name, as ROS prints it."""
+        return self.value
+
+    @property
+    def is_terminal(self) -> bool:
+        """Whether the goal has ended."""
+        return self is not GoalStatus.ACTIVE
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GoalResult:
+    """How a trajectory goal ended: control_msgs/FollowJointTrajectoryResult."""
+
+    INVALID_GOAL = -1
+    PATH_TOLERANCE_VIOLATED = -4
+    GOAL_TOLERANCE_VIOLATED = -5
+
+    status: GoalStatus
+    """SUCCEEDED, ABORTED or PREEMPTED."""
+    error_code: int = 0
+    """0, or ROS's code of what went wrong, such as ``PATH_TOLERANCE_VIOLATED``."""
+    error_string: str = ""
+    """What went wrong: which joint, by how much."""
+
+    @property
+    def is_violation(self) -> bool:
+        """Whether a tolerance was violated."""
+        codes = self.PATH_TOLERANCE_VIOLATED, self.GOAL_TOLERANCE_VIOLATED
+        return self.error_code in codes
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GripperResult:
+    """How a gripper goal ended: control_msgs/GripperCommandResult, joint units."""
+
+    status: GoalStatus
+    """SUCCEEDED, ABORTED or PREEMPTED."""
+    position: float
+    """Of the driven joint [rad | m]."""
+    effort: float
+    """That the drive exerts [N·m | N]."""
+    stalled: bool
+    """Whether the joint stood still before it arrived."""
+    reached_goal: bool
+    """Whether the joint arrived within the goal tolerance."""
+    holds: bool = False
+    """Whether something presses on both fingers: what stopped the joint is held."""
+    error_string: str = ""
+    """What stopped the joint before it arrived; empty if it arrived."""
+
+
+Result = GoalResult | GripperResult
+
+
+@final
+class Goal:
+    """A goal that a controller accepted.  Only its controller finishes it.
+
+    Reading is safe from any thread.
+    """
+
+    def __init__(self, controller: str) -> None:
+        self.controller = controller
+        self._result: Result | None = None
+        self._finished = threading.Event()
+        self._callbacks: list[Callable[[Goal], None]] = []
+        self._lock = threading.Lock()
+        self.explain: Callable[[Result], Result] = lambda result: result
+        """Adds to the outcome what the controller does not know, such as contacts."""
+
+    @property
+    def status(self) -> GoalStatus:
+        return GoalStatus.ACTIVE if self._result is None else self._result.status
+
+    @property
+    def result(self) -> Result | None:
+        """How it ended; None while it is active."""
+        return self._result
+
+    def finish(self, result: Result) -> None:
+        """Set the outcome, once; later calls change nothing."""
+        with self._lock:
+            if self._result is not None:
+                return
+            self._result = self.explain(result)
+            callbacks, self._callbacks = self._callbacks, []
+        self._finished.set()
+        for callback in callbacks:
+            callback(self)
+
+    def when_finished(self, callback: Callable[[Goal], None]) -> None:
+        """Call ``callback(goal)`` when it ends, in the thread that ends it."""
+        with self._lock:
+            if self._result is None:
+                self._callbacks.append(callback)
+                return
+        callback(self)
+
+    def wait(self, timeout: float | None) -> bool:
+        """Block for at most ``timeout`` wall seconds; return whether it ended."""
+        return self._finished.wait(timeout)
+
+
+class Tolerance(NamedTuple):
+    """Largest allowed errors of one joint; 0 is not checked."""
+
+    position: float = 0.0
+    """[rad | m]"""
+    velocity: float = 0.0
+    """[rad/s | m/s]"""
+    acceleration: float = 0.0
+    """Never violated: no acceleration is measured, in ROS as here."""
+
+    def allows(self, position_error: float, velocity_error: float) -> bool:
+        """Return whether both errors are within; NaN is not."""
+        return (self.position <= 0.0 or abs(position_error) <= self.position) and (
+            self.velocity <= 0.0 or abs(velocity_error) <= self.velocity
+        )
+
+
+ToleranceOverride = Tolerance | float
+"""A goal's own tolerance: > 0 replaces, < 0 switches off, 0 keeps the default.
+
+A plain number is the position's.
+"""
+
+
+class GoalStarted(Struct, frozen=True, kw_only=True):
+    """A goal that a controller accepted."""
+
+    goal: int
+    """Its number."""
+    controller: str
+
+
+class CancelGoal(Request[None], frozen=True):
+    """Stop a goal's motion as ROS does: ramp down; the goal is PREEMPTED."""
+
+    goal: int
+
+
+class ReadGoal(Request[GoalStatus], frozen=True):
+    """The status of a goal."""
+
+    goal: int

@@ -1,0 +1,170 @@
+"""Requests: operations on a robot as frozen structs, and the types of their fields."""
+
+from __future__ import annotations
+
+import math
+import re
+import typing
+from collections.abc import Mapping, Sequence, Set
+from functools import cache
+from numbers import Integral, Real
+from typing import Annotated, Any, ClassVar, Generic, TypeVar
+
+import msgspec
+from msgspec import Meta
+
+from tool0.errors import RequestError
+
+Response = TypeVar("Response")
+
+
+class Request(
+    msgspec.Struct,
+    Generic[Response],
+    frozen=True,
+    kw_only=True,
+    forbid_unknown_fields=True,
+):
+    """One operation on a running robot, answered by a ``Response``."""
+
+    unchecked: ClassVar[tuple[str, ...]] = ()
+    """Fields that the handler checks itself: large ones, as a trajectory's points."""
+    is_urgent: ClassVar[bool] = False
+    """Whether it is a stop: it overtakes everything that waits, on its connection, for
+    a worker and for the tick."""
+    revokes: ClassVar[tuple[str, ...]] = ()
+    """Methods that undo a stop.  Those that its connection sent before it and that wait
+    are refused, for the same arm; if one is in progress, the stop follows it."""
+    is_streamed: ClassVar[bool] = False
+    """Whether many of them follow each other without replies: each is executed at the
+    next tick, without a detour through other threads."""
+
+
+class ArmRequest(Request[Response], Generic[Response], frozen=True, kw_only=True):
+    """The field of every request to an arm or its control box."""
+
+    arm: str | None = None
+    """As ``list_arms`` names it; the only one, if left out."""
+
+
+RequestType = TypeVar("RequestType", bound=Request[Any])
+
+
+def method_name(request: type[Request[Any]]) -> str:
+    """Return the name on a connection: ``MoveJoints`` is ``move_joints``."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", request.__name__).lower()
+
+
+Name = Annotated[str, Meta(min_length=1, max_length=200)]
+"""Of a controller, a joint, a link, a pose …"""
+
+SpeedScale = Annotated[float, Meta(ge=0.01, le=1.0)]
+"""Fraction of each joint's largest velocity."""
+
+Vector3 = tuple[float, float, float]
+
+Quaternion = tuple[float, float, float, float]
+"""w, x, y, z."""
+
+RGBA = tuple[float, float, float, float]
+
+Length = Annotated[float, Meta(gt=0.0, le=1000.0)]
+"""[m]"""
+
+Coordinate = Annotated[float, Meta(ge=-1000.0, le=1000.0)]
+"""[m]"""
+
+Place = tuple[Coordinate, Coordinate, Coordinate]
+
+JointPositions = Annotated[dict[str, float], Meta(max_length=1000)]
+"""Joint → position [rad | m]."""
+
+
+def checked(request: RequestType) -> RequestType:
+    """Return ``request`` with plain values, or raise what is wrong with one of them.
+
+    numpy's numbers and arrays become Python's, and every value is compared with the
+    type and the bounds of its field, as it is when it arrives on a connection.
+
+    Raises:
+        RequestError: If a value has the wrong type, is not finite, or is out of bounds.
+    """
+    kind = type(request)
+    values = {}
+    for field, annotation in _field_types(kind).items():
+        value = getattr(request, field)
+        if field not in kind.unchecked:
+            value = checked_value(method_name(kind), field, value, annotation)
+        values[field] = value
+    return kind(**values)
+
+
+def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
+    """Return ``value`` as one of type ``kind``, or raise RequestError.
+
+    Args:
+        method: What the value is given to, for the message.
+        name: The name of the parameter.
+        value: The value.
+        kind: A type, with bounds.
+    """
+    try:
+        return msgspec.convert(plain(value), kind)
+    except (ValueError, TypeError, OverflowError, RecursionError) as error:
+        raise RequestError(method, f"'{name}': {error}") from None
+
+
+def plain(value: Any, key: object = None) -> Any:
+    """Return ``value`` made of Python's own numbers and sequences, all finite.
+
+    Raises:
+        ValueError: If a number is NaN or infinite; with its ``key`` in a mapping.
+    """
+    match value:
+        case None | bool() | str() | bytes():
+            return value
+        case msgspec.Struct():
+            return _plain_struct(value)
+        case Integral():
+            return int(value)
+        case Real():
+            if not math.isfinite(value):
+                of = "" if key is None else f"'{key}' "
+                raise ValueError(f"{of}must be finite, got {value}")
+            return float(value)
+        case Mapping():
+            return {key: plain(item, key) for key, item in value.items()}
+        case Sequence() | Set():
+            return [plain(item, key) for item in value]
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _plain_struct(value: msgspec.Struct) -> Any:
+    """Return a structure as the mapping that a connection brings."""
+    kind = value.__struct_config__
+    found: dict[str, Any] = {}
+    if kind.tag_field is not None:
+        found[kind.tag_field] = kind.tag
+    for name, encoded in zip(
+        value.__struct_fields__, value.__struct_encode_fields__, strict=True
+    ):
+        found[encoded] = plain(getattr(value, name), encoded)
+    return found
+
+
+@cache
+def _field_types(kind: type[Request[Any]]) -> Mapping[str, Any]:
+    hints = typing.get_type_hints(kind, include_extras=True)
+    return {field: hints[field] for field in kind.__struct_fields__}
+
+
+@cache
+def response_type(kind: type[Request[Any]]) -> Any:
+    """Return the type of the response to a request class, resolved."""
+    for parent in kind.__mro__:
+        for base in parent.__dict__.get("__orig_bases__", ()):
+            if isinstance(argument := (*typing.get_args(base), None)[0], TypeVar):
+                continue
+            if issubclass(typing.get_origin(base) or object, Request):
+                return argument
+    raise TypeError(f"{kind.__name__} does not say what its response is")

@@ -1,0 +1,153 @@
+"""The robot as a whole: its description, what does not change, and its newest state."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from msgspec import Struct, structs
+
+from tool0.description.catalogue import Part
+from tool0.description.model import JointLimits
+from tool0.description.robot import CatalogueRobot, RobotDescription
+from tool0.description.transform import Transform
+from tool0.description.urdf import read_model
+from tool0.protocol.request import Name, Request
+from tool0.protocol.state import Snapshot
+
+if TYPE_CHECKING:
+    from xml.dom.minidom import Document
+
+
+class LimitsInfo(Struct, frozen=True, kw_only=True):
+    """Limits of a joint; None where there is no limit."""
+
+    lower: float | None
+    upper: float | None
+    velocity: float | None
+    effort: float | None
+    acceleration: float | None
+    """Of planned motions."""
+    jerk: float | None
+    """Of planned motions."""
+
+    @property
+    def limits(self) -> JointLimits:
+        """The limits as values of the model: infinite where there are none."""
+        given = {k: v for k, v in structs.asdict(self).items() if v is not None}
+        return JointLimits(**given)
+
+
+class SimulationInfo(Struct, frozen=True, kw_only=True):
+    """What does not change while a bring-up runs."""
+
+    engine: str
+    """Name of the physics engine: mujoco or gazebo."""
+    control_period: float
+    """Simulated time of a tick [s]."""
+    is_realtime: bool
+    """Whether time passes by itself."""
+    spawn_z: float
+    """Height of the robot's root above the world's origin [m]."""
+    ground: float | None
+    """Height of the ground in the robot's root [m]; None without ground."""
+    grasp_assist: bool
+    """Whether grasp assist attaches gripped objects."""
+    joint_limits: dict[str, LimitsInfo]
+    """Limits of each driven joint [rad | m], [rad/s | m/s], [N·m | N], and so on."""
+    defined_controllers: dict[str, str]
+    """Controllers of the YAML, loaded or not: name → type."""
+    parameters: dict[str, Any]
+    """The whole YAML, as plain values."""
+    warnings: tuple[str, ...]
+    """Findings about the YAML."""
+
+
+class CatalogueRobotInfo(Struct, frozen=True, kw_only=True):
+    """An arm with its gripper."""
+
+    name: str
+    """Its name in a cell; empty for a single robot."""
+    arm: str
+    """The arm's folder."""
+    gripper: str | None
+    """The gripper's folder; None without one."""
+    prefix: str
+    """Prefix of the names of its links and joints."""
+
+
+class NamespaceInfo(Struct, frozen=True, kw_only=True):
+    """A robot of a cell that has a namespace of its own in ROS."""
+
+    name: str
+    """Of the robot, and of the namespace."""
+    urdf: str
+    """The robot alone, with the names that it has alone."""
+
+
+class DescriptionInfo(Struct, frozen=True, kw_only=True):
+    """The robot's description."""
+
+    urdf: str
+    """The robot as one URDF document."""
+    source: str
+    """The xacro or URDF file it was read from."""
+    robots: tuple[CatalogueRobotInfo, ...]
+    """Its arms and grippers of the catalogue; none for your own file."""
+    namespaces: tuple[NamespaceInfo, ...]
+    """The robots of a cell with namespaces; otherwise none."""
+    packages: dict[str, str]
+    """``file://`` URIs of the ROS packages inside tool0, which the URDF refers to."""
+
+
+def described_by(info: DescriptionInfo, document: Document) -> RobotDescription:
+    """Return the robot in another process, or of another time.
+
+    Args:
+        info: What the bring-up said.
+        document: Its URDF, which may have other paths of meshes.
+
+    Raises:
+        ModelError: If the document is no robot.
+    """
+    robots = tuple(
+        CatalogueRobot(
+            name=robot.name,
+            arm=Part(kind="arm", folder=Path(robot.arm)),
+            gripper=None
+            if robot.gripper is None
+            else Part(kind="gripper", folder=Path(robot.gripper)),
+            prefix=robot.prefix,
+        )
+        for robot in info.robots
+    )
+    return RobotDescription(
+        model=read_model(document),
+        source=Path(info.source),
+        robots=robots,
+        _document=document,
+    )
+
+
+class ReadDescription(Request[DescriptionInfo], frozen=True):
+    """The robot's description as URDF."""
+
+
+class ReadInfo(Request[SimulationInfo], frozen=True):
+    """What does not change while a bring-up runs."""
+
+
+class ReadSnapshot(Request[Snapshot], frozen=True):
+    """The newest state of the whole robot."""
+
+
+class ReadLinkPose(Request[Transform], frozen=True):
+    """The measured frame of a link."""
+
+    link: Name
+    relative_to: str | None = None
+    """The link in whose frame it is; the root, if left out."""
+
+
+class ReadSummary(Request[dict[str, Any]], frozen=True):
+    """A summary of the run in plain values."""

@@ -1,0 +1,64 @@
+"""Requests about simulated time, resets and stops."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from msgspec import Meta, field
+
+from tool0.protocol.request import JointPositions, Request
+
+
+class Pause(Request[None], frozen=True):
+    """Pause simulated time."""
+
+
+class Resume(Request[None], frozen=True):
+    """Let simulated time run."""
+
+
+class Step(Request[float], frozen=True):
+    """Run control periods while paused; the response is the time then [s]."""
+
+    ticks: Annotated[int, Meta(ge=1, le=1_000_000)] = 1
+
+
+class Run(Request[None], frozen=True):
+    """Let simulated time pass; without real time, only this request advances it."""
+
+    duration: Annotated[float, Meta(ge=0.0)]
+    """[s]"""
+
+
+class SetSpeed(Request[None], frozen=True):
+    """Change the speed of a simulation in real time."""
+
+    factor: Annotated[float, Meta(gt=0.0, le=1000.0)]
+    """Simulated seconds per wall second."""
+
+
+class Reset(Request[None], frozen=True):
+    """Return to the initial pose; goals are PREEMPTED, objects go to their start."""
+
+    position: JointPositions = field(default_factory=dict)
+    """Joint → position instead of the initial one [rad | m]."""
+    keep_time: bool = False
+    """Whether simulated time continues."""
+    allow_penetration: bool = False
+    """Whether ``position`` may put a link into something."""
+
+
+class EmergencyStop(Request[None], frozen=True):
+    """Brake every joint at once, or release the brakes; goals are PREEMPTED."""
+
+    is_urgent = True
+
+    engaged: bool = True
+
+
+class StopMotions(Request[None], frozen=True):
+    """Stop every motion, without brakes: nothing goes on by itself.
+
+    Goals are PREEMPTED, programs end, and arms that were taken are given back.  The
+    simulation does so itself when its process was frozen for a second or more.
+    """

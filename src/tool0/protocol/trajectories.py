@@ -1,0 +1,139 @@
+"""Trajectories: their points and state, and the requests that send them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Generic, final
+
+from msgspec import Meta, field
+
+from tool0.errors import GoalRejectedError
+from tool0.protocol.goals import GoalStarted, ToleranceOverride
+from tool0.protocol.motion import GripLimits
+from tool0.protocol.request import Name, Request, Response
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TrajectoryPoint:
+    """Desired motion of the joints at a time after the trajectory's start.
+
+    Each sequence has shape (n_joints,), in the order of the goal's joints.
+    """
+
+    positions: Sequence[float]
+    """[rad | m]"""
+    velocities: Sequence[float] | None = None
+    """[rad/s | m/s]; None leaves them open: the motion to and from this point is
+    linear."""
+    accelerations: Sequence[float] | None = None
+    """[rad/s² | m/s²]; None leaves them open: the motion to and from this point is
+    cubic at most."""
+    time_from_start: float = 0.0
+    """Simulated time after the start of the trajectory [s]."""
+
+    def __post_init__(self) -> None:
+        _set(self, "positions", _floats("positions", self.positions))
+        if self.velocities is not None:
+            _set(self, "velocities", _floats("velocities", self.velocities))
+        if self.accelerations is not None:
+            _set(self, "accelerations", _floats("accelerations", self.accelerations))
+        (time,) = _floats("time_from_start", (self.time_from_start,))
+        _set(self, "time_from_start", time)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointsMotion:
+    """How several joints move: trajectory_msgs/JointTrajectoryPoint."""
+
+    positions: tuple[float, ...]
+    """[rad | m], shape (n_joints,)."""
+    velocities: tuple[float, ...]
+    """[rad/s | m/s], shape (n_joints,)."""
+    accelerations: tuple[float, ...] = ()
+    """[rad/s² | m/s²], shape (n_joints,); empty where they are not known."""
+    time_from_start: float = 0.0
+    """[s]"""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrajectoryState:
+    """Desired and measured motion of a controller's joints, and the difference."""
+
+    joint_names: tuple[str, ...]
+    """The controller's joints: the order of the other fields."""
+    time: float
+    """Simulated time of the update that it describes [s]."""
+    desired: JointsMotion
+    """The setpoint."""
+    actual: JointsMotion
+    """The measured motion."""
+    error: JointsMotion
+    """desired - actual; the shortest way round for a continuous joint."""
+    speed_scaling: float = 1.0
+    """Trajectory time per simulated time."""
+
+
+_set = object.__setattr__  # for the fields of frozen instances
+
+
+def _floats(name: str, values: Iterable[object]) -> tuple[float, ...]:
+    try:
+        return tuple(map(float, values))  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        raise GoalRejectedError(
+            f"{name} of a trajectory point must be numbers, got {values!r:.80}"
+        ) from None
+
+
+Points = tuple[TrajectoryPoint, ...]
+
+Tolerances = dict[str, ToleranceOverride]
+
+
+class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
+    """The fields of every request with a trajectory."""
+
+    unchecked = ("points", "path_tolerance", "goal_tolerance")
+
+    controller: Name
+    points: Points
+    """Positions, velocities and accelerations at ``time_from_start`` [s], in the order
+    of ``joint_names``."""
+    joint_names: tuple[str, ...] | None = None
+    """The controller's, if left out."""
+    stamp: float | None = None
+    """Simulated time at which the trajectory starts [s]; now, if left out."""
+
+
+class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):
+    """Send a trajectory as a goal, as ROS's action does; no points stop the motion."""
+
+    path_tolerance: Tolerances = field(default_factory=dict)
+    """Joint → largest error on the way [rad | m]; below 0 disables the check."""
+    goal_tolerance: Tolerances = field(default_factory=dict)
+    """Joint → largest error at the end [rad | m]; below 0 disables the check."""
+    goal_time_tolerance: float | None = None
+    """Grace after the last point [s]; below 0 disables the check."""
+    grip: GripLimits | None = None
+    """Limits of a gripper whose joint moves; the joint's own, if left out."""
+
+
+class CommandTrajectory(_OfTrajectory[None], frozen=True):
+    """Send a trajectory without a goal; no points stop the motion."""
+
+    points: Points = ()
+
+
+class ScaleTrajectory(Request[None], frozen=True):
+    """Scale the speed of a controller's trajectories, as ROS 2's speed_scaling_input.
+
+    Its tolerances are judged by the slower trajectory.
+    """
+
+    controller: Name
+    factor: Annotated[float, Meta(ge=0.0)]
+    """Trajectory time per simulated time; 0 pauses."""
