@@ -21,8 +21,8 @@ from subprocess import DEVNULL, PIPE, Popen
 import tool0
 from tool0.api.address import Claim
 from tool0.installation.ros2.installation import NODE_FOLDER, Ros2, find_ros2
-from tool0.interfaces.server.backend import SimulationBackend
 from tool0.interfaces.server.server import Server, UnixSocketService
+from tool0.requests.backend import SimulationBackend
 
 NAME = f"benchmark-ros2-{os.getpid()}"
 DOMAIN = 97

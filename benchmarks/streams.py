@@ -13,8 +13,8 @@ from subprocess import PIPE, Popen
 
 import tool0
 from tool0.api.address import Claim
-from tool0.interfaces.server.backend import SimulationBackend
 from tool0.interfaces.server.server import Server, UnixSocketService
+from tool0.requests.backend import SimulationBackend
 
 NAME = f"benchmark-streams-{os.getpid()}"
 SECONDS = 2.0

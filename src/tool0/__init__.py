@@ -68,6 +68,13 @@ if TYPE_CHECKING:
     from tool0.kinematics.inverse import InverseKinematics
     from tool0.kinematics.posture import Branch, Solution
     from tool0.lint.check import CheckReport, check
+    from tool0.protocol.bus import (
+        Faulted,
+        GoalFinished,
+        Overran,
+        Subscription,
+        WasReset,
+    )
     from tool0.protocol.control_box_state import (
         AnalogDomain,
         AnalogPin,
@@ -116,7 +123,6 @@ if TYPE_CHECKING:
     from tool0.protocol.updates import ArmUpdate
     from tool0.recording.entries import RecordedEvent, RecordedRequest
     from tool0.recording.reading import RecordingFile, open_recording
-    from tool0.runtime.bus import Faulted, GoalFinished, Overran, Subscription, WasReset
     from tool0.runtime.config import ControlConfig, SimulationConfig
     from tool0.sensing.cameras import encode_depth, encode_png
     from tool0.sensing.video import VideoWriter
@@ -290,11 +296,11 @@ _HOMES = {
     "EngineUnavailableError": "tool0.errors",
     "EpisodesHandle": "tool0.api.episodes",
     "EpisodesStatus": "tool0.protocol.episodes",
-    "Faulted": "tool0.runtime.bus",
+    "Faulted": "tool0.protocol.bus",
     "Finding": "tool0.description.finding",
     "ForceTorque": "tool0.api.sensors",
     "Gains": "tool0.protocol.controllers",
-    "GoalFinished": "tool0.runtime.bus",
+    "GoalFinished": "tool0.protocol.bus",
     "GoalHandle": "tool0.api.controller",
     "GoalRejectedError": "tool0.errors",
     "GoalResult": "tool0.protocol.goals",
@@ -317,7 +323,7 @@ _HOMES = {
     "MoveLinearStep": "tool0.protocol.program",
     "NamedPose": "tool0.protocol.poses",
     "ObjectState": "tool0.protocol.state",
-    "Overran": "tool0.runtime.bus",
+    "Overran": "tool0.protocol.bus",
     "Panel": "tool0.interfaces.panel.server",
     "ParallelGripper": "tool0.description.model",
     "Payload": "tool0.protocol.control_box_state",
@@ -361,7 +367,7 @@ _HOMES = {
     "Snapshot": "tool0.protocol.state",
     "Solution": "tool0.kinematics.posture",
     "SourceLocation": "tool0.errors",
-    "Subscription": "tool0.runtime.bus",
+    "Subscription": "tool0.protocol.bus",
     "Tolerance": "tool0.protocol.goals",
     "Tool0Error": "tool0.errors",
     "ToolPose": "tool0.protocol.program",
@@ -377,7 +383,7 @@ _HOMES = {
     "UrReport": "tool0.protocol.control_box_state",
     "VideoWriter": "tool0.sensing.video",
     "WaitStep": "tool0.protocol.program",
-    "WasReset": "tool0.runtime.bus",
+    "WasReset": "tool0.protocol.bus",
     "WrenchReading": "tool0.protocol.sensors",
     "bringup": "tool0.api.bringup",
     "check": "tool0.lint.check",

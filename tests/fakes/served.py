@@ -8,8 +8,8 @@ import pytest
 
 import tool0
 from tool0.api.address import Claim
-from tool0.interfaces.server.backend import SimulationBackend
 from tool0.interfaces.server.server import Server, UnixSocketService
+from tool0.requests.backend import SimulationBackend
 
 
 def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:

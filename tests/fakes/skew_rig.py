@@ -12,9 +12,9 @@ from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.model import Interface
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.hardware.robot_hardware import RobotHardware
+from tool0.protocol.bus import Bus
 from tool0.protocol.goals import Goal
 from tool0.protocol.trajectories import TrajectoryPoint
-from tool0.runtime.bus import Bus
 from tool0.runtime.core import Core
 from tool0.runtime.loop import Loop
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol, TypeVar, final
 
@@ -11,14 +9,12 @@ from tool0.errors import ControlError
 from tool0.protocol.goals import Goal, GoalStarted
 from tool0.protocol.request import Request, checked
 from tool0.protocol.state import SNAPSHOT_PERIOD
-from tool0.requests.table import answer
-from tool0.runtime.loop import POLL_PERIOD
 
 if TYPE_CHECKING:
     from tool0.description.robot import RobotDescription
+    from tool0.protocol.bus import Subscription
     from tool0.protocol.state import Snapshot
-    from tool0.runtime.bus import Subscription
-    from tool0.runtime.simulation import Simulation
+    from tool0.protocol.backend import Backend, States
 
 R = TypeVar("R")
 
@@ -70,61 +66,52 @@ class Channel(Protocol):
 
 @final
 class LocalChannel:
-    """A connection to a simulation in this process."""
+    """A connection to a robot whose backend is in this process."""
 
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
-        self._process = simulation.bus.process
+    def __init__(self, backend: Backend) -> None:
+        """Connect to a backend that has states."""
+        states = backend.states
+        assert states is not None
+        self._backend, self._states = backend, states
+        self._process = states.process
 
     @property
-    def simulation(self) -> Simulation:
-        """The simulation; ControlError in a forked child, which does not own it."""
+    def backend(self) -> Backend:
+        """The backend; ControlError in a forked child, which does not own it."""
         self._process.check()
-        return self._simulation
+        return self._backend
+
+    @property
+    def _robot(self) -> States:
+        self._process.check()
+        return self._states
 
     @property
     def description(self) -> RobotDescription:
-        return self.simulation.description
+        return self._robot.description
 
     @property
     def snapshot(self) -> Snapshot:
-        return self.simulation.snapshot
+        return self._robot.snapshot
 
     def call(self, request: Request[R]) -> R:
-        return answer(self.simulation, checked(request))
+        response: R = self.backend.answer(checked(request))
+        return response
 
     def goal(self, started: GoalStarted) -> Goal:
-        return self.simulation.goals.find(started.goal)
+        return self._robot.goals.find(started.goal)
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
-        loop, bus = self.simulation.loop, self.simulation.bus
-        limit = math.inf if timeout is None else timeout
-        start, wall_start = loop.steps, time.monotonic()
-        while not is_over():
-            loop.check()
-            if loop.is_closed:
-                raise ControlError("the simulation was closed")
-            if loop.is_realtime:
-                left = limit - (time.monotonic() - wall_start)
-            else:
-                left = limit - (loop.steps - start) * loop.control_period
-            if not left > 0.0:
-                return False
-            if loop.is_realtime:
-                bus.newer_than(bus.latest, min(POLL_PERIOD, left))
-            else:
-                # Less than half a tick would round to none, and the wait would not end.
-                loop.run(max(loop.control_period, min(SNAPSHOT_PERIOD, left)))
-        return True
+        return self._robot.wait_until(is_over, timeout)
 
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
-        return self.simulation.loop.wait_for_goal(goal, timeout)
+        return self._robot.wait_for_goal(goal, timeout)
 
     def subscribe(
         self, rate: float | None = None, *, keep_all: bool = False
     ) -> Subscription:
-        return self.simulation.subscribe(rate, keep_all=keep_all)
+        return self._robot.subscribe(rate, keep_all=keep_all)
 
     def close(self) -> None:
         if self._process.is_this:  # a forked child leaves it to its parent
-            self._simulation.close()
+            self._states.close()

@@ -32,13 +32,7 @@ from tool0.description.robot import RobotDescription
 from tool0.description.xml_source import parse_text
 from tool0.errors import Tool0Error, TransportError
 from tool0.protocol import codec
-from tool0.protocol.goals import Goal, GoalStarted
-from tool0.protocol.request import Request, checked, method_name
-from tool0.protocol.robot import ReadDescription, ReadSnapshot, described_by
-from tool0.protocol.running import Run, Step
-from tool0.protocol.state import Snapshot
-from tool0.protocol.updates import LogMessage, Subscribe, Unsubscribe, UpdateMessage
-from tool0.runtime.bus import (
+from tool0.protocol.bus import (
     Bus,
     Faulted,
     GoalFinished,
@@ -46,7 +40,13 @@ from tool0.runtime.bus import (
     Subscription,
     WasReset,
 )
-from tool0.runtime.simulation import GOALS_KEPT
+from tool0.protocol.goal_registry import GOALS_KEPT
+from tool0.protocol.goals import Goal, GoalStarted
+from tool0.protocol.request import Request, checked, method_name
+from tool0.protocol.robot import ReadDescription, ReadSnapshot, described_by
+from tool0.protocol.running import Run, Step
+from tool0.protocol.state import Snapshot
+from tool0.protocol.updates import LogMessage, Subscribe, Unsubscribe, UpdateMessage
 
 R = TypeVar("R")
 V = TypeVar("V")

@@ -18,6 +18,7 @@ from tool0.control.config import ControllerConfig
 from tool0.description.model import JointLimits
 from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, RenderError, RequestError, did_you_mean
+from tool0.kinematics.only_part import only_part
 from tool0.protocol.arm import ListArms
 from tool0.protocol.controllers import (
     ConfigureController,
@@ -48,7 +49,6 @@ from tool0.protocol.running import (
 )
 from tool0.protocol.sensors import ListCameras
 from tool0.requests import motion
-from tool0.runtime.simulation import only_part
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -60,13 +60,13 @@ if TYPE_CHECKING:
     from tool0.description.robot import RobotDescription
     from tool0.description.transform import Transform
     from tool0.hardware.engine import Engine
+    from tool0.protocol.bus import Subscription
     from tool0.protocol.controllers import ControllerStatus
     from tool0.protocol.objects import Collision
     from tool0.protocol.poses import NamedPose
     from tool0.protocol.program import Program
     from tool0.protocol.recordings import RecordingStatus
     from tool0.protocol.state import Contact, Snapshot
-    from tool0.runtime.bus import Subscription
     from tool0.runtime.simulation import Simulation
 
 

@@ -144,7 +144,7 @@ def arm_scale(model: RobotModel) -> float:
     """
     from tool0.kinematics.chain import find_chains
     from tool0.kinematics.geometry import ArmGeometry
-    from tool0.runtime.simulation import only_part
+    from tool0.kinematics.only_part import only_part
 
     arm = ArmGeometry(only_part(find_chains(model), "arm", model))
     return round((arm.upper_arm + arm.forearm) / ARM_LENGTH, 2)

@@ -36,10 +36,10 @@ from tool0.errors import (
     did_you_mean,
 )
 from tool0.kinematics.chain import Array
+from tool0.kinematics.only_part import only_part
 from tool0.protocol.sensors import CameraImage
 from tool0.protocol.state import Snapshot
 from tool0.runtime.config import ControlConfig
-from tool0.runtime.simulation import only_part
 from tool0.sensing.cameras import Cameras
 from tool0.sensing.grasp import pad_links
 

@@ -154,7 +154,6 @@ def _robot(options: BringupOptions) -> Robot:
 
 def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Server:
     """Serve the robot to other processes and to pages."""
-    from tool0.interfaces.server.backend import SimulationBackend
     from tool0.interfaces.server.server import Server
 
     services: list[Service] = []
@@ -167,7 +166,7 @@ def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Ser
 
         services.append(panel_service(robot, endpoint)[1])
     name = "" if claim is None else claim.name
-    return Server(SimulationBackend(robot.simulation), services, name)
+    return Server(robot.backend, services, name)
 
 
 @contextlib.contextmanager

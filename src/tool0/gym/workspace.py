@@ -36,7 +36,7 @@ from tool0.gym.tool import Tool, downward
 from tool0.kinematics.chain import Array, find_chains, fixed_transform
 from tool0.kinematics.geometry import wrapped
 from tool0.kinematics.inverse import InverseKinematics
-from tool0.runtime.simulation import only_part
+from tool0.kinematics.only_part import only_part
 from tool0.sensing.grasp import grasp_frame
 
 LARGEST_EDGE = 0.045

@@ -196,13 +196,12 @@ def served_name(robot: Robot | str, label: str, stack: contextlib.ExitStack) -> 
     if isinstance(robot.channel, SocketChannel):
         return robot.channel.name
     from tool0.api.address import Claim
-    from tool0.interfaces.server.backend import SimulationBackend
     from tool0.interfaces.server.server import Server, UnixSocketService
 
     claim = Claim(f"{label}-{os.getpid()}-{next(_numbers)}")
     stack.callback(claim.close)
     service = UnixSocketService(claim)
     stack.enter_context(
-        Server(SimulationBackend(robot.simulation), [service], claim.name)
+        Server(robot.backend, [service], claim.name)
     )
     return claim.name

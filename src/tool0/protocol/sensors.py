@@ -110,7 +110,9 @@ class ReadForceTorque(WrenchSensorRequest[WrenchReading], frozen=True):
     """The newest sample; the first one starts the sensor."""
 
 
-class ReadForceTorqueSamples(WrenchSensorRequest[tuple[WrenchReading, ...]], frozen=True):
+class ReadForceTorqueSamples(
+    WrenchSensorRequest[tuple[WrenchReading, ...]], frozen=True
+):
     """All samples after one, oldest first.
 
     The last 4096 are kept; ``dropped`` of the first one says how many are missing.

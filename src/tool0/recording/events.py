@@ -10,14 +10,14 @@ from typing import Any, Final, final
 import msgspec
 
 from tool0.description.model import RobotModel
+from tool0.protocol.bus import Event, GoalFinished, Subscription, WasReset
 from tool0.protocol.codec import outcome_of
+from tool0.protocol.notifications import Notification, Severity, changes, described
 from tool0.protocol.state import Contact, Snapshot
 from tool0.recording.cdr import encode_text
 from tool0.recording.frames import stamp
 from tool0.recording.mcap_file import McapFile
 from tool0.recording.message_types import LOG, TEXT, message, stamp_of
-from tool0.runtime.bus import Event, GoalFinished, Subscription, WasReset
-from tool0.runtime.notifications import Notification, Severity, changes, described
 
 EVENTS: Final = "/tool0/events"
 ROSOUT: Final = "/rosout"

@@ -14,9 +14,9 @@ from tool0.recording.journal import RequestWriter
 from tool0.recording.mcap_file import McapFile
 
 if TYPE_CHECKING:
+    from tool0.protocol.bus import Event
     from tool0.protocol.state import Snapshot
     from tool0.recording.options import Images
-    from tool0.runtime.bus import Event
     from tool0.runtime.simulation import Simulation
 
 

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.errors import Tool0Error
+from tool0.protocol.bus import Reported, WasReset
 from tool0.protocol.recordings import RecordingStatus
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot, ticks_between_snapshots
 from tool0.recording.contents import Contents
 from tool0.recording.events import EventQueue
 from tool0.recording.options import NO_IMAGES, NO_ROTATION, Images, Rotation
 from tool0.recording.part import Part
-from tool0.runtime.bus import Reported, WasReset
 
 if TYPE_CHECKING:
     from tool0.runtime.simulation import Simulation

@@ -13,8 +13,8 @@ import numpy as np
 from tool0.errors import RecordingError
 
 if TYPE_CHECKING:
+    from tool0.protocol.notifications import Severity
     from tool0.recording.reading import RecordingFile
-    from tool0.runtime.notifications import Severity
 
 _ORDER: Final = ("info", "warning", "error")
 _LONGEST: Final = 120

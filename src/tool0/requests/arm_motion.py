@@ -28,10 +28,9 @@ from tool0.protocol.arm_motion import (
     ZeroWrench,
 )
 from tool0.protocol.request import ArmRequest
-from tool0.protocol.updates import ArmUpdate
+from tool0.protocol.updates import ArmUpdate, arm_update
 from tool0.requests.stream_watch import StreamWatch
 from tool0.requests.table import handles
-from tool0.requests.updates import arm_update
 from tool0.runtime.simulation import Simulation
 
 

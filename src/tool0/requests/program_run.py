@@ -27,6 +27,7 @@ from tool0.programs.planning import (
 )
 from tool0.programs.words import step_text
 from tool0.protocol.arm_motion import ExecutePath, ReturnArm, StopArm, TakeArm
+from tool0.protocol.bus import WasReset
 from tool0.protocol.control_box import PauseProgram, SetIO
 from tool0.protocol.control_box_state import ControlBoxState, ProgramState
 from tool0.protocol.goals import Goal, GoalResult, GoalStatus
@@ -51,7 +52,6 @@ from tool0.protocol.request import Request, Response
 from tool0.protocol.state import Snapshot
 from tool0.requests.program_touch import Touch
 from tool0.requests.table import answer
-from tool0.runtime.bus import WasReset
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.grasp import GraspDetector
 

@@ -35,7 +35,9 @@ def _start(simulation: Simulation, request: StartForceTorque) -> float:
     return sensors.start(sensors.link(request.link), request.rate, request.cutoff)
 
 
-def _sensor(simulation: Simulation, request: WrenchSensorRequest[Any]) -> ForceTorqueSensor:
+def _sensor(
+    simulation: Simulation, request: WrenchSensorRequest[Any]
+) -> ForceTorqueSensor:
     """Return the sensor of a request; the first request starts it."""
     sensors = simulation.force_torque
     return sensors.sensor(sensors.link(request.link))

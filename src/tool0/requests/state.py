@@ -15,6 +15,8 @@ from tool0.description.robot import (
 )
 from tool0.description.transform import Transform
 from tool0.errors import ControlError
+from tool0.protocol.bus import WasFrozen
+from tool0.protocol.notifications import frozen_text
 from tool0.protocol.robot import (
     CatalogueRobotInfo,
     DescriptionInfo,
@@ -39,8 +41,6 @@ from tool0.protocol.running import (
 )
 from tool0.protocol.updates import Subscribe, SubscribeView, Unsubscribe, ViewShown
 from tool0.requests.table import answer, handles
-from tool0.runtime.bus import WasFrozen
-from tool0.runtime.notifications import frozen_text
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ those of their own requests in the same table, by being imported.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
@@ -94,6 +94,10 @@ def entry_of(request: type[Request[Any]]) -> Entry:
     if entry is None:
         raise ControlError(f"a simulation does not offer '{method_name(request)}'")
     return entry
+
+
+HANDLERS: Collection[type[Request[Any]]] = _BY_TYPE.keys()
+"""The requests that a simulation answers."""
 
 
 def entries() -> Mapping[str, Entry]:

@@ -7,8 +7,8 @@ from tool0.description.forward_kinematics import joint_positions
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.engines.registry import make_engine
+from tool0.protocol.bus import Bus
 from tool0.runtime.assembly import Assembly, Setup, chosen_scene
-from tool0.runtime.bus import Bus
 from tool0.runtime.config import ControlConfig, SimulationConfig
 from tool0.runtime.loop import Loop
 from tool0.runtime.simulation import Simulation

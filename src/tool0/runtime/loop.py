@@ -21,9 +21,9 @@ from functools import partial
 from typing import Any, NamedTuple, TypeVar, final
 
 from tool0.errors import ControlError, EngineError
+from tool0.protocol.bus import Bus, Faulted, GoalFinished, Overran, WasReset
 from tool0.protocol.goals import Goal
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot, ticks_between_snapshots
-from tool0.runtime.bus import Bus, Faulted, GoalFinished, Overran, WasReset
 from tool0.runtime.clock import FreezeMeter, Lag, Pacer, SpeedMeter
 from tool0.runtime.core import Core
 

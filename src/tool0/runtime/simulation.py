@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -11,17 +12,20 @@ from typing import TYPE_CHECKING, Protocol, TypeVar, cast, final
 
 from tool0.description.camera import Camera
 from tool0.description.finding import Finding
-from tool0.description.model import JointLimits, ParallelGripper, RobotModel
+from tool0.description.model import JointLimits, ParallelGripper
 from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, did_you_mean
+from tool0.kinematics.only_part import only_part
 from tool0.programs.book import ProgramBook
+from tool0.protocol.bus import Bus, Subscription
+from tool0.protocol.goal_registry import GoalRegistry
+from tool0.protocol.fork_guard import OwnProcess
 from tool0.protocol.goals import Goal
-from tool0.protocol.state import MAX_SNAPSHOT_RATE, MIN_SNAPSHOT_RATE, Snapshot
+from tool0.protocol.state import MAX_SNAPSHOT_RATE, MIN_SNAPSHOT_RATE, SNAPSHOT_PERIOD, Snapshot
 from tool0.runtime.assembly import Setup
-from tool0.runtime.bus import Bus, Subscription
 from tool0.runtime.core import Core
 from tool0.runtime.journal import Journal
-from tool0.runtime.loop import Loop
+from tool0.runtime.loop import POLL_PERIOD, Loop
 from tool0.runtime.program_runs import ProgramRuns
 from tool0.sensing.cameras import Cameras
 from tool0.sensing.collisions import CollisionFinder
@@ -29,8 +33,6 @@ from tool0.sensing.force_torque import ForceTorqueSensors
 
 if TYPE_CHECKING:
     from tool0.kinematics.chain import ArmChain
-
-Part = TypeVar("Part")
 
 
 class Service(Protocol):
@@ -163,6 +165,41 @@ class Simulation:
         self._update_snapshot_period()
         return subscription
 
+    def snapshot_with_arms(self) -> Snapshot:
+        """Publish a snapshot that has what moves each arm, and return it."""
+        return self.loop.snapshot_with_arms()
+
+    def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
+        """Let time pass until ``is_over()``: see ``protocol.backend.States``."""
+        loop, bus = self.loop, self.bus
+        limit = math.inf if timeout is None else timeout
+        start, wall_start = loop.steps, time.monotonic()
+        while not is_over():
+            loop.check()
+            if loop.is_closed:
+                raise ControlError("the simulation was closed")
+            if loop.is_realtime:
+                left = limit - (time.monotonic() - wall_start)
+            else:
+                left = limit - (loop.steps - start) * loop.control_period
+            if not left > 0.0:
+                return False
+            if loop.is_realtime:
+                bus.newer_than(bus.latest, min(POLL_PERIOD, left))
+            else:
+                # Less than half a tick would round to none, and the wait would not end.
+                loop.run(max(loop.control_period, min(SNAPSHOT_PERIOD, left)))
+        return True
+
+    def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
+        """Let time pass until ``goal`` ends, as ``wait_until`` does."""
+        return self.loop.wait_for_goal(goal, timeout)
+
+    @property
+    def process(self) -> OwnProcess:
+        """The process that owns the simulation."""
+        return self.bus.process
+
     def _update_snapshot_period(self) -> None:
         """Publish at the rate of the fastest subscriber."""
         bus, loop = self.bus, self.loop
@@ -265,65 +302,3 @@ class Simulation:
             exits.callback(self.cameras.close)
             for service in self._services.values():
                 exits.callback(service.close)
-
-
-def only_part(parts: Mapping[str, Part], kind: str, model: RobotModel) -> Part:
-    """Return the robot's only ``kind``, arm or gripper; ControlError otherwise."""
-    if len(parts) == 1:
-        return next(iter(parts.values()))
-    if kind == "arm" and not parts:
-        from tool0.kinematics.chain import why_no_arm
-
-        why = why_no_arm(model)
-        raise ControlError(f"this robot has no arm to move to poses: {why}")
-    names = ", ".join(parts) or "none"
-    raise ControlError(f"'{kind}' needs exactly one {kind}, this robot has: {names}")
-
-
-GOALS_KEPT = 1000
-"""Number of goals kept; the oldest finished ones are dropped."""
-
-
-@final
-class GoalRegistry:
-    """Numbers goals and finds them again.  Any thread may use it."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._goals: dict[int, Goal] = {}
-        self._last = 0
-
-    def add(self, goal: Goal, number: int | None = None) -> int:
-        """Remember ``goal`` and return its number; the next one, if left out."""
-        with self._lock:
-            if number is None:
-                self._last = number = self._last + 1
-            self._goals[number] = goal
-            if len(self._goals) > GOALS_KEPT:
-                ended = (n for n, g in self._goals.items() if g.status.is_terminal)
-                oldest = next(ended, None)
-                if oldest is not None:
-                    del self._goals[oldest]
-            return number
-
-    def active(self) -> tuple[Goal, ...]:
-        """Return the goals that have not ended, oldest first."""
-        with self._lock:
-            goals = tuple(self._goals.values())
-        return tuple(goal for goal in goals if not goal.status.is_terminal)
-
-    def number(self, goal: Goal) -> int | None:
-        """Return a goal's number; None if no request started it, or it is old."""
-        with self._lock:
-            found = (number for number, item in self._goals.items() if item is goal)
-            return next(found, None)
-
-    def find(self, number: int) -> Goal:
-        """Return the goal, or raise ControlError if there is none or it is old."""
-        with self._lock:
-            goal = self._goals.get(number)
-        if goal is None:
-            raise ControlError(
-                f"there is no goal {number}; the last {GOALS_KEPT} are kept"
-            )
-        return goal

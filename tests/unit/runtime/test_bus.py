@@ -5,8 +5,8 @@ from collections.abc import Iterable
 
 import pytest
 
+from tool0.protocol.bus import EVENTS_KEPT, SNAPSHOTS_KEPT, Bus, Overran, WasReset
 from tool0.protocol.state import Snapshot
-from tool0.runtime.bus import EVENTS_KEPT, SNAPSHOTS_KEPT, Bus, Overran, WasReset
 
 
 def snapshot(tick: int) -> Snapshot:

@@ -13,9 +13,9 @@ from raises_naming import raises_naming
 from skew_rig import START, build_core, build_loop, follow, switch
 
 from tool0.errors import ControlError, DivergenceError
+from tool0.protocol.bus import Bus, Faulted, GoalFinished, Overran, WasReset
 from tool0.protocol.goals import GoalStatus
 from tool0.protocol.state import Snapshot
-from tool0.runtime.bus import Bus, Faulted, GoalFinished, Overran, WasReset
 from tool0.runtime.clock import SpeedMeter
 from tool0.runtime.core import Core
 from tool0.runtime.loop import Loop

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.interfaces.panel.protocol import Notice
-from tool0.runtime.notifications import Notification, Severity, changes, described
+from tool0.protocol.notifications import Notification, Severity, changes, described
 
 if TYPE_CHECKING:
     from tool0.runtime.simulation import Simulation

@@ -17,9 +17,9 @@ from tool0.protocol.codec import Mode
 from tool0.protocol.control_box_state import ControlBoxState
 from tool0.protocol.controllers import Role
 from tool0.protocol.episodes import EpisodesStatus
+from tool0.protocol.notifications import NoticeCode, Severity
 from tool0.protocol.programs import ProgramRun
 from tool0.protocol.request import RGBA, Quaternion, Vector3
-from tool0.runtime.notifications import NoticeCode, Severity
 
 # ---- parts of messages ---------------------------------------------------------------
 

@@ -15,10 +15,11 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from tool0.api.robot import Robot
 from tool0.interfaces.panel.address import Endpoint, open_endpoint
-from tool0.interfaces.server.backend import Backend, SimulationBackend
 from tool0.interfaces.server.server import Server
+from tool0.protocol.backend import Backend
 from tool0.protocol.motion import PoseJoints
 from tool0.protocol.request import Request
+from tool0.requests.backend import SimulationBackend
 
 if TYPE_CHECKING:
     import uvicorn

@@ -34,15 +34,15 @@ from tool0.interfaces.panel.robot_info import (
 from tool0.protocol.controllers import ControllerStatus, Role
 from tool0.protocol.episodes import EpisodesStatus
 from tool0.protocol.gripper import GraspState
+from tool0.protocol.notifications import Notification
 from tool0.recording.episodes import Episodes
 from tool0.recording.recordings import Recordings
-from tool0.runtime.notifications import Notification
 from tool0.sensing.grasp import GraspDetector
 
 if TYPE_CHECKING:
     from tool0.description.scene import SceneObject
+    from tool0.protocol.bus import Subscription
     from tool0.protocol.state import ArmSample, Contact, Snapshot, Wrench
-    from tool0.runtime.bus import Subscription
     from tool0.runtime.simulation import Simulation
 
 _FORCE_DIGITS = 4

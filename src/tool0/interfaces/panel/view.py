@@ -25,10 +25,10 @@ from tool0.interfaces.panel.robot_info import (
 )
 from tool0.protocol.gripper import Grip
 from tool0.protocol.motion import PoseJoints
+from tool0.protocol.notifications import Notification
 from tool0.protocol.poses import DeletePose, GoToPose, SavePose
 from tool0.protocol.request import Request, method_name
 from tool0.protocol.running import Reset
-from tool0.runtime.notifications import Notification
 from tool0.runtime.poses import PoseBook
 
 _ROUNDING: Final = 1e-6
@@ -44,7 +44,7 @@ class RobotView:
     """
 
     mode: Final = "view"
-    simulation: Final = None
+    states: Final = None
     cameras: Final = None
 
     def __init__(
@@ -135,7 +135,7 @@ class RobotView:
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return ("",) if isinstance(request, GoToPose | Reset) else ()
 
-    def carry_out(self, request: Request[Any]) -> Any:
+    def answer(self, request: Request[Any]) -> Any:
         match request:
             case PoseJoints(positions=positions):
                 self._put(self._checked(positions))

@@ -16,8 +16,8 @@ from tool0.interfaces.panel.robot_info import RobotFiles
 from tool0.interfaces.server.hub import Hub
 from tool0.interfaces.server.session import Session
 from tool0.protocol.codec import encode
+from tool0.protocol.notifications import Notification
 from tool0.protocol.updates import SubscribeView
-from tool0.runtime.notifications import Notification
 from tool0.sensing.cameras import Cameras
 
 logger = logging.getLogger(__name__)

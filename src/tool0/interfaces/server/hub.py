@@ -16,7 +16,6 @@ from typing import Any, Final, Protocol, final
 
 from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.budget import Budget
-from tool0.interfaces.server.backend import Backend
 from tool0.interfaces.server.outages import Outages
 from tool0.interfaces.server.session import Ident, Session, Transport
 from tool0.interfaces.server.streams import (
@@ -25,7 +24,9 @@ from tool0.interfaces.server.streams import (
     StreamedSetpoint,
 )
 from tool0.interfaces.server.updates import UpdateStreams
+from tool0.protocol.arm import ListArms
 from tool0.protocol.arm_motion import ReturnArm, TakeArm
+from tool0.protocol.backend import Backend
 from tool0.protocol.codec import (
     PROTOCOL,
     GoalEnded,
@@ -101,12 +102,9 @@ class Hub:
         self.budget = Budget()
         self.sessions: set[Session] = set()
         self._setpoints = SetpointStreams(self._carry_out_setpoint)
-        self._snapshots = (
-            None if backend.simulation is None else SnapshotStreams(backend.simulation)
-        )
-        self._updates = (
-            None if backend.simulation is None else UpdateStreams(backend.simulation)
-        )
+        states = backend.states
+        self._snapshots = None if states is None else SnapshotStreams(states)
+        self._updates = None if states is None else UpdateStreams(states)
         self._workers = ThreadPoolExecutor(WORKERS, "tool0-server-worker")
         # An emergency stop never waits for the requests of others.
         self._urgent_worker = ThreadPoolExecutor(1, "tool0-server-stop")
@@ -239,9 +237,9 @@ class Hub:
 
     def _note_taken(self, session: Session, request: TakeArm | ReturnArm) -> None:
         """Note which peer moves an arm; the request has been carried out."""
-        simulation = self.backend.simulation
-        assert simulation is not None  # otherwise the request is refused
-        arm = request.arm or next(iter(simulation.arms))  # without a name: the only one
+        arm = request.arm
+        if arm is None:  # the only one
+            arm = self.backend.answer(ListArms())[0].name
         by = None if isinstance(request, TakeArm) else request.by
         for other in self.sessions:
             if by is None or other.arms.get(arm) == by:
@@ -285,7 +283,7 @@ class Hub:
 
     def _return_arm(self, request: ReturnArm) -> None:
         with contextlib.suppress(Tool0Error):  # the simulation has ended
-            self.backend.carry_out(request)
+            self.backend.answer(request)
 
     def _remove_streams(self, session: Session) -> None:
         """Send no snapshots and updates to a session."""
@@ -324,13 +322,13 @@ class Hub:
         In a worker.
         """
         start = time.thread_time()
-        response = self.backend.carry_out(request)
+        response = self.backend.answer(request)
         started = response if isinstance(response, tuple) else (response,)
-        simulation = self.backend.simulation
+        states = self.backend.states
         goals = [
-            (item.goal, simulation.goals.find(item.goal))
+            (item.goal, states.goals.find(item.goal))
             for item in started
-            if isinstance(item, GoalStarted) and simulation is not None
+            if isinstance(item, GoalStarted) and states is not None
         ]
         text = encode_reply(ident, request, response)
         is_paid = not isinstance(request, _ADVANCING)
@@ -353,7 +351,7 @@ class Hub:
 
     async def _carry_out_setpoint(self, setpoint: StreamedSetpoint) -> None:
         loop = asyncio.get_running_loop()
-        carry_out = self.backend.carry_out
+        carry_out = self.backend.answer
         try:
             await loop.run_in_executor(self._workers, carry_out, setpoint.request)
         except Exception as error:

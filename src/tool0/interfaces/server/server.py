@@ -16,14 +16,14 @@ from typing import TYPE_CHECKING, Final, final
 
 from tool0.api.address import is_foreign
 from tool0.errors import TransportError
-from tool0.runtime.own_process import OwnProcess
+from tool0.protocol.fork_guard import OwnProcess
 
 if TYPE_CHECKING:
     import asyncio
 
     from tool0.api.address import Claim
-    from tool0.interfaces.server.backend import Backend
     from tool0.interfaces.server.hub import Hub, Service
+    from tool0.protocol.backend import Backend
 
 logger = logging.getLogger(__name__)
 

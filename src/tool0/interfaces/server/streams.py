@@ -11,6 +11,16 @@ from typing import Any, Final, final
 import msgspec
 
 from tool0.interfaces.server.session import Session
+from tool0.protocol.bus import (
+    Faulted,
+    GoalFinished,
+    Overran,
+    Reported,
+    Subscription,
+    WasFrozen,
+    WasReset,
+)
+from tool0.protocol.backend import States
 from tool0.protocol.codec import (
     EventMessage,
     Fault,
@@ -22,16 +32,6 @@ from tool0.protocol.codec import (
     snapshot_message,
 )
 from tool0.protocol.state import Snapshot
-from tool0.runtime.bus import (
-    Faulted,
-    GoalFinished,
-    Overran,
-    Reported,
-    Subscription,
-    WasFrozen,
-    WasReset,
-)
-from tool0.runtime.simulation import Simulation
 
 logger = logging.getLogger(__name__)
 
@@ -158,16 +158,15 @@ class SnapshotStreams:
     depend on the number of subscribers.  A snapshot is encoded once for all of a rate.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
+    def __init__(self, states: States) -> None:
+        self._states = states
         self._streams: dict[float, _RateStream] = {}
         self._task: asyncio.Task[None] | None = None
 
     async def add(self, session: Session, rate: float) -> None:
         """Let ``session`` receive ``rate`` snapshots per simulated second [Hz]."""
         if rate not in self._streams:
-            simulation = self._simulation
-            subscription = await asyncio.to_thread(simulation.subscribe, rate)
+            subscription = await asyncio.to_thread(self._states.subscribe, rate)
             subscription.pending()  # the stream starts with the next one
             stream = _RateStream(subscription, rate)
             if self._streams.setdefault(rate, stream) is not stream:
@@ -209,7 +208,7 @@ class SnapshotStreams:
             event = events.popleft()
             if isinstance(event, Reported | WasFrozen):
                 continue  # for the panel and the log
-            text = encode(event_message(self._simulation, event))
+            text = encode(event_message(self._states, event))
             for session in stream.sessions:
                 session.send(text)
 
@@ -221,14 +220,14 @@ def _close_in_background(stream: _RateStream) -> None:
 
 
 def event_message(
-    simulation: Simulation, event: GoalFinished | Faulted | Overran | WasReset
+    states: States, event: GoalFinished | Faulted | Overran | WasReset
 ) -> EventMessage:
     """Return an event as it is sent."""
     match event:
         case GoalFinished(goal):
             assert goal.result is not None  # it has finished
             return GoalEnded(
-                goal=simulation.goals.number(goal),
+                goal=states.goals.number(goal),
                 controller=goal.controller,
                 outcome=outcome_of(goal.result),
             )

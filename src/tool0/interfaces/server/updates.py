@@ -8,15 +8,14 @@ import logging
 from collections.abc import Callable
 from typing import Final, final
 
-from tool0.errors import ControlError
+from tool0.errors import ControlError, did_you_mean
 from tool0.interfaces.server.session import Session
 from tool0.interfaces.server.streams import event_message
+from tool0.protocol.bus import Faulted, Subscription, WasReset
+from tool0.protocol.backend import States
 from tool0.protocol.codec import encode
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot
-from tool0.protocol.updates import LogMessage, SubscribeUpdates
-from tool0.requests.updates import update_message
-from tool0.runtime.bus import Faulted, Subscription, WasReset
-from tool0.runtime.simulation import Simulation
+from tool0.protocol.updates import LogMessage, SubscribeUpdates, update_message
 
 logger = logging.getLogger(__name__)
 
@@ -40,15 +39,15 @@ class UpdateStream:
     """
 
     def __init__(
-        self, simulation: Simulation, session: Session, request: SubscribeUpdates
+        self, states: States, session: Session, request: SubscribeUpdates
     ) -> None:
         """Send nothing yet; ``run`` does until it is cancelled."""
-        self._simulation = simulation
+        self._states = states
         self._session = session
         self._request = request
         self._loop = asyncio.get_running_loop()
         self._last: Snapshot | None = None
-        self._speed = simulation.snapshot.speed
+        self._speed = states.snapshot.speed
         self._subscription: Subscription | None = None
         self._is_waking = False
         """Whether the event loop is about to send."""
@@ -68,16 +67,16 @@ class UpdateStream:
         while True:
             self._subscription = await self._subscribed()
             try:
-                while self._simulation.snapshot.speed == self._speed:
+                while self._states.snapshot.speed == self._speed:
                     await asyncio.sleep(self._wall_period or _FLUSH_PERIOD)
                     if self._wall_period and self._request.arms:
-                        read = self._simulation.loop.snapshot_with_arms
+                        read = self._states.snapshot_with_arms
                         self._polled = await asyncio.to_thread(read)
                     self._deliver()
             finally:
                 self._close(self._subscription)
                 self._subscription = None
-            self._speed = self._simulation.snapshot.speed
+            self._speed = self._states.snapshot.speed
 
     async def _subscribed(self) -> Subscription:
         """Return a subscription, made in another thread: it waits for the tick."""
@@ -109,7 +108,7 @@ class UpdateStream:
         suitable = min(rate, default_rate) if is_fast else rate / max(1.0, speed or 1.0)
         self._wall_period = _POLL_PERIOD if is_fast else 0.0
         self._period = 0.0 if is_fast else 1.0 / suitable - _ROUNDING
-        return self._simulation.subscribe(
+        return self._states.subscribe(
             suitable,
             with_commands=bool(self._request.motions),
             with_arms=bool(self._request.arms) and not is_fast,
@@ -139,9 +138,9 @@ class UpdateStream:
         while events:
             event = events.popleft()
             if isinstance(event, Faulted | WasReset):
-                self._session.send(encode(event_message(self._simulation, event)))
+                self._session.send(encode(event_message(self._states, event)))
         is_polled = bool(self._wall_period)
-        newest = [self._polled or self._simulation.snapshot]
+        newest = [self._polled or self._states.snapshot]
         request = self._request
         for snapshot in newest if is_polled else subscription.pending():
             before = self._last
@@ -200,8 +199,8 @@ class LogForwarder(logging.Handler):
 class UpdateStreams:
     """The streams of all sessions."""
 
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
+    def __init__(self, states: States) -> None:
+        self._states = states
         self._tasks: dict[Session, asyncio.Task[None]] = {}
         self._log: LogForwarder | None = None
 
@@ -211,12 +210,14 @@ class UpdateStreams:
         Raises:
             ControlError: If there is no arm of a requested name.
         """
+        known = [box.arm for box in self._states.snapshot.control_boxes]
         for arm in request.arms:
-            self._simulation.core.control_boxes.find(arm)
+            if arm not in known:
+                raise ControlError(f"no arm '{arm}'{did_you_mean(arm, known)}")
         self.remove(session)
         if self._log is None:
             self._log = LogForwarder(self._send)
-        stream = UpdateStream(self._simulation, session, request)
+        stream = UpdateStream(self._states, session, request)
         self._tasks[session] = asyncio.create_task(stream.run())
 
     def remove(self, session: Session) -> None:

@@ -12,7 +12,7 @@ from tool0.interfaces.panel.notices import (
     Notification,
 )
 from tool0.interfaces.panel.simulation_view import SimulationView
-from tool0.runtime.bus import Faulted, Overran
+from tool0.protocol.bus import Faulted, Overran
 
 ARM = "eff_joint_traj_controller"
 

@@ -22,8 +22,8 @@ from tool0.errors import ControlError, GoalTimeoutError, TransportError
 from tool0.interfaces.server.lines import MAX_LINE
 from tool0.interfaces.server.server import Server
 from tool0.interfaces.server.session import MAX_BACKLOG
+from tool0.protocol.bus import GoalFinished, WasReset
 from tool0.protocol.codec import PROTOCOL
-from tool0.runtime.bus import GoalFinished, WasReset
 from tool0.scene import Box, Compound, Pose
 
 ARM = "eff_joint_traj_controller"

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final, cast, get_args
 
 from tool0.interfaces.panel.protocol import Notice
-from tool0.runtime.notifications import NoticeCode, Severity
+from tool0.protocol.notifications import NoticeCode, Severity
 
 if TYPE_CHECKING:
     from tool0.recording.reading import RecordingFile

@@ -35,13 +35,13 @@ from tool0.interfaces.panel.simulation_view import (
     targets_of,
     with_forces,
 )
+from tool0.protocol.notifications import Notification
 from tool0.protocol.replay import LoopReplay, ReadReplay, ReplaySamples, SeekReplay
 from tool0.protocol.request import Request, method_name
 from tool0.protocol.robot import LimitsInfo
 from tool0.protocol.running import Pause, Reset, Resume, SetSpeed, Step
 from tool0.recording.signals import Signals, thinned
 from tool0.recording.video import cameras_of
-from tool0.runtime.notifications import Notification
 from tool0.sensing.grasp import WINDOW, judge
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class Replay:
     """
 
     mode: Final = "replay"
-    simulation: Final = None
+    states: Final = None
 
     def __init__(self, recording: RecordingFile) -> None:
         """Pause at the start; RecordingError if there is nothing to show."""
@@ -175,7 +175,7 @@ class Replay:
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return ()
 
-    def carry_out(self, request: Request[Any]) -> Any:
+    def answer(self, request: Request[Any]) -> Any:
         playhead = self.playhead
         match request:
             case Resume():

@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import final
 
+from tool0.protocol.fork_guard import OwnProcess
 from tool0.protocol.goals import Goal
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot
-from tool0.runtime.own_process import OwnProcess
 
 EVENTS_KEPT = 1000
 """Events that a subscriber may fall behind before it loses the oldest."""

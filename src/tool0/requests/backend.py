@@ -1,9 +1,9 @@
-"""The backend of a server: it answers requests."""
+"""A running simulation as the backend of its clients."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from typing import TYPE_CHECKING, Any, Final, Protocol, final
+from typing import Any, Final, final
 
 from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, did_you_mean
@@ -12,46 +12,11 @@ from tool0.protocol.controllers import SwitchControllers
 from tool0.protocol.gripper import Grip
 from tool0.protocol.motion import MoveJoints, SteerJoints
 from tool0.protocol.poses import GoToPose
-from tool0.protocol.request import Request
+from tool0.protocol.request import Request, Response
 from tool0.protocol.running import EmergencyStop, Reset
 from tool0.protocol.trajectories import CommandTrajectory, FollowTrajectory
-from tool0.requests.table import answer, post
+from tool0.requests.table import HANDLERS, answer, post
 from tool0.runtime.simulation import Simulation
-
-if TYPE_CHECKING:
-    from tool0.protocol.codec import Mode
-
-
-class Backend(Protocol):
-    """Answers the requests of all connections.
-
-    ``carry_out`` may take time and is called by worker threads; the rest is called by
-    the server's thread alone.
-    """
-
-    @property
-    def mode(self) -> Mode: ...
-
-    @property
-    def simulation(self) -> Simulation | None:
-        """None without physics."""
-
-    def carry_out(self, request: Request[Any]) -> Any:
-        """Return the response, or raise Tool0Error."""
-
-    def post(
-        self, request: Request[Any], when_failed: Callable[[Exception], None]
-    ) -> None:
-        """Let the next tick carry out a request of a stream, or raise Tool0Error.
-
-        ``when_failed`` may be called in any thread.
-        """
-
-    def check_setpoint(self, request: Request[Any]) -> None:
-        """Raise Tool0Error for a streamed setpoint that can never be carried out."""
-
-    def superseded(self, request: Request[Any]) -> Collection[str]:
-        """Return the controllers whose setpoint streams are ended by a request."""
 
 
 @final
@@ -63,7 +28,14 @@ class SimulationBackend:
     def __init__(self, simulation: Simulation) -> None:
         self.simulation = simulation
 
-    def carry_out(self, request: Request[Any]) -> Any:
+    @property
+    def states(self) -> Simulation:
+        return self.simulation
+
+    def why_missing(self, request: type[Request[Any]]) -> str:
+        return "" if request in HANDLERS else "a running robot has no such operation"
+
+    def answer(self, request: Request[Response]) -> Response:
         return answer(self.simulation, request)
 
     def post(

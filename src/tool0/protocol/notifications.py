@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, final
 
-from tool0.protocol.control_box_state import ControlBoxState, SafetyMode
-from tool0.protocol.goals import Goal, GoalResult, GoalStatus, GripperResult
-from tool0.runtime.bus import (
+from tool0.protocol.bus import (
     Event,
     Faulted,
     GoalFinished,
@@ -16,6 +14,8 @@ from tool0.runtime.bus import (
     WasFrozen,
     WasReset,
 )
+from tool0.protocol.control_box_state import ControlBoxState, SafetyMode
+from tool0.protocol.goals import Goal, GoalResult, GoalStatus, GripperResult
 
 if TYPE_CHECKING:
     from tool0.protocol.state import Snapshot

@@ -1,0 +1,129 @@
+"""A backend: a robot behind the contract, simulated or not.
+
+It answers requests, publishes states, and says what it does not offer.  A server, the
+Python API and what is built on them know nothing else of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from typing import TYPE_CHECKING, Any, Protocol
+
+from tool0.errors import ControlError
+from tool0.protocol.request import Request, method_name
+
+if TYPE_CHECKING:
+    from tool0.description.robot import RobotDescription
+    from tool0.protocol.bus import Subscription
+    from tool0.protocol.codec import Mode
+    from tool0.protocol.fork_guard import OwnProcess
+    from tool0.protocol.goal_registry import GoalRegistry
+    from tool0.protocol.goals import Goal
+    from tool0.protocol.state import Snapshot
+
+class States(Protocol):
+    """The states of a robot, and the time that passes between them."""
+
+    @property
+    def description(self) -> RobotDescription: ...
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """The newest state."""
+
+    @property
+    def goals(self) -> GoalRegistry:
+        """The goals that requests have started, by number."""
+
+    def subscribe(
+        self,
+        rate: float | None = None,
+        *,
+        keep_all: bool = False,
+        with_commands: bool = False,
+        with_arms: bool = False,
+        with_contacts: bool = False,
+        latest_only: bool = False,
+        when_published: Callable[[], None] | None = None,
+    ) -> Subscription:
+        """Return a reader of snapshots and events, as ``Bus.subscribe`` does.
+
+        Args:
+            rate: Snapshots per second of the robot's time [Hz]; the default rate if
+                left out.
+            keep_all: As for ``Bus.subscribe``, and so the rest.
+            with_commands: The snapshots have the commands of the joints.
+            with_arms: They have what moves each arm, and the wrench on its tool.
+            with_contacts: They have contacts and their forces.
+            latest_only: Events, and the newest snapshot only.
+            when_published: Called for every snapshot.
+
+        Raises:
+            ControlError: For a rate that is not offered.
+        """
+
+    def snapshot_with_arms(self) -> Snapshot:
+        """Return the newest state with what moves each arm; it may wait for it."""
+
+    def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
+        """Let time pass until ``is_over()``; return False on a timeout.
+
+        Args:
+            is_over: Polled repeatedly.
+            timeout: [s] of simulated time where the caller makes time pass, otherwise
+                of wall time; None waits without limit.
+
+        Raises:
+            EngineError: If the physics failed.
+            ControlError: If the robot was closed, or is paused without real time.
+        """
+
+    def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
+        """Let time pass until ``goal`` ends, as ``wait_until`` does."""
+
+    @property
+    def process(self) -> OwnProcess:
+        """The process that owns the robot, and alone can use and close it."""
+
+    def close(self) -> None:
+        """End the robot; closing twice is allowed."""
+
+
+class Backend(Protocol):
+    """Answers the requests of all clients.
+
+    ``answer`` may take time and is called by worker threads; the rest is called by
+    the server's thread alone.
+    """
+
+    @property
+    def mode(self) -> Mode: ...
+
+    @property
+    def states(self) -> States | None:
+        """The states as clients of the contract read them; None for a mere picture."""
+
+    def why_missing(self, request: type[Request[Any]]) -> str:
+        """Return why requests of a class are not offered; empty if they are."""
+
+    def answer(self, request: Request[Any]) -> Any:
+        """Return the response to a checked request, or raise Tool0Error."""
+
+    def post(
+        self, request: Request[Any], when_failed: Callable[[Exception], None]
+    ) -> None:
+        """Let the next tick carry out a request of a stream, or raise Tool0Error.
+
+        ``when_failed`` may be called in any thread.
+        """
+
+    def check_setpoint(self, request: Request[Any]) -> None:
+        """Raise Tool0Error for a streamed setpoint that can never be carried out."""
+
+    def superseded(self, request: Request[Any]) -> Collection[str]:
+        """Return the controllers whose setpoint streams are ended by a request."""
+
+
+def missing(request: type[Request[Any]], reason: str) -> ControlError:
+    """Return the error for a request that a backend does not offer."""
+    return ControlError(f"'{method_name(request)}' is not offered: {reason}")

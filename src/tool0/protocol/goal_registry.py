@@ -1,0 +1,57 @@
+"""The numbers of goals."""
+
+from __future__ import annotations
+
+import threading
+from typing import final
+
+from tool0.errors import ControlError
+from tool0.protocol.goals import Goal
+
+GOALS_KEPT = 1000
+"""Number of goals kept; the oldest finished ones are dropped."""
+
+
+@final
+class GoalRegistry:
+    """Numbers goals and finds them again.  Any thread may use it."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._goals: dict[int, Goal] = {}
+        self._last = 0
+
+    def add(self, goal: Goal, number: int | None = None) -> int:
+        """Remember ``goal`` and return its number; the next one, if left out."""
+        with self._lock:
+            if number is None:
+                self._last = number = self._last + 1
+            self._goals[number] = goal
+            if len(self._goals) > GOALS_KEPT:
+                ended = (n for n, g in self._goals.items() if g.status.is_terminal)
+                oldest = next(ended, None)
+                if oldest is not None:
+                    del self._goals[oldest]
+            return number
+
+    def active(self) -> tuple[Goal, ...]:
+        """Return the goals that have not ended, oldest first."""
+        with self._lock:
+            goals = tuple(self._goals.values())
+        return tuple(goal for goal in goals if not goal.status.is_terminal)
+
+    def number(self, goal: Goal) -> int | None:
+        """Return a goal's number; None if no request started it, or it is old."""
+        with self._lock:
+            found = (number for number, item in self._goals.items() if item is goal)
+            return next(found, None)
+
+    def find(self, number: int) -> Goal:
+        """Return the goal, or raise ControlError if there is none or it is old."""
+        with self._lock:
+            goal = self._goals.get(number)
+        if goal is None:
+            raise ControlError(
+                f"there is no goal {number}; the last {GOALS_KEPT} are kept"
+            )
+        return goal
