@@ -21,6 +21,7 @@ from tool0.description.model import Inertial, RobotModel
 from tool0.description.robot import RobotDescription, assemble
 from tool0.hardware.bodies import JointDynamics
 from tool0.protocol.controllers import Gains
+from tool0.requests.backend import SimulationBackend
 from tool0.runtime.bringup import start_simulation
 from tool0.runtime.config import ControlConfig, SimulationConfig
 
@@ -206,7 +207,11 @@ def descriptions() -> Iterator[RobotDescription]:
 def _robot(
     description: RobotDescription, control: ControlConfig, simulation: SimulationConfig
 ) -> tool0.Robot:
-    return tool0.Robot(LocalChannel(start_simulation(description, control, simulation)))
+    return tool0.Robot(
+        LocalChannel(
+            SimulationBackend(start_simulation(description, control, simulation))
+        )
+    )
 
 
 def _gains(description: RobotDescription) -> dict[str, Gains]:

@@ -22,7 +22,6 @@ import tool0
 from tool0.api.address import Claim
 from tool0.installation.ros2.installation import NODE_FOLDER, Ros2, find_ros2
 from tool0.interfaces.server.server import Server, UnixSocketService
-from tool0.requests.backend import SimulationBackend
 
 NAME = f"benchmark-ros2-{os.getpid()}"
 DOMAIN = 97
@@ -155,7 +154,7 @@ def _robot(*, realtime: bool) -> Iterator[tool0.Robot]:
     """Bring a robot up that other processes can reach."""
     with tool0.bringup(arm=ARM, ros2_control=True, realtime=realtime) as robot:
         service = UnixSocketService(Claim(NAME))
-        with Server(SimulationBackend(robot.simulation), [service], NAME):
+        with Server(robot.backend, [service], NAME):
             yield robot
 
 

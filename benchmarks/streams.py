@@ -14,7 +14,6 @@ from subprocess import PIPE, Popen
 import tool0
 from tool0.api.address import Claim
 from tool0.interfaces.server.server import Server, UnixSocketService
-from tool0.requests.backend import SimulationBackend
 
 NAME = f"benchmark-streams-{os.getpid()}"
 SECONDS = 2.0
@@ -43,7 +42,7 @@ def tick_cost_ratio(readers: int, rate: float) -> float:
     service = UnixSocketService(Claim(NAME))
     with (
         tool0.bringup() as robot,
-        Server(SimulationBackend(robot.simulation), [service], NAME),
+        Server(robot.backend, [service], NAME),
     ):
         ratios = []
         for _ in range(ROUNDS):

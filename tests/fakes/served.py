@@ -9,7 +9,6 @@ import pytest
 import tool0
 from tool0.api.address import Claim
 from tool0.interfaces.server.server import Server, UnixSocketService
-from tool0.requests.backend import SimulationBackend
 
 
 def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:
@@ -25,5 +24,5 @@ def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:
 def serving(robot: tool0.Robot, name: str = "tool0") -> Iterator[Server]:
     """Serve ``robot`` over the Unix socket."""
     service = UnixSocketService(Claim(name))
-    with Server(SimulationBackend(robot.simulation), [service], name) as server:
+    with Server(robot.backend, [service], name) as server:
         yield server

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
+import tool0.recording.episodes  # handlers of its requests
+import tool0.recording.requests  # noqa: F401
 from tool0.api.channel import LocalChannel
 from tool0.api.robot import Robot
 from tool0.description.config import (
@@ -18,6 +20,7 @@ from tool0.description.config import (
 )
 from tool0.description.robot import load_description
 from tool0.description.scene import Scene
+from tool0.requests.backend import SimulationBackend
 from tool0.requests.state import stop_after_freezes
 from tool0.runtime.bringup import start_simulation
 from tool0.runtime.config import ControlConfig, Names, SimulationConfig
@@ -120,7 +123,7 @@ def bringup(
     held = replace(simulation, paused=True) if is_recorded else simulation
     started = start_simulation(robot_description, control, held)
     stop_after_freezes(started)
-    recorded = Robot(LocalChannel(started))
+    recorded = Robot(LocalChannel(SimulationBackend(started)))
     if simulation.record is None:
         return recorded
     try:

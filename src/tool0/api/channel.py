@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol, TypeVar, final
 
-from tool0.errors import ControlError
 from tool0.protocol.goals import Goal, GoalStarted
 from tool0.protocol.request import Request, checked
-from tool0.protocol.state import SNAPSHOT_PERIOD
 
 if TYPE_CHECKING:
     from tool0.description.robot import RobotDescription
-    from tool0.protocol.bus import Subscription
-    from tool0.protocol.state import Snapshot
     from tool0.protocol.backend import Backend, States
+    from tool0.protocol.bus import Subscription
+    from tool0.protocol.sensors import CameraRenderer
+    from tool0.protocol.state import Snapshot
 
 R = TypeVar("R")
 
@@ -28,6 +27,10 @@ class Channel(Protocol):
     @property
     def snapshot(self) -> Snapshot:
         """The newest state."""
+
+    @property
+    def time(self) -> float:
+        """The robot's time [s]: simulated time."""
 
     def call(self, request: Request[R]) -> R:
         """Return the response, or raise what the handler raised."""
@@ -94,9 +97,18 @@ class LocalChannel:
     def snapshot(self) -> Snapshot:
         return self._robot.snapshot
 
+    @property
+    def time(self) -> float:
+        return self._robot.time
+
     def call(self, request: Request[R]) -> R:
         response: R = self.backend.answer(checked(request))
         return response
+
+    @property
+    def cameras(self) -> CameraRenderer | None:
+        """What draws the states of this process; None if nothing does."""
+        return self._robot.cameras
 
     def goal(self, started: GoalStarted) -> Goal:
         return self._robot.goals.find(started.goal)

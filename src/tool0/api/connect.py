@@ -120,6 +120,10 @@ class SocketChannel:
     def snapshot(self) -> Snapshot:
         return self.call(ReadSnapshot())
 
+    @property
+    def time(self) -> float:
+        return self.snapshot.time
+
     def call(self, request: Request[R]) -> R:
         """Return the response, or raise what the handler raised.
 

@@ -57,13 +57,14 @@ if TYPE_CHECKING:
     from tool0.api.episodes import EpisodesHandle
     from tool0.api.programs import ProgramHandle, Programs
     from tool0.api.recording import Recording
+    from tool0.description.poses import NamedPose
     from tool0.description.robot import RobotDescription
     from tool0.description.transform import Transform
     from tool0.hardware.engine import Engine
+    from tool0.protocol.backend import Backend
     from tool0.protocol.bus import Subscription
     from tool0.protocol.controllers import ControllerStatus
     from tool0.protocol.objects import Collision
-    from tool0.protocol.poses import NamedPose
     from tool0.protocol.program import Program
     from tool0.protocol.recordings import RecordingStatus
     from tool0.protocol.state import Contact, Snapshot
@@ -160,9 +161,23 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             ControlError: If the simulation runs in another process.
         """
+        from tool0.requests.backend import SimulationBackend
+
+        backend = self.backend
+        if not isinstance(backend, SimulationBackend):
+            raise ControlError("this robot is not simulated")
+        return backend.simulation
+
+    @property
+    def backend(self) -> Backend:
+        """What answers its requests and has its states, for servers.
+
+        Raises:
+            ControlError: If the robot is in another process.
+        """
         if not isinstance(self.channel, LocalChannel):
             raise ControlError("the simulation runs in another process")
-        return self.channel.simulation
+        return self.channel.backend
 
     @property
     def engine(self) -> Engine:
@@ -281,9 +296,7 @@ class Robot(AbstractContextManager["Robot"]):
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        if isinstance(self.channel, LocalChannel):
-            return self.channel.simulation.loop.time
-        return self.snapshot.time
+        return self.channel.time
 
     @property
     def joint_state(self) -> JointValues:

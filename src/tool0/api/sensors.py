@@ -147,4 +147,7 @@ class CameraHandle:
                 "a robot in another process draws its newest state only; "
                 "leave the snapshot out"
             )
-        return self._channel.simulation.cameras.render(self.camera, snapshot)
+        cameras = self._channel.cameras
+        if cameras is None:
+            raise RenderError("this robot has no cameras")
+        return cameras.render(self.camera, snapshot)

@@ -201,7 +201,5 @@ def served_name(robot: Robot | str, label: str, stack: contextlib.ExitStack) -> 
     claim = Claim(f"{label}-{os.getpid()}-{next(_numbers)}")
     stack.callback(claim.close)
     service = UnixSocketService(claim)
-    stack.enter_context(
-        Server(robot.backend, [service], claim.name)
-    )
+    stack.enter_context(Server(robot.backend, [service], claim.name))
     return claim.name

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from tool0.protocol.fork_guard import OwnProcess
     from tool0.protocol.goal_registry import GoalRegistry
     from tool0.protocol.goals import Goal
+    from tool0.protocol.sensors import CameraRenderer
     from tool0.protocol.state import Snapshot
+
 
 class States(Protocol):
     """The states of a robot, and the time that passes between them."""
@@ -30,6 +32,10 @@ class States(Protocol):
     @property
     def snapshot(self) -> Snapshot:
         """The newest state."""
+
+    @property
+    def time(self) -> float:
+        """The robot's time now, which may be later than the newest state [s]."""
 
     @property
     def goals(self) -> GoalRegistry:
@@ -61,6 +67,13 @@ class States(Protocol):
         Raises:
             ControlError: For a rate that is not offered.
         """
+
+    @property
+    def cameras(self) -> CameraRenderer | None:
+        """What draws the states; None if nothing does."""
+
+    def refresh(self) -> None:
+        """Publish a snapshot soon, also while time is held."""
 
     def snapshot_with_arms(self) -> Snapshot:
         """Return the newest state with what moves each arm; it may wait for it."""

@@ -2,27 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import final
-
+from tool0.description.poses import NamedPose
 from tool0.protocol.goals import GoalStarted
 from tool0.protocol.request import Name, Request, SpeedScale
-
-Positions = Mapping[str, float]
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NamedPose:
-    """Positions of some or all joints, under a name."""
-
-    name: str
-    """Such as ``home``."""
-    positions: Positions
-    """Joint → [rad | m]."""
-    saved: bool
-    """Whether a user saved it."""
 
 
 class ListPoses(Request[dict[str, NamedPose]], frozen=True):

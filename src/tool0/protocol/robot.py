@@ -12,6 +12,7 @@ from tool0.description.model import JointLimits
 from tool0.description.robot import CatalogueRobot, RobotDescription
 from tool0.description.transform import Transform
 from tool0.description.urdf import read_model
+from tool0.protocol.controllers import Role
 from tool0.protocol.request import Name, Request
 from tool0.protocol.state import Snapshot
 
@@ -57,6 +58,8 @@ class SimulationInfo(Struct, frozen=True, kw_only=True):
     """Limits of each driven joint [rad | m], [rad/s | m/s], [N·m | N], and so on."""
     defined_controllers: dict[str, str]
     """Controllers of the YAML, loaded or not: name → type."""
+    controller_roles: dict[str, Role] = {}
+    """What each of these is for."""
     parameters: dict[str, Any]
     """The whole YAML, as plain values."""
     warnings: tuple[str, ...]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Generic, final
+from typing import TYPE_CHECKING, Annotated, Generic, Protocol, final
 
 from msgspec import Meta, Struct
 
@@ -15,6 +16,8 @@ from tool0.protocol.request import Name, Request, Response, Vector3
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from tool0.protocol.state import Snapshot
 
 
 @final
@@ -33,6 +36,25 @@ class CameraImage:
     """The intrinsics, shape (3, 3): ``Camera.intrinsics``."""
     T_root_camera: Transform
     """The optical frame in the robot's root."""
+
+
+class CameraRenderer(Protocol):
+    """Cameras by name, which draw states.  Any thread may use it."""
+
+    def __iter__(self) -> Iterator[str]: ...
+
+    def __getitem__(self, name: str) -> Camera:
+        """Return a camera, or raise RenderError."""
+
+    def newest(self) -> Snapshot:
+        """Return what is to be seen now."""
+
+    def render(self, camera: Camera, snapshot: Snapshot | None = None) -> CameraImage:
+        """Return an image of ``snapshot``, by default the newest, from any camera.
+
+        Raises:
+            RenderError: If it cannot draw here, or the robot is closed.
+        """
 
 
 DEFAULT_CUTOFF = 15.0

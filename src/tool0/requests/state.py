@@ -65,6 +65,10 @@ def _info(simulation: Simulation, request: ReadInfo) -> SimulationInfo:
             for name, limits in simulation.joint_limits.items()
         },
         defined_controllers=dict(simulation.defined_controllers),
+        controller_roles={
+            name: simulation.core.manager.dialect.role(kind)
+            for name, kind in simulation.defined_controllers.items()
+        },
         parameters=dict(simulation.parameters),
         warnings=tuple(map(str, simulation.warnings)),
     )

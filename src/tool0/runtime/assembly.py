@@ -12,6 +12,7 @@ from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.config import File
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
+from tool0.description.poses import PoseStore
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
@@ -21,7 +22,6 @@ from tool0.hardware.robot_hardware import RobotHardware
 from tool0.runtime.config import ControlConfig, SimulationConfig
 from tool0.runtime.controllers import ControllerChoice, choose_controllers
 from tool0.runtime.core import Core
-from tool0.runtime.poses import PoseBook
 
 
 @final
@@ -33,7 +33,7 @@ class Assembly:
     control: ControlConfig
     choice: ControllerChoice
     """The controllers."""
-    poses: PoseBook
+    poses: PoseStore
     position: list[float]
     """The initial pose [rad | m], shape (n_joints,), in the order of the model."""
 
@@ -45,7 +45,7 @@ class Assembly:
             Tool0Error: If an option or a file is wrong.
         """
         choice = choose_controllers(description, control)
-        poses = PoseBook(description)
+        poses = PoseStore(description)
         position = _initial_position(description.model, poses, control.initial_pose)
         return Assembly(
             description=description,
@@ -121,7 +121,7 @@ def chosen_scene(description: RobotDescription, scene: Scene | File | None) -> S
 
 
 def _initial_position(
-    model: RobotModel, poses: PoseBook, pose: str | Mapping[str, float] | None
+    model: RobotModel, poses: PoseStore, pose: str | Mapping[str, float] | None
 ) -> list[float]:
     """Return every movable joint's position, in the order of the model."""
     try:

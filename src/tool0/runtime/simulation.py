@@ -18,10 +18,15 @@ from tool0.errors import ControlError, did_you_mean
 from tool0.kinematics.only_part import only_part
 from tool0.programs.book import ProgramBook
 from tool0.protocol.bus import Bus, Subscription
-from tool0.protocol.goal_registry import GoalRegistry
 from tool0.protocol.fork_guard import OwnProcess
+from tool0.protocol.goal_registry import GoalRegistry
 from tool0.protocol.goals import Goal
-from tool0.protocol.state import MAX_SNAPSHOT_RATE, MIN_SNAPSHOT_RATE, SNAPSHOT_PERIOD, Snapshot
+from tool0.protocol.state import (
+    MAX_SNAPSHOT_RATE,
+    MIN_SNAPSHOT_RATE,
+    SNAPSHOT_PERIOD,
+    Snapshot,
+)
 from tool0.runtime.assembly import Setup
 from tool0.runtime.core import Core
 from tool0.runtime.journal import Journal
@@ -164,6 +169,15 @@ class Simulation:
         )
         self._update_snapshot_period()
         return subscription
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.loop.time
+
+    def refresh(self) -> None:
+        """Publish a snapshot soon, also while time is held."""
+        self.loop.refresh()
 
     def snapshot_with_arms(self) -> Snapshot:
         """Publish a snapshot that has what moves each arm, and return it."""

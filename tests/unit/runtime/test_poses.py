@@ -13,22 +13,22 @@ from ur5_rig import ARM, ARM_JOINTS, POST, POST_GRIPPER
 
 import tool0
 from tool0.description.model import Link, RobotModel
+from tool0.description.poses import LONGEST_NAME, PoseStore, poses_file
 from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError, ControlError
-from tool0.runtime.poses import LONGEST_NAME, PoseBook, poses_file
 
 PAN = ARM_JOINTS[0]
 POSE = {"elbow_joint": 1.5708, "wrist_1_joint": -1e-05}
 
 
-def open_book() -> PoseBook:
+def open_book() -> PoseStore:
     """Return the poses of a robot of no arm that is called ur5."""
     model = RobotModel(name="ur5", root="world", links=(Link(name="world"),), joints=())
     source = Path("ur5.urdf")
-    return PoseBook(RobotDescription(model=model, source=source, _document=Document()))
+    return PoseStore(RobotDescription(model=model, source=source, _document=Document()))
 
 
-def saved(book: PoseBook) -> dict[str, dict[str, float]]:
+def saved(book: PoseStore) -> dict[str, dict[str, float]]:
     return {name: dict(pose.positions) for name, pose in book.all().items()}
 
 
@@ -38,7 +38,7 @@ def save_many(who: str) -> None:
 
 
 @pytest.fixture
-def book(data_home: Path) -> PoseBook:
+def book(data_home: Path) -> PoseStore:
     return open_book()
 
 
@@ -69,7 +69,7 @@ def test_no_name_of_a_robot_leads_out_of_the_folder() -> None:
         assert poses_file(name).parent == folder
 
 
-def test_reading_creates_no_file(book: PoseBook) -> None:
+def test_reading_creates_no_file(book: PoseStore) -> None:
     assert book.all() == {}
     assert not book.file.parent.exists()
 
@@ -77,7 +77,7 @@ def test_reading_creates_no_file(book: PoseBook) -> None:
 @pytest.mark.parametrize(
     "name", ["over the box", "on", "1", "a/b", "取料", "a: b", "~"]
 )
-def test_a_saved_pose_is_read_exactly(book: PoseBook, name: str) -> None:
+def test_a_saved_pose_is_read_exactly(book: PoseStore, name: str) -> None:
     book.save("first", {})
     book.save(name, POSE)
     assert saved(book) == saved(open_book()) == {"first": {}, name: POSE}
@@ -85,7 +85,7 @@ def test_a_saved_pose_is_read_exactly(book: PoseBook, name: str) -> None:
     assert saved(open_book()) == {name: POSE}
 
 
-def test_an_update_keeps_the_positions_of_other_joints(book: PoseBook) -> None:
+def test_an_update_keeps_the_positions_of_other_joints(book: PoseStore) -> None:
     book.save("work", {"left_elbow": 1.0, "right_elbow": 2.0})
     book.save("work", {"right_elbow": 3.0}, update=True)
     assert saved(book) == {"work": {"left_elbow": 1.0, "right_elbow": 3.0}}
@@ -93,7 +93,7 @@ def test_an_update_keeps_the_positions_of_other_joints(book: PoseBook) -> None:
     assert saved(book) == {"work": {"right_elbow": 4.0}}
 
 
-def test_a_pose_that_another_process_saves_is_seen(book: PoseBook) -> None:
+def test_a_pose_that_another_process_saves_is_seen(book: PoseStore) -> None:
     book.save("a", POSE)
     assert list(book.all()) == ["a"]
     open_book().save("b", POSE)
@@ -101,7 +101,7 @@ def test_a_pose_that_another_process_saves_is_seen(book: PoseBook) -> None:
 
 
 @pytest.mark.slow
-def test_two_processes_and_two_threads_lose_no_pose(book: PoseBook) -> None:
+def test_two_processes_and_two_threads_lose_no_pose(book: PoseStore) -> None:
     context = multiprocessing.get_context("spawn")
     workers = [
         kind(target=save_many, args=(f"{kind.__name__} {number}",))
@@ -131,7 +131,7 @@ def test_two_processes_and_two_threads_lose_no_pose(book: PoseBook) -> None:
     ],
 )
 def test_a_broken_file_is_reported_by_line_and_not_changed(
-    book: PoseBook, text: str, line: int, names: str
+    book: PoseStore, text: str, line: int, names: str
 ) -> None:
     write(book.file, text)
     for access in (book.all, lambda: book.save("new", POSE), lambda: book.delete("a")):
@@ -145,7 +145,7 @@ def test_a_broken_file_is_reported_by_line_and_not_changed(
 
 
 def test_a_file_that_is_no_text_and_a_folder_that_cannot_be_made_are_refused(
-    book: PoseBook,
+    book: PoseStore,
 ) -> None:
     write(book.file, "")
     assert book.all() == {}
@@ -263,7 +263,7 @@ def test_an_unknown_pose_is_refused_with_the_nearest(robot: tool0.Robot) -> None
 
 
 @pytest.mark.parametrize("name", ["", " ", "a ", "a\nb", "a\x00", "x" * 61, "\u200b"])
-def test_a_name_that_nobody_could_read_is_refused(book: PoseBook, name: str) -> None:
+def test_a_name_that_nobody_could_read_is_refused(book: PoseStore, name: str) -> None:
     with pytest.raises(ControlError) as error:
         book.save(name, POSE)
     assert repr(name) in str(error.value)

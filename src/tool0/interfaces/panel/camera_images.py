@@ -7,8 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final, Literal, final
 
-from tool0.protocol.sensors import CameraImage
-from tool0.sensing.cameras import Cameras, depth_in_mm, encode_png
+from tool0.protocol.sensors import CameraImage, CameraRenderer
+from tool0.sensing.cameras import depth_in_mm, encode_png
 
 if TYPE_CHECKING:
     import numpy as np
@@ -56,7 +56,7 @@ class _Rendering:
 class CameraImages:
     """Renders and encodes in threads; it lives in the server's event loop."""
 
-    def __init__(self, cameras: Cameras) -> None:
+    def __init__(self, cameras: CameraRenderer) -> None:
         self._cameras = cameras
         self._threads = ThreadPoolExecutor(_THREADS, "tool0 images")
         self._number = 0

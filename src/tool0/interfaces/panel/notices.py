@@ -12,7 +12,7 @@ from tool0.interfaces.panel.protocol import Notice
 from tool0.protocol.notifications import Notification, Severity, changes, described
 
 if TYPE_CHECKING:
-    from tool0.runtime.simulation import Simulation
+    from tool0.protocol.backend import States
 
 MAX_AT_ONCE: Final = 20
 """Notifications that are shown one by one: a script can end thousands of goals."""
@@ -65,16 +65,17 @@ class NoticeBook:
 
 @final
 class EventWatcher:
-    """Describes the events and the changes of a simulation."""
+    """Describes the events and the changes of a robot."""
 
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
-        self._subscription = simulation.subscribe()
-        self._before = simulation.snapshot
+    def __init__(self, states: States, warnings: Sequence[str]) -> None:
+        """Read the states of a robot; ``warnings`` come first."""
+        self._states = states
+        self._subscription = states.subscribe()
+        self._before = states.snapshot
         self._reported: set[str] = set()
         self._waiting = [
-            Notification(severity="warning", code="lint", text=str(warning))
-            for warning in simulation.warnings
+            Notification(severity="warning", code="lint", text=warning)
+            for warning in warnings
         ]
 
     def report_once(self, text: str) -> None:
@@ -88,7 +89,7 @@ class EventWatcher:
     def notifications(self) -> Sequence[Notification]:
         """Return the events since the last call; at first, the YAML's findings."""
         found, self._waiting = self._waiting, []
-        snapshot = self._simulation.snapshot
+        snapshot = self._states.snapshot
         events = self._subscription.events
         while events:
             found.append(described(events.popleft(), snapshot.time))

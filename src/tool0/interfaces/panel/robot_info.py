@@ -27,6 +27,7 @@ from tool0.description.parts import (
     gripper_of,
     joints_of,
 )
+from tool0.description.poses import PoseStore
 from tool0.description.robot import RobotDescription, part_names
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import (
@@ -52,7 +53,6 @@ from tool0.interfaces.panel.protocol import (
     ShapeInfo,
     ViewObject,
 )
-from tool0.runtime.poses import PoseBook
 
 if TYPE_CHECKING:
     from xml.dom.minidom import Document, Element
@@ -185,7 +185,7 @@ def object_info(item: SceneObject, files: RobotFiles) -> ViewObject:
     )
 
 
-def pose_infos(book: PoseBook, report: Callable[[str], None]) -> list[PoseInfo]:
+def pose_infos(book: PoseStore, report: Callable[[str], None]) -> list[PoseInfo]:
     """Return every pose; report saved ones that cannot be read."""
     try:
         poses = book.all()

@@ -19,7 +19,6 @@ from tool0.interfaces.server.server import Server
 from tool0.protocol.backend import Backend
 from tool0.protocol.motion import PoseJoints
 from tool0.protocol.request import Request
-from tool0.requests.backend import SimulationBackend
 
 if TYPE_CHECKING:
     import uvicorn
@@ -261,14 +260,14 @@ def panel_service(
 ) -> tuple[Backend, WebService]:
     """Return what a server needs to show ``robot`` as a page."""
     if isinstance(robot, Robot):
-        simulation = robot.simulation
+        backend = robot.backend
 
         def view() -> ViewSource:
             from tool0.interfaces.panel.simulation_view import SimulationView
 
-            return SimulationView(simulation)
+            return SimulationView(backend)
 
-        return SimulationBackend(simulation), WebService(view, endpoint)
+        return backend, WebService(view, endpoint)
     return robot, WebService(lambda: robot, endpoint, (PoseJoints,))
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, cast, final
+from typing import TYPE_CHECKING, TypeVar, cast, final
 
 from msgspec import structs
 
+from tool0.description.camera import Camera
 from tool0.description.model import Joint, JointType
 from tool0.description.parts import find_grippers
+from tool0.description.poses import PoseStore
 from tool0.interfaces.panel.notices import EventWatcher
 from tool0.interfaces.panel.protocol import (
     ContactInfo,
@@ -31,20 +33,24 @@ from tool0.interfaces.panel.robot_info import (
     pose_infos,
     robot_info,
 )
+from tool0.protocol.backend import Backend
 from tool0.protocol.controllers import ControllerStatus, Role
-from tool0.protocol.episodes import EpisodesStatus
+from tool0.protocol.episodes import EpisodesStatus, ReadEpisodes
 from tool0.protocol.gripper import GraspState
 from tool0.protocol.notifications import Notification
-from tool0.recording.episodes import Episodes
-from tool0.recording.recordings import Recordings
+from tool0.protocol.programs import ProgramRun, ReadRuns
+from tool0.protocol.recordings import ReadRecording, RecordingStatus
+from tool0.protocol.request import Request
+from tool0.protocol.robot import ReadInfo, SimulationInfo
+from tool0.protocol.sensors import ListCameras
 from tool0.sensing.grasp import GraspDetector
 
 if TYPE_CHECKING:
     from tool0.description.scene import SceneObject
     from tool0.protocol.bus import Subscription
     from tool0.protocol.state import ArmSample, Contact, Snapshot, Wrench
-    from tool0.runtime.simulation import Simulation
 
+R = TypeVar("R")
 _FORCE_DIGITS = 4
 _DIGITS = 6
 """Decimals of positions and the like: a resting robot then gives equal frames."""
@@ -54,22 +60,26 @@ _DIGITS = 6
 class SimulationView:
     """Derives frames and statuses from snapshots; see ``view_feed.ViewSource``."""
 
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
-        description = simulation.description
+    def __init__(self, backend: Backend) -> None:
+        """Read a backend that has states."""
+        states = backend.states
+        assert states is not None
+        self._backend, self._states = backend, states
+        description = states.description
+        info: SimulationInfo = backend.answer(ReadInfo())
         self.files = RobotFiles(description)
-        first = simulation.snapshot
-        limits = simulation.joint_limits
+        first = states.snapshot
+        limits = {name: found.limits for name, found in info.joint_limits.items()}
         self.info = ViewInfo(
             mode="simulation",
-            engine=simulation.engine.name,
-            control_period=simulation.loop.control_period,
-            grasp_assist=simulation.grasp_assist,
-            robot=robot_info(description, first.joint_names, simulation.ground, limits),
-            cameras=camera_infos(simulation.cameras.values()),
+            engine=info.engine,
+            control_period=info.control_period,
+            grasp_assist=info.grasp_assist,
+            robot=robot_info(description, first.joint_names, info.ground, limits),
+            cameras=camera_infos(self._cameras()),
             notices=[],
         )
-        self.cameras = simulation.cameras
+        self.cameras = states.cameras
         self._joints = {
             name: replace(joint, limits=limits.get(name, joint.limits))
             for name, joint in description.model.joint_by_name.items()
@@ -78,7 +88,9 @@ class SimulationView:
         self._objects = first.scene
         self._scene = self._scene_of(0, first.scene)
         self._frame = frame_of(first, self._scene.number)
-        self._watcher = EventWatcher(simulation)
+        self._info = info
+        self._poses = PoseStore(description)
+        self._watcher = EventWatcher(states, info.warnings)
         self._grasps = {
             name: GraspDetector(gripper)
             for name, gripper in find_grippers(description.model).items()
@@ -93,7 +105,7 @@ class SimulationView:
         return self._scene
 
     def frame(self) -> Frame:
-        snapshot = self._simulation.snapshot
+        snapshot = self._states.snapshot
         if snapshot is not self._seen:
             self._seen = snapshot
             self._grippers = [
@@ -119,17 +131,17 @@ class SimulationView:
         self._has_contacts, self._has_wrenches = contacts, wrenches
         before, self._forces = self._forces, None
         if contacts or wrenches:
-            self._forces = self._simulation.bus.subscribe(
+            self._forces = self._states.subscribe(
                 with_contacts=contacts, with_arms=wrenches, latest_only=True
             )
-            self._simulation.loop.refresh()
+            self._states.refresh()
         if before is not None:
             before.close()
         self._seen = None
 
     def status(self, clients: int) -> Status:
         self.frame()  # updates the grippers' states
-        snapshot = self._simulation.snapshot
+        snapshot = self._states.snapshot
         return Status(
             paused=snapshot.is_paused,
             stopped=snapshot.is_stopped,
@@ -139,24 +151,37 @@ class SimulationView:
             late_ticks=snapshot.late_ticks,
             clients=clients,
             controllers=controller_infos(
-                self._simulation.defined_controllers,
+                self._info.defined_controllers,
                 snapshot.controllers,
                 self._joints,
-                self._simulation.core.manager.dialect.role,
+                self._info.controller_roles,
             ),
             grippers=self._grippers,
-            poses=pose_infos(self._simulation.poses, self._watcher.report_once),
+            poses=pose_infos(self._poses, self._watcher.report_once),
             stalls=stall_infos(snapshot),
             targets=targets_of(snapshot),
             control_boxes=list(snapshot.control_boxes),
-            recording=_recording_info(self._simulation),
-            programs=list(self._simulation.program_runs.states),
+            recording=_recording_info(self._ask(ReadRecording(), None)),
+            programs=list(self._runs()),
             episodes=self._episodes(),
         )
 
+    def _ask(self, request: Request[R], default: R) -> R:
+        """Return the response, or ``default`` if the backend does not offer it."""
+        if self._backend.why_missing(type(request)):
+            return default
+        response: R = self._backend.answer(request)
+        return response
+
+    def _cameras(self) -> tuple[Camera, ...]:
+        return self._ask(ListCameras(), ())
+
+    def _runs(self) -> tuple[ProgramRun, ...]:
+        return self._ask(ReadRuns(), ())
+
     def _episodes(self) -> EpisodesStatus | None:
         """Return the demonstrations, as they change at most once a second."""
-        found = self._simulation.service(Episodes).status
+        found = self._ask(ReadEpisodes(), None)
         if found is None:
             return None
         return structs.replace(found, duration=float(int(found.duration)))
@@ -278,7 +303,7 @@ def controller_infos(
     defined: Mapping[str, str],
     loaded: Sequence[ControllerStatus],
     joints: Mapping[str, Joint],
-    role_of: Callable[[str], Role],
+    roles: Mapping[str, Role],
 ) -> list[ControllerInfo]:
     """Return every controller: those of the YAML in its order, then others.
 
@@ -286,14 +311,14 @@ def controller_infos(
         defined: Name → type of those of the YAML.
         loaded: The loaded ones.
         joints: The robot's joints, with their limits.
-        role_of: Returns the role of a type.
+        roles: What those of the YAML are for.
     """
     status_of = {status.name: status for status in loaded}
     types = {**defined, **{status.name: status.type for status in loaded}}
     infos = []
     for name, kind in types.items():
         status = status_of.get(name)
-        role = role_of(kind) if status is None else status.role
+        role = roles[name] if status is None else status.role
         claims = () if status is None else status.claimed
         claimed = [joint for _, names in claims for joint in names]
         infos.append(
@@ -338,8 +363,7 @@ def _obstacle(
     return None
 
 
-def _recording_info(simulation: Simulation) -> RecordingInfo | None:
-    status = simulation.service(Recordings).status
+def _recording_info(status: RecordingStatus | None) -> RecordingInfo | None:
     if status is None:
         return None
     return RecordingInfo(

@@ -8,6 +8,7 @@ from typing import Any, Final, final
 
 from tool0.description.model import Joint, JointType, RobotModel
 from tool0.description.parts import find_grippers, joints_of_robot
+from tool0.description.poses import PoseStore
 from tool0.description.robot import RobotDescription
 from tool0.errors import ControlError, ModelError
 from tool0.interfaces.panel.protocol import (
@@ -23,16 +24,21 @@ from tool0.interfaces.panel.robot_info import (
     pose_infos,
     robot_info,
 )
+from tool0.protocol.backend import missing
 from tool0.protocol.gripper import Grip
 from tool0.protocol.motion import PoseJoints
 from tool0.protocol.notifications import Notification
 from tool0.protocol.poses import DeletePose, GoToPose, SavePose
-from tool0.protocol.request import Request, method_name
+from tool0.protocol.request import Request
 from tool0.protocol.running import Reset
-from tool0.runtime.poses import PoseBook
 
 _ROUNDING: Final = 1e-6
 """Distance beyond a limit that still counts as the limit [rad | m]."""
+_OFFERED: Final = (PoseJoints, GoToPose, Reset, SavePose, DeletePose, Grip)
+_NO_PHYSICS: Final = (
+    "`tool0 view` has no physics and no controllers; bring the robot up with "
+    "`tool0 bringup`"
+)
 _NO_OBJECTS: Final = ViewScene(number=0, objects=[])
 
 
@@ -52,7 +58,7 @@ class RobotView:
     ) -> None:
         self._model = description.model
         self._grippers = find_grippers(description.model)
-        self._book = PoseBook(description)
+        self._book = PoseStore(description)
         self._lock = threading.Lock()
         self._names = [
             joint.name
@@ -134,6 +140,9 @@ class RobotView:
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return ("",) if isinstance(request, GoToPose | Reset) else ()
+
+    def why_missing(self, request: type[Request[Any]]) -> str:
+        return "" if issubclass(request, _OFFERED) else _NO_PHYSICS
 
     def answer(self, request: Request[Any]) -> Any:
         match request:
@@ -236,8 +245,4 @@ def _with_mimics(
 
 
 def _no_physics(request: Request[Any]) -> ControlError:
-    name = method_name(type(request))
-    return ControlError(
-        f"`tool0 view` has no physics and no controllers, so it cannot do '{name}'; "
-        "bring the robot up with `tool0 bringup`"
-    )
+    return missing(type(request), _NO_PHYSICS)

@@ -17,8 +17,8 @@ from tool0.interfaces.server.hub import Hub
 from tool0.interfaces.server.session import Session
 from tool0.protocol.codec import encode
 from tool0.protocol.notifications import Notification
+from tool0.protocol.sensors import CameraRenderer
 from tool0.protocol.updates import SubscribeView
-from tool0.sensing.cameras import Cameras
 
 logger = logging.getLogger(__name__)
 
@@ -41,7 +41,7 @@ class ViewSource(Protocol):
     def files(self) -> RobotFiles: ...
 
     @property
-    def cameras(self) -> Cameras | None:
+    def cameras(self) -> CameraRenderer | None:
         """The cameras of ``info``; None without any."""
 
     def scene(self) -> ViewScene:

@@ -11,6 +11,7 @@ from typing import Any, Final, final
 import msgspec
 
 from tool0.interfaces.server.session import Session
+from tool0.protocol.backend import States
 from tool0.protocol.bus import (
     Faulted,
     GoalFinished,
@@ -20,7 +21,6 @@ from tool0.protocol.bus import (
     WasFrozen,
     WasReset,
 )
-from tool0.protocol.backend import States
 from tool0.protocol.codec import (
     EventMessage,
     Fault,

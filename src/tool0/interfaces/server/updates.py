@@ -11,8 +11,8 @@ from typing import Final, final
 from tool0.errors import ControlError, did_you_mean
 from tool0.interfaces.server.session import Session
 from tool0.interfaces.server.streams import event_message
-from tool0.protocol.bus import Faulted, Subscription, WasReset
 from tool0.protocol.backend import States
+from tool0.protocol.bus import Faulted, Subscription, WasReset
 from tool0.protocol.codec import encode
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot
 from tool0.protocol.updates import LogMessage, SubscribeUpdates, update_message

@@ -35,9 +35,10 @@ from tool0.interfaces.panel.simulation_view import (
     targets_of,
     with_forces,
 )
+from tool0.protocol.backend import missing
 from tool0.protocol.notifications import Notification
 from tool0.protocol.replay import LoopReplay, ReadReplay, ReplaySamples, SeekReplay
-from tool0.protocol.request import Request, method_name
+from tool0.protocol.request import Request
 from tool0.protocol.robot import LimitsInfo
 from tool0.protocol.running import Pause, Reset, Resume, SetSpeed, Step
 from tool0.recording.signals import Signals, thinned
@@ -144,9 +145,7 @@ class Replay:
             real_time_factor=round(snapshot.real_time_factor, 2),
             late_ticks=snapshot.late_ticks,
             clients=clients,
-            controllers=controller_infos(
-                {}, snapshot.controllers, self._joints, _unknown_role
-            ),
+            controllers=controller_infos({}, snapshot.controllers, self._joints, {}),
             grippers=self._gripper_states(index),
             poses=[],
             stalls=stall_infos(snapshot),
@@ -174,6 +173,9 @@ class Replay:
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return ()
+
+    def why_missing(self, request: type[Request[Any]]) -> str:
+        return "" if issubclass(request, _OFFERED) else _ONLY_SHOWS
 
     def answer(self, request: Request[Any]) -> Any:
         playhead = self.playhead
@@ -240,13 +242,13 @@ def _limits(info: LimitsInfo) -> JointLimits:
     )
 
 
-def _unknown_role(kind: str) -> Any:
-    raise AssertionError(f"a recorded controller of type {kind} has no status")
+_OFFERED: Final = (
+    *(Resume, Pause, SetSpeed, LoopReplay, SeekReplay, ReadReplay, Reset, Step),
+)
+_ONLY_SHOWS: Final = (
+    "a replay only shows what was recorded; bring the robot up with `tool0 bringup`"
+)
 
 
 def _refusal(request: Request[Any]) -> ControlError:
-    name = method_name(type(request))
-    return ControlError(
-        f"a replay only shows what was recorded, so it cannot do '{name}'; bring the "
-        "robot up with `tool0 bringup`"
-    )
+    return missing(type(request), _ONLY_SHOWS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 from urllib.parse import quote
@@ -21,13 +22,27 @@ from tool0.errors import (
     SourceLocation,
     did_you_mean,
 )
-from tool0.protocol.poses import NamedPose, Positions
 from tool0.user_data import data_folder, locked, replace_text
 
 DEFAULT_POSE = "home"
 LONGEST_NAME = 60
 """Characters of a pose's name that fit on a button."""
 _HEADER = "# Poses saved with tool0: joint positions [rad | m].\n"
+
+Positions = Mapping[str, float]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NamedPose:
+    """Positions of some or all joints, under a name."""
+
+    name: str
+    """Such as ``home``."""
+    positions: Positions
+    """Joint → [rad | m]."""
+    saved: bool
+    """Whether a user saved it."""
 
 
 def poses_file(robot: str) -> Path:
@@ -36,7 +51,7 @@ def poses_file(robot: str) -> Path:
 
 
 @final
-class PoseBook:
+class PoseStore:
     """The poses of a robot: built-in ones, and saved ones in a file of the user.
 
     Several processes may change the file at once.  A change is written to a new file
