@@ -3,31 +3,23 @@
 from __future__ import annotations
 
 import logging
-import math
-from collections.abc import Iterator
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tool0.description.forward_kinematics import joint_positions, link_pose
-from tool0.description.packages import BUNDLED
-from tool0.description.robot import (
-    load_description,
-)
 from tool0.description.transform import Transform
 from tool0.errors import ControlError
 from tool0.protocol.bus import WasFrozen
 from tool0.protocol.notifications import frozen_text
 from tool0.protocol.robot import (
-    CatalogueRobotInfo,
     DescriptionInfo,
     LimitsInfo,
-    NamespaceInfo,
     ReadDescription,
     ReadInfo,
     ReadLinkPose,
     ReadSnapshot,
     ReadSummary,
     SimulationInfo,
+    description_info,
 )
 from tool0.protocol.running import (
     EmergencyStop,
@@ -43,9 +35,6 @@ from tool0.protocol.updates import Subscribe, SubscribeView, Unsubscribe, ViewSh
 from tool0.requests.table import answer, handles
 from tool0.runtime.simulation import Simulation
 
-if TYPE_CHECKING:
-    pass
-
 logger = logging.getLogger(__name__)
 
 
@@ -59,9 +48,7 @@ def _info(simulation: Simulation, request: ReadInfo) -> SimulationInfo:
         ground=simulation.ground,
         grasp_assist=simulation.grasp_assist,
         joint_limits={
-            name: LimitsInfo(
-                **{key: _finite(value) for key, value in asdict(limits).items()}
-            )
+            name: LimitsInfo.of(limits)
             for name, limits in simulation.joint_limits.items()
         },
         defined_controllers=dict(simulation.defined_controllers),
@@ -76,33 +63,7 @@ def _info(simulation: Simulation, request: ReadInfo) -> SimulationInfo:
 
 @handles(ReadDescription)
 def _description(simulation: Simulation, request: ReadDescription) -> DescriptionInfo:
-    description = simulation.description
-    return DescriptionInfo(
-        urdf=description.urdf,
-        source=str(description.source),
-        robots=tuple(
-            CatalogueRobotInfo(
-                name=robot.name,
-                arm=str(robot.arm.folder),
-                gripper=None if robot.gripper is None else str(robot.gripper.folder),
-                prefix=robot.prefix,
-            )
-            for robot in description.robots
-        ),
-        namespaces=tuple(_namespaces(simulation)),
-        packages={
-            folder.name: folder.as_uri()
-            for folder in BUNDLED.iterdir()
-            if (folder / "package.xml").is_file()
-        },
-    )
-
-
-def _namespaces(simulation: Simulation) -> Iterator[NamespaceInfo]:
-    cell = simulation.description.cell
-    for robot in cell.robots if cell is not None and cell.namespaces else ():
-        alone = load_description(robot.description, spawn_z=simulation.spawn_z)
-        yield NamespaceInfo(name=robot.name, urdf=alone.urdf)
+    return description_info(simulation.description, simulation.spawn_z)
 
 
 handles(ReadSnapshot)(lambda sim, _: sim.snapshot)
@@ -119,10 +80,6 @@ def _link_pose(simulation: Simulation, request: ReadLinkPose) -> Transform:
 
 
 handles(ReadSummary)(lambda sim, _: sim.summary())
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 @handles(Subscribe)
