@@ -43,8 +43,11 @@ setup: $(RUN) $(PAGE) $(KERNEL)
 
 dev: $(DEV)
 
+# First what uses one processor, side by side, then the tests of Python, which use all:
+# each command shows its output when it ends, and pytest its progress.
 check: $(DEV)
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync unit lint
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync=line lint unit-web
+	@$(MAKE) --no-print-directory unit-python
 
 lint: lint-python lint-web
 
@@ -53,6 +56,7 @@ lint-python: $(DEV)
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python tools/coupling.py
 
 lint-web: $(DEV)
 	$(WEB) run check:static

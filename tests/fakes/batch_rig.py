@@ -13,10 +13,11 @@ import tool0
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.parts import find_grippers
 from tool0.hardware.limits import DriveLimits
+from tool0.motion.gripper import direct_path
 from tool0.protocol.controllers import Role
 from tool0.protocol.state import ObjectState
+from tool0.runtime.controller_paths import trajectory_points
 from tool0.runtime.core import Core
-from tool0.runtime.gripper_motion import direct_motion
 from tool0.scene import Box, Scene, SceneObject
 
 Array = NDArray[np.float64]
@@ -74,7 +75,7 @@ class Beside:
     def cores(self) -> list[Core]:
         found = [robot.simulation.core for robot in self.robots]
         for core in found:
-            core.settle()
+            core.sync_from_kernel()
         return found
 
     def command(
@@ -151,14 +152,14 @@ class Beside:
                 core.command_gripper(status.name, target, most, limits)
                 continue
             setpoint = core.trajectory_controller(status.name).query_state(core.time)
-            point = direct_motion(
+            path = direct_path(
                 geometry,
-                geometry.opening(setpoint.positions[0]),
+                setpoint.positions[0],
                 opening[i],
                 limits.speed or fastest,
                 core.control_period,
             )
-            goal = TrajectoryGoal(points=[point], joint_names=[joint])
+            goal = TrajectoryGoal(points=trajectory_points(path), joint_names=[joint])
             core.command_trajectory(status.name, goal, {joint: limits})
 
     def place(self, name: str, positions: Array) -> None:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from tool0.description.transform_arrays import matrix_of, rotation_vector
 from tool0.kinematics.chain import Array
 from tool0.kinematics.inverse import InverseKinematics
-from tool0.kinematics.move_planner import MovePlanner
-from tool0.kinematics.moves import Move, MovePlan
-from tool0.kinematics.pose import matrix_of, rotation_vector
-from tool0.kinematics.segments import sampled
+from tool0.motion.moves import Move, MovePlan
+from tool0.motion.planner import MovePlanner
 
 HOME = np.array([0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0])
 TCP = (0.01, -0.02, 0.15, 0.2, 0.0, 0.3)
@@ -59,16 +58,17 @@ class MovesRig:
     def played(self, plan: MovePlan, n: int = 2001) -> tuple[Array, Array, Array]:
         """Return times [s], the tool's poses and its speeds [m/s] there."""
         times = np.linspace(0.0, plan.duration, n)
-        motion = sampled(plan.knots, times)
-        posture = self.kinematics.chain.forward(motion.q)
+        motion = plan.path.at(times)
+        posture = self.kinematics.chain.forward(motion.positions)
         T = posture.T_base_tip @ self.T_tip_tool
-        V = (posture.jacobian @ motion.qd[..., None])[..., 0]
+        V = (posture.jacobian @ motion.velocities[..., None])[..., 0]
         lever = T[:, :3, 3] - posture.T_base_tip[:, :3, 3]
         return times, T, V[:, :3] + np.cross(V[:, 3:], lever)
 
     def check(self, plan: MovePlan) -> None:
         """Check that a motion is smooth, ends at rest and stays within the limits."""
-        times, q, qd = plan.knots
+        path = plan.path
+        times, q, qd = path.times, path.positions, path.velocities
         assert times[0] == 0.0
         assert (np.diff(times) > 0.0).all()
         assert np.isfinite(q).all()
@@ -76,19 +76,19 @@ class MovesRig:
         if len(times) == 1:
             return
         dense = np.linspace(0.0, plan.duration, max(2001, int(plan.duration / 1e-3)))
-        motion = sampled(plan.knots, dense)
+        motion = path.at(dense)
         step = dense[1]
         # Velocity is the derivative of position, and its slope is bounded: both are
         # continuous.
-        middle = sampled(plan.knots, (dense[1:] + dense[:-1]) / 2.0)
-        slope = np.diff(motion.q, axis=0) / step
-        assert np.abs(slope - middle.qd).max() < HARDEST * step
-        assert np.abs(np.diff(motion.qd, axis=0)).max() < HARDEST * step
+        middle = path.at((dense[1:] + dense[:-1]) / 2.0)
+        slope = np.diff(motion.positions, axis=0) / step
+        assert np.abs(slope - middle.velocities).max() < HARDEST * step
+        assert np.abs(np.diff(motion.velocities, axis=0)).max() < HARDEST * step
         fastest = self.kinematics.fastest
-        assert (np.abs(motion.qd) <= fastest).all()
+        assert (np.abs(motion.velocities) <= fastest).all()
         mean = np.diff(q, axis=0) / np.diff(times)[:, None]
         assert (np.abs(mean) <= fastest).all()
-        assert (motion.q >= self.kinematics.lower - 1e-6).all()
-        assert (motion.q <= self.kinematics.upper + 1e-6).all()
+        assert (motion.positions >= self.kinematics.lower - 1e-6).all()
+        assert (motion.positions <= self.kinematics.upper + 1e-6).all()
         assert list(plan.begins) == sorted(plan.begins)
         assert all(b <= z for b, z in zip(plan.begins, plan.zones, strict=True))

@@ -15,7 +15,7 @@ from ur_address import free_host
 from ur_box_rig import control_box
 
 import tool0
-from tool0.interfaces.ur.box import Box
+from tool0.interfaces.ur.control_box import UrControlBox
 from tool0.interfaces.ur.messages import Message, MessageKind
 from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
 from tool0.interfaces.ur.robotiq.interface import RobotiqInterface
@@ -29,7 +29,7 @@ class ServedGripper:
     """What a test talks to."""
 
     robot: tool0.Robot
-    box: Box
+    box: UrControlBox
     gripper: RobotiqGripper
     """Of the event loop's thread: see ``do``."""
     interface: RobotiqInterface

@@ -12,18 +12,18 @@ from served import serving
 import tool0
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error
-from tool0.interfaces.ur.box import Box
+from tool0.interfaces.ur.control_box import UrControlBox
 from tool0.protocol.updates import SubscribeUpdates, UpdateMessage
 
 _numbers = itertools.count(1)
 
 
 @contextlib.asynccontextmanager
-async def control_box(robot: tool0.Robot, arm: str = "") -> AsyncIterator[Box]:
+async def control_box(robot: tool0.Robot, arm: str = "") -> AsyncIterator[UrControlBox]:
     """Connect a box with one arm of a robot; the only one, if left out."""
     loop = asyncio.get_running_loop()
     first: asyncio.Future[UpdateMessage] = loop.create_future()
-    boxes: list[Box] = []
+    boxes: list[UrControlBox] = []
     refused: list[Tool0Error] = []
 
     def take(update: UpdateMessage) -> None:
@@ -44,7 +44,7 @@ async def control_box(robot: tool0.Robot, arm: str = "") -> AsyncIterator[Box]:
         try:
             name = arm or robot.arm.name
             await asyncio.to_thread(channel.call, SubscribeUpdates(arms=(name,)))
-            boxes.append(Box(channel, name, await first))
+            boxes.append(UrControlBox(channel, name, await first))
             yield boxes[0]
         finally:
             await asyncio.to_thread(channel.close)

@@ -12,7 +12,7 @@ from typing import Any, TypeVar, cast
 
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error
-from tool0.interfaces.ur.box import Box
+from tool0.interfaces.ur.control_box import UrControlBox
 from tool0.interfaces.ur.messages import Message, MessageKind, Messages
 from tool0.interfaces.ur.registers import Registers
 from tool0.interfaces.ur.urscript.execution import Execution
@@ -74,7 +74,7 @@ class TimeBox:
     arm = "arm"
     rate = 500.0
     allow_sockets = False
-    gripper = None
+    gripper, why_no_gripper = None, "the arm carries no gripper"
     q = qd = effort = tcp = ZEROS
 
     def __init__(self) -> None:
@@ -129,12 +129,12 @@ def run_in_time(text: str, box: TimeBox | None = None) -> Run:
     """Run a program that needs no robot."""
 
     async def run() -> Run:
-        return await run_on(cast("Box", box or TimeBox()), text)
+        return await run_on(cast("UrControlBox", box or TimeBox()), text)
 
     return asyncio.run(run())
 
 
-async def run_on(box: Box, text: str, name: str = "p") -> Run:
+async def run_on(box: UrControlBox, text: str, name: str = "p") -> Run:
     """Run a program on a box, without taking the arm."""
     outcome = Run()
     box.messages.listeners.add(outcome.messages.append)
@@ -167,9 +167,9 @@ class BoxRig:
         """Await something in the loop."""
         return asyncio.run_coroutine_threadsafe(action, self._loop).result(TIMEOUT)
 
-    async def _connect(self) -> Box:
+    async def _connect(self) -> UrControlBox:
         first: asyncio.Future[UpdateMessage] = self._loop.create_future()
-        boxes: list[Box] = []
+        boxes: list[UrControlBox] = []
 
         def take(update: UpdateMessage) -> None:
             if not first.done():
@@ -186,7 +186,7 @@ class BoxRig:
         (arm,) = await asyncio.to_thread(channel.call, ListArms())
         request = SubscribeUpdates(arms=(arm.name,))
         await asyncio.to_thread(channel.call, request)
-        boxes.append(Box(channel, arm.name, await first))
+        boxes.append(UrControlBox(channel, arm.name, await first))
         return boxes[0]
 
     def run(self, text: str) -> Run:
