@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ros import until
 from served import serving, use_folder
 from tool0_ros2.connection import (
     Connection,
     ConnectionFailedError,
     RequestFailedError,
 )
+from waits import until
 
 import tool0
 

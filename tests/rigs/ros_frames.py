@@ -6,8 +6,9 @@ import time
 from collections.abc import Mapping
 
 import numpy as np
-from ros import TIMEOUT, until
+from ros import TIMEOUT
 from ros_client import Message
+from waits import until
 
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import RobotModel

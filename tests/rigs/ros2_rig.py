@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from ros import until
 from ros2_client import Client, Goal, Message, Topic
 from ur5_rig import ARM_JOINTS
+from waits import until
 
 JTC = "joint_trajectory_controller"
 GRIPPER = "robotiq_gripper_controller"

@@ -1,7 +1,7 @@
 """Tests in several processes at once (``pytest -n 2``): who goes with whom.
 
-Those that measure wall time, or share a screen, a Gazebo or a ROS, would disturb each
-other: ``make test`` runs them in one process.
+Those that measure wall time would disturb each other: ``make test`` runs them one at a
+time.  Those of one file share a browser, a Gazebo or a ROS, and stay together.
 """
 
 from __future__ import annotations

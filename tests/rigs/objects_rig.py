@@ -1,10 +1,13 @@
-"""Objects beside the skew robot in MuJoCo, far from it unless told otherwise."""
+"""Objects and meshes beside the skew robot in MuJoCo, mostly far from it."""
 
 from __future__ import annotations
 
+import struct
+from pathlib import Path
+
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
-from tool0.description.shapes import Box, Solid
+from tool0.description.shapes import Box, Mesh, Solid
 from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.protocol.state import ObjectState
@@ -13,6 +16,8 @@ REST = [0.0, 0.0, 0.0, 0.2]
 """Position of the skew robot's joints."""
 FAR = 5.0  # [m] from the robot, which lies about
 EDGE = 0.04  # [m]
+TETRAHEDRON = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
+FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
 
 
 def item(
@@ -61,3 +66,13 @@ def run(engine: MujocoEngine, duration: float) -> None:
 def state_of(engine: MujocoEngine, name: str) -> ObjectState:
     (found,) = [each for each in engine.world.object_states() if each.name == name]
     return found
+
+
+def tetrahedron(path: Path) -> Mesh:
+    """Write a tetrahedron with legs of 1 m, and return it at a tenth of that."""
+    facets = b"".join(
+        struct.pack("<12fH", 0, 0, 0, *(c for i in face for c in TETRAHEDRON[i]), 0)
+        for face in FACES
+    )
+    path.write_bytes(bytes(80) + struct.pack("<I", len(FACES)) + facets)
+    return Mesh(uri=path.name, path=path, scale=(0.1, 0.1, 0.1))

@@ -1,12 +1,18 @@
-"""A batch beside single bring-ups that get the same commands, copy by copy."""
+"""A batch beside single bring-ups that get the same commands, copy by copy.
+
+And MuJoCo Warp in tests: where it is installed, and on which device.
+"""
 
 from __future__ import annotations
 
+import importlib.util
+import os
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from typing import final
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 import tool0
@@ -21,6 +27,8 @@ from tool0.runtime.core import Core
 from tool0.scene import Box, Scene, SceneObject
 
 Array = NDArray[np.float64]
+DEVICE = "TOOL0_TEST_DEVICE"
+"""Names the device of the tests that simulate on it: ``cuda``, or ``warp:cpu``."""
 
 
 @final
@@ -231,3 +239,21 @@ def block_between(pads: tool0.Transform, mass: float, friction: float = 1.0) -> 
             ),
         )
     )
+
+
+def has_warp() -> bool:
+    return importlib.util.find_spec("mujoco_warp") is not None
+
+
+needs_warp = pytest.mark.skipif(
+    not has_warp(), reason="MuJoCo Warp is not installed: pip install 'tool0[gpu]'"
+)
+
+
+def device_under_test() -> str:
+    """Return the device to simulate on, or skip visibly: compiling takes minutes."""
+    if not has_warp():
+        pytest.skip("MuJoCo Warp is not installed: pip install 'tool0[gpu]'")
+    if not (device := os.environ.get(DEVICE)):
+        pytest.skip(f"set {DEVICE}=cuda, or warp:cpu; it compiles for minutes at first")
+    return device

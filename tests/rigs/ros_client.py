@@ -6,8 +6,9 @@ import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from ros import TIMEOUT, until
+from ros import TIMEOUT
 from ur5_rig import ARM, ARM_JOINTS
+from waits import until
 
 Message = Any
 """Of a class that ROS generates, which carries no types."""

@@ -16,7 +16,7 @@ from typing import Any
 
 from fake_tasks import WALK
 
-FAKES = Path(__file__).parent
+RIGS = Path(__file__).parent
 POLICY = "fake_tasks:Homeward"
 
 
@@ -50,7 +50,7 @@ def collecting(
     """Start the command, slowly enough to be interrupted."""
     command = [sys.executable, "-m", "tool0", "collect", "--task", WALK]
     command += ["--episodes", str(n_episodes), "--folder", str(folder)]
-    variables = {"PYTHONPATH": str(FAKES), "TOOL0_TEST_PACE": str(pace)}
+    variables = {"PYTHONPATH": str(RIGS), "TOOL0_TEST_PACE": str(pace)}
     with subprocess.Popen(
         [*command, "--policy", POLICY, *options],
         env=os.environ | variables,

@@ -11,7 +11,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from ros import TIMEOUT, until
+from ros import TIMEOUT
+from waits import until
 
 SCRIPT = Path(__file__).parent.parent / "ros2" / "client" / "rclpy_client.py"
 _LAST_LINES = 40

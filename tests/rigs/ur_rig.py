@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ur_address import free_host
+from waits import until
 
 import tool0
 from tool0.interfaces.ur.options import UrOptions
@@ -70,8 +71,15 @@ class DashboardLines:
 
     def until(self, command: str, answer: str) -> None:
         """Ask again until the answer is this one."""
-        while self.ask(command) != answer:
-            pass
+        given = ""
+
+        def is_it() -> bool:
+            nonlocal given
+            given = self.ask(command)
+            return given == answer
+
+        wanted = f"'{answer}' to '{command}'"
+        until(is_it, lambda: f"{wanted}, last '{given}'", period=0.0)
 
     def close(self) -> None:
         """Leave."""

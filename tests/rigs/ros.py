@@ -12,32 +12,22 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from xmlrpc.client import ServerProxy
 
+from waits import LONGEST, until
+
 from tool0.installation.child_process import ChildProcess
 
-TIMEOUT = 60.0
-"""For everything, on a busy machine [wall s]."""
-_POLL_PERIOD = 0.02
-"""Between two polls [wall s]."""
+TIMEOUT = LONGEST
 _CALLER = "/test"
 _GRACE = 5.0
 """For programs of ROS to end by themselves [wall s]."""
 _LAST_LINES = 60
 """Of a program's output, in the report of a failed test."""
 _UNSET = ("ROS_HOSTNAME", "ROS_NAMESPACE", "ROS_OS_OVERRIDE", "ROSCONSOLE_CONFIG_FILE")
-
-
-def until(condition: Callable[[], Any], what: str, timeout: float = TIMEOUT) -> Any:
-    """Return the first true result of ``condition``; fail if there is none in time."""
-    deadline = time.monotonic() + timeout
-    while not (answer := condition()):
-        assert time.monotonic() < deadline, f"{what}: not within {timeout:g} s"
-        time.sleep(_POLL_PERIOD)
-    return answer
 
 
 class Ros:
