@@ -321,7 +321,7 @@ _HOMES = {
     "ModelError": "tool0.errors",
     "MoveJointStep": "tool0.protocol.program",
     "MoveLinearStep": "tool0.protocol.program",
-    "NamedPose": "tool0.protocol.poses",
+    "NamedPose": "tool0.description.poses",
     "ObjectState": "tool0.protocol.state",
     "Overran": "tool0.protocol.bus",
     "Panel": "tool0.interfaces.panel.server",

@@ -355,8 +355,8 @@ def may_be_urgent(text: bytes | str) -> bool:
     if len(text) > _LONGEST_STOP:
         return False
     if isinstance(text, str):
-        return any(name in text for name in _urgent_methods())
-    return any(name.encode() in text for name in _urgent_methods())
+        return any(name in text for name in _urgent_methods(len(methods())))
+    return any(name.encode() in text for name in _urgent_methods(len(methods())))
 
 
 def decode_request(
@@ -435,7 +435,8 @@ def _id_in(text: bytes | str) -> int | str | None:
 
 
 @cache
-def _urgent_methods() -> tuple[str, ...]:
+def _urgent_methods(n_methods: int) -> tuple[str, ...]:
+    """Return the names of stops; methods may be registered later."""
     return tuple(name for name, kind in methods().items() if kind.is_urgent)
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
 from importlib import import_module
+from types import ModuleType
 from typing import Any, Final
 
 from tool0.protocol.request import Request, method_name
@@ -33,18 +33,36 @@ _MODULES: Final = (
 """Modules of this package that declare requests, in the order of the document."""
 
 
-@cache
+_METHODS: Final[dict[str, type[Request[Any]]]] = {}
+
+
 def methods() -> Mapping[str, type[Request[Any]]]:
-    """Return every request class of the contract, by the name of its method."""
-    found: dict[str, type[Request[Any]]] = {}
-    for name in _MODULES:
-        module = import_module(f"tool0.protocol.{name}")
-        for value in vars(module).values():
-            if (
-                isinstance(value, type)
-                and issubclass(value, Request)
-                and value.__module__ == module.__name__
-                and not value.__name__.startswith("_")
-            ):
-                found[method_name(value)] = value
-    return found
+    """Return every request class that connections take, by the name of its method."""
+    if not _METHODS:
+        for name in _MODULES:
+            _METHODS.update(_declared(import_module(f"tool0.protocol.{name}")))
+    return _METHODS
+
+
+def register(request: type[Request[Any]]) -> None:
+    """Let connections take a request of another package.
+
+    Raises:
+        TypeError: If another request has its name.
+    """
+    name = method_name(request)
+    if methods().get(name, request) is not request:
+        raise TypeError(f"there is a request '{name}' already")
+    _METHODS[name] = request
+
+
+def _declared(module: ModuleType) -> dict[str, type[Request[Any]]]:
+    """Return the requests that a module declares, by name."""
+    return {
+        method_name(value): value
+        for value in vars(module).values()
+        if isinstance(value, type)
+        and issubclass(value, Request)
+        and value.__module__ == module.__name__
+        and not value.__parameters__  # otherwise it only has the fields of others
+    }

@@ -226,7 +226,7 @@ handles(ConfigureController, in_tick=True)(
 handles(CleanupController, in_tick=True)(
     lambda sim, request: sim.core.manager.cleanup(request.name)
 )
-handles(LoadControllerWith, in_tick=True)(
+handles(LoadControllerWith, in_tick=True, local=True)(
     lambda sim, request: sim.core.manager.load(
         request.name, request.config, configure=request.configure
     )
@@ -305,6 +305,6 @@ handles(SetControllerParameters, in_tick=True)(
         request.controller, request.parameters
     )
 )
-handles(ReadControllerSpec, in_tick=True, publishes=False)(
+handles(ReadControllerSpec, in_tick=True, publishes=False, local=True)(
     lambda sim, request: sim.core.manager.spec(request.controller)
 )

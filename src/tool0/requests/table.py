@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
 from tool0.errors import ControlError
+from tool0.protocol.methods import register
 from tool0.protocol.request import Request, RequestType, Response, method_name
 
 if TYPE_CHECKING:
@@ -55,11 +56,13 @@ def handles(
     changes: bool | None = None,
     prepare: Prepare | None = None,
     publishes: bool | None = None,
+    local: bool = False,
 ) -> Callable[[Handler], Handler]:
     """Register the decorated function as the handler of ``request``, with a new name.
 
     The options are those of ``Entry``.  Left out, ``publishes`` is as ``in_tick``, and
-    ``changes`` as that, or as whether requests are streamed.
+    ``changes`` as that, or as whether requests are streamed.  Connections do not take
+    a ``local`` request: it makes sense inside the process only.
     """
     name = method_name(request)
     publishes = in_tick if publishes is None else publishes
@@ -70,7 +73,10 @@ def handles(
     if not in_tick and (changes or prepare is not None):
         raise TypeError(f"request '{name}': only a handler in the tick changes things")
 
-    def register(handler: Handler) -> Handler:
+    if not local:
+        register(request)
+
+    def note(handler: Handler) -> Handler:
         _BY_TYPE[request] = _BY_NAME[name] = Entry(
             request=request,
             handler=handler,
@@ -81,7 +87,7 @@ def handles(
         )
         return handler
 
-    return register
+    return note
 
 
 def entry_of(request: type[Request[Any]]) -> Entry:
