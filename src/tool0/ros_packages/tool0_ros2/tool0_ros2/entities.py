@@ -2,11 +2,13 @@
 
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlparse
 from xml.etree import ElementTree
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import Context
 from tool0_ros2.connection import RequestFailedError
 from tool0_ros2.kinematics import (
@@ -14,10 +16,12 @@ from tool0_ros2.kinematics import (
     LinkTree,
     Pose,
     Quaternion,
+    Vector3,
     compose,
     inverse,
     rotate,
 )
+from tool0_ros2.requests import ObjectState, SnapshotMessage
 
 _UNSUPPORTED, _NOT_FOUND, _FAILED = 0, 2, 4
 """Of simulation_interfaces/Result."""
@@ -79,30 +83,31 @@ class Entities:
         position, quat_xyzw = T_root_model
         try:
             placed = self._context.connection.call(
-                "add_model",
-                name=name,
-                model=text,
-                xyz=position,
-                quat_wxyz=_to_wxyz(quat_xyzw),
+                requests.add_model(
+                    name=name,
+                    model=text,
+                    xyz=position,
+                    quat_wxyz=_to_wxyz(quat_xyzw),
+                )
             )
         except RequestFailedError as error:
             wrong = error.kind in ("DescriptionError", "ModelError")
             code = _PARSE_ERROR if wrong else _FAILED
             raise RefusedError(code, str(error)) from None
-        self._spawned[name] = tuple(placed["xyz"]), _to_xyzw(placed["quat_wxyz"])
+        self._spawned[name] = _to_vector(placed["xyz"]), _to_xyzw(placed["quat_wxyz"])
         response.entity_name = name
 
     def delete(self, request: Any, response: Any) -> None:
         self._object(request.entity, self._snapshot())
-        self._context.connection.call("remove_object", name=request.entity)
+        self._context.connection.call(requests.remove_object(name=request.entity))
         self._spawned.pop(request.entity, None)
 
     def delete_spawned(self) -> None:
         """Remove what was spawned here and is still there."""
-        present = {item[0] for item in _objects(self._snapshot())}
+        present = {item["name"] for item in self._snapshot()["objects"]}
         for name in self._spawned:
             if name in present:
-                self._context.connection.call("remove_object", name=name)
+                self._context.connection.call(requests.remove_object(name=name))
         self._spawned.clear()
 
     def set_state(self, request: Any, response: Any) -> None:
@@ -113,31 +118,32 @@ class Entities:
         has_pose = getattr(request, "set_pose", True)
         has_twist = getattr(request, "set_twist", True)
         frame = self._frame(state.header.frame_id, snapshot, _INVALID_STATE_POSE)
-        shape: Pose = tuple(now[1]), _to_xyzw(now[2])
+        shape = _placed(now)
         if has_pose:
             asked = _pose(state.pose, _INVALID_STATE_POSE)
             T_root_model = compose(frame, asked)
             shape = compose(T_root_model, self._spawned.get(name, IDENTITY))
-        linear, angular = now[3], now[4]
+        linear: Sequence[float] = now["linear"]
+        angular: Sequence[float] = now["angular"]
         if has_twist:
             linear = rotate(frame[1], _vector(state.twist.linear))
             angular = rotate(frame[1], _vector(state.twist.angular))
         self._context.connection.call(
-            "place_object",
-            name=name,
-            xyz=shape[0],
-            quat_wxyz=_to_wxyz(shape[1]),
-            linear=linear,
-            angular=angular,
+            requests.place_object(
+                name=name,
+                xyz=shape[0],
+                quat_wxyz=_to_wxyz(shape[1]),
+                linear=linear,
+                angular=angular,
+            )
         )
 
     # ---- parts ----------------------------------------------------------------------
 
-    def _snapshot(self) -> dict[str, Any]:
-        snapshot: dict[str, Any] = self._context.connection.call("read_snapshot")
-        return snapshot
+    def _snapshot(self) -> SnapshotMessage:
+        return self._context.connection.call(requests.read_snapshot())
 
-    def _matching(self, filters: Any, snapshot: dict[str, Any]) -> list[str]:
+    def _matching(self, filters: Any, snapshot: SnapshotMessage) -> list[str]:
         tags, bounds = filters.tags.tags, filters.bounds.type
         if tags or bounds or filters.categories:
             raise RefusedError(_UNSUPPORTED, "entities are filtered by name only")
@@ -145,41 +151,39 @@ class Entities:
             pattern = re.compile(filters.filter)
         except re.error as error:
             raise RefusedError(_FAILED, f"filter '{filters.filter}': {error}") from None
-        names = [self._robot, *(item[0] for item in _objects(snapshot))]
+        names = [self._robot, *(item["name"] for item in snapshot["objects"])]
         return [name for name in names if pattern.search(name)]
 
-    def _object(self, name: str, snapshot: dict[str, Any]) -> Any:
-        """Return the state of an object, in the order of ``ObjectState``."""
+    def _object(self, name: str, snapshot: SnapshotMessage) -> ObjectState:
         if name == self._robot:
             raise RefusedError(
                 _FAILED, f"'{name}' is the robot, which is fixed to the world"
             )
-        for item in _objects(snapshot):
-            if item[0] == name:
+        for item in snapshot["objects"]:
+            if item["name"] == name:
                 return item
         raise RefusedError(_NOT_FOUND, f"there is no entity '{name}'")
 
-    def _fill_state(self, state: Any, name: str, snapshot: dict[str, Any]) -> None:
+    def _fill_state(self, state: Any, name: str, snapshot: SnapshotMessage) -> None:
         state.header.stamp = self._context.clock.to_ros(snapshot["time"])
         state.header.frame_id = self._context.names.frame(self._tree.root)
         pose = IDENTITY
         if name != self._robot:
-            _, position, quat_wxyz, linear, angular = self._object(name, snapshot)
-            T_root_shape: Pose = tuple(position), _to_xyzw(quat_wxyz)
+            item, twist = self._object(name, snapshot), state.twist
             T_model_shape = self._spawned.get(name, IDENTITY)
-            pose = compose(T_root_shape, inverse(T_model_shape))
-            twist = state.twist
-            twist.linear.x, twist.linear.y, twist.linear.z = map(float, linear)
-            twist.angular.x, twist.angular.y, twist.angular.z = map(float, angular)
+            pose = compose(_placed(item), inverse(T_model_shape))
+            twist.linear.x, twist.linear.y, twist.linear.z = map(float, item["linear"])
+            x, y, z = map(float, item["angular"])
+            twist.angular.x, twist.angular.y, twist.angular.z = x, y, z
         place, turn = state.pose.position, state.pose.orientation
         place.x, place.y, place.z = map(float, pose[0])
         turn.x, turn.y, turn.z, turn.w = map(float, pose[1])
 
-    def _asked_pose(self, stamped: Any, snapshot: dict[str, Any], code: int) -> Pose:
+    def _asked_pose(self, stamped: Any, snapshot: SnapshotMessage, code: int) -> Pose:
         frame = self._frame(stamped.header.frame_id, snapshot, code)
         return compose(frame, _pose(stamped.pose, code))
 
-    def _frame(self, frame: str, snapshot: dict[str, Any], code: int) -> Pose:
+    def _frame(self, frame: str, snapshot: SnapshotMessage, code: int) -> Pose:
         """Return the pose of a frame in the root: a link, an entity or the world."""
         if frame in ("", "world", self._robot):
             return IDENTITY
@@ -187,19 +191,19 @@ class Entities:
             if frame in (link, self._context.names.frame(link)):
                 values = dict(zip(snapshot["joint_names"], snapshot["position"]))
                 return self._tree.pose(link, values)
-        for item in _objects(snapshot):
-            if item[0] == frame:
-                shape: Pose = tuple(item[1]), _to_xyzw(item[2])
-                return compose(shape, inverse(self._spawned.get(frame, IDENTITY)))
+        for item in snapshot["objects"]:
+            if item["name"] == frame:
+                T_model_shape = self._spawned.get(frame, IDENTITY)
+                return compose(_placed(item), inverse(T_model_shape))
         raise RefusedError(
             code, f"there is no frame '{frame}'; use a link or an entity"
         )
 
-    def _free_name(self, request: Any, text: str, snapshot: dict[str, Any]) -> str:
+    def _free_name(self, request: Any, text: str, snapshot: SnapshotMessage) -> str:
         name = request.name or _name_in(text)
         if not name and not request.allow_renaming:
             raise RefusedError(_NAME_INVALID, "the name is empty")
-        taken = {self._robot, *(item[0] for item in _objects(snapshot))}
+        taken = {self._robot, *(item["name"] for item in snapshot["objects"])}
         if name and name not in taken:
             return name
         if not request.allow_renaming:
@@ -209,10 +213,9 @@ class Entities:
         return next(other for other in numbers if other not in taken)
 
 
-def _objects(snapshot: dict[str, Any]) -> Any:
-    """Return name, position, quaternion (wxyz) and velocities of each object."""
-    fields = ("name", "position", "quat_wxyz", "linear", "angular")
-    return [[item[field] for field in fields] for item in snapshot["objects"]]
+def _placed(item: ObjectState) -> Pose:
+    """Return the pose of an object in the root."""
+    return _to_vector(item["position"]), _to_xyzw(item["quat_wxyz"])
 
 
 def _entity_state() -> Any:
@@ -257,6 +260,11 @@ def _pose(message: Any, code: int) -> Pose:
 
 def _vector(message: Any) -> tuple[float, float, float]:
     return message.x, message.y, message.z
+
+
+def _to_vector(values: Sequence[float]) -> Vector3:
+    x, y, z = values
+    return x, y, z
 
 
 def _to_wxyz(quat_xyzw: Quaternion) -> list[float]:

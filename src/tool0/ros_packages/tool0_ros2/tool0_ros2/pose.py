@@ -1,5 +1,6 @@
 """The topic and the frame of a pose_broadcaster."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped, TransformStamped
@@ -41,8 +42,8 @@ class PosePart:
                 TFMessage, "/tf", QoSProfile(depth=100)
             )
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         is_read = self._poses.get_subscription_count() > 0

@@ -1,5 +1,6 @@
 """The whole robot of a namespace: its description and its frames."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from geometry_msgs.msg import TransformStamped
@@ -44,8 +45,8 @@ class RobotPart:
         self._description.publish(String(data=urdf))
         self._start()
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         frames = self._frames
