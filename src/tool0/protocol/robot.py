@@ -52,27 +52,27 @@ class LimitsInfo(Struct, frozen=True, kw_only=True):
 class SimulationInfo(Struct, frozen=True, kw_only=True):
     """What does not change while a bring-up runs."""
 
-    engine: str
-    """Name of the physics engine: mujoco or gazebo."""
+    engine: str = ""
+    """Name of the physics engine, mujoco or gazebo; empty without one."""
     control_period: float
     """Simulated time of a tick [s]."""
-    is_realtime: bool
+    is_realtime: bool = True
     """Whether time passes by itself."""
-    spawn_z: float
+    spawn_z: float = 0.0
     """Height of the robot's root above the world's origin [m]."""
-    ground: float | None
+    ground: float | None = None
     """Height of the ground in the robot's root [m]; None without ground."""
-    grasp_assist: bool
+    grasp_assist: bool = False
     """Whether grasp assist attaches gripped objects."""
     joint_limits: dict[str, LimitsInfo]
     """Limits of each driven joint [rad | m], [rad/s | m/s], [N·m | N], and so on."""
-    defined_controllers: dict[str, str]
+    defined_controllers: dict[str, str] = {}
     """Controllers of the YAML, loaded or not: name → type."""
     controller_roles: dict[str, Role] = {}
     """What each of these is for."""
-    parameters: dict[str, Any]
+    parameters: dict[str, Any] = {}
     """The whole YAML, as plain values."""
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
     """Findings about the YAML."""
 
 

@@ -113,13 +113,13 @@ class Snapshot(Struct, frozen=True):
     """Applied during the last step [N·m | N], shape (n_joints,)."""
     controllers: tuple[ControllerStatus, ...]
     """Every loaded controller."""
-    is_paused: bool
+    is_paused: bool = False
     """Whether simulated time is held."""
-    is_stopped: bool
+    is_stopped: bool = False
     """Whether the emergency stop is engaged."""
-    real_time_factor: float
+    real_time_factor: float = 1.0
     """Simulated time per wall time, over about the last second."""
-    overruns: int
+    overruns: int = 0
     """Ticks that began more than one control period late, since the start."""
     late_ticks: int = 0
     """The same, in about the last second of wall time."""
