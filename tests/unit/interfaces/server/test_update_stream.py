@@ -15,9 +15,9 @@ from served import serving, use_folder
 from tool0_ros2 import requests
 from tool0_ros2.connection import (
     Connection,
-    ConnectionFailedError,
     RequestFailedError,
 )
+from tool0_ros2.errors import TransportError
 
 import tool0
 
@@ -194,7 +194,7 @@ def test_the_end_of_the_bringup_is_noticed(robot: tool0.Robot) -> None:
 
 @pytest.mark.parametrize("name", ["tool0", "../tool0", "x" * 70])
 def test_without_a_bringup_there_is_no_connection(name: str) -> None:
-    with pytest.raises(ConnectionFailedError):
+    with pytest.raises(TransportError):
         Connection(name)
 
 
@@ -203,5 +203,5 @@ def test_a_folder_open_to_others_is_not_trusted(folder: Path) -> None:
     place.mkdir(exist_ok=True)
     place.chmod(0o777)
     (place / "tool0.sock").touch()
-    with pytest.raises(ConnectionFailedError, match="chmod 700"):
+    with pytest.raises(TransportError, match="chmod 700"):
         Connection("tool0")

@@ -3,20 +3,22 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from tool0_ros2.clock import Clock
-from tool0_ros2.connection import Connection
+from tool0_ros2.connection import Connection, RequestFailedError
 from tool0_ros2.names import Names
 from tool0_ros2.requests import (
     ControlBoxState,
     ControllerStatus,
     DescriptionInfo,
     Motion,
+    Request,
     SimulationInfo,
     UpdateMessage,
 )
 
+T = TypeVar("T")
 REPEAT_PERIOD = 1.0
 """Interval at which a repeated error is logged again [wall s]."""
 
@@ -96,10 +98,11 @@ class Rate:
 
 
 class Reporter:
-    """Logs errors on /rosout; the same one at most once a second."""
+    """Logs on /rosout: the same error at most once a second, a warning once."""
 
     def __init__(self, logger: Any) -> None:
         self._logger = logger
+        self._warnings: set[str] = set()
         self._last = ("", float("-inf"))
 
     def error(self, text: str) -> None:
@@ -108,6 +111,11 @@ class Reporter:
         if text != last or now - when >= REPEAT_PERIOD:
             self._last = (text, now)
             self._logger.error(text)
+
+    def warning(self, text: str) -> None:
+        if text not in self._warnings:
+            self._warnings.add(text)
+            self._logger.warning(text)
 
 
 @dataclass
@@ -136,6 +144,19 @@ class Context:
     """The response to ``read_info``."""
     options: Any
     """Those of the command line: ``tf_rate``, ``camera_rate`` [Hz], …"""
+
+    def ask(self, request: Request[T], use: str) -> T | None:
+        """Return the response to a request, or None where the robot refuses it.
+
+        Not every robot offers every request: a warning says that ``use`` is left out.
+        """
+        try:
+            return self.connection.call(request)
+        except RequestFailedError as error:
+            if error.kind != "ControlError":
+                raise
+            self.report.warning(f"left out: {use}, since {error}")
+            return None
 
 
 @dataclass

@@ -17,10 +17,12 @@ from tool0_ros2 import requests
 from tool0_ros2.bridge import Context, Rate, Update
 from tool0_ros2.connection import (
     Connection,
-    ConnectionFailedError,
     RequestFailedError,
 )
-from tool0_ros2.kinematics import LinkTree, from_rpy
+from tool0_ros2.copied import Pose, to_transform
+from tool0_ros2.errors import TransportError
+from tool0_ros2.kinematics import LinkTree
+from tool0_ros2.messages import fill_frame, to_vector
 from tool0_ros2.requests import Camera, Picture
 
 _WAIT = 0.5
@@ -39,7 +41,7 @@ class CamerasPart:
         self._context = context
         names = context.names
         root = LinkTree(context.description["urdf"]).root
-        listed = context.connection.call(requests.list_cameras())
+        listed = context.ask(requests.list_cameras(), "cameras") or []
         full = [item["name"] for item in listed if names.owns(item["link"] or "")]
         self._cameras = [
             _Camera(
@@ -105,7 +107,7 @@ class CamerasPart:
                     camera.publish_picture(
                         connection.call(requests.take_picture(camera=camera.full_name))
                     )
-                except (ConnectionFailedError, RequestFailedError) as error:
+                except (TransportError, RequestFailedError) as error:
                     self._context.report.error(f"{camera.full_name}: {error}")
         if connection is not None:
             connection.close()
@@ -143,9 +145,10 @@ class _Camera:
         message.header.frame_id = self._context.names.frame(self._link)
         message.child_frame_id = self._frame
         pose, transform = self._camera["pose"], message.transform
-        place, turn = transform.translation, transform.rotation
-        place.x, place.y, place.z = map(float, pose["xyz"])
-        turn.x, turn.y, turn.z, turn.w = from_rpy(*pose["rpy"])
+        frame = to_transform(
+            Pose(xyz=to_vector(pose["xyz"]), rpy=to_vector(pose["rpy"]))
+        )
+        fill_frame(transform.translation, transform.rotation, frame)
         return message
 
     def publish_picture(self, picture: Picture) -> None:

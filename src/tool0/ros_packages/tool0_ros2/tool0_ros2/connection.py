@@ -6,20 +6,16 @@
 import itertools
 import json
 import math
-import os
-import re
 import socket
-import stat
-import struct
-import tempfile
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
-from pathlib import Path
 from typing import Any, TypeVar
 
+from tool0_ros2.copied import folders, insecurity, is_foreign, socket_path
+from tool0_ros2.errors import TransportError
 from tool0_ros2.requests import (
     MAX_REQUEST,
     PROTOCOL,
@@ -40,11 +36,6 @@ OUTCOMES_KEPT = 1000
 """Ends of goals that are kept for a goal whose number is not known yet."""
 
 T = TypeVar("T")
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
-
-
-class ConnectionFailedError(Exception):
-    """There is no bring-up of this name, or its socket cannot be trusted."""
 
 
 class RequestFailedError(Exception):
@@ -70,7 +61,7 @@ class Connection:
         With ``wait``, wait until there is one.
 
         Raises:
-            ConnectionFailedError: If that is impossible.
+            TransportError: If that is impossible.
         """
         self.name = name
         self._peer = _connected(name, wait=wait)
@@ -78,12 +69,12 @@ class Connection:
         hello: Hello = json.loads(self._lines.readline() or b"{}")
         protocol = hello.get("protocol")
         if protocol != PROTOCOL:
-            raise ConnectionFailedError(
+            raise TransportError(
                 f"the bring-up '{name}' speaks protocol {protocol}, this "
                 f"node {PROTOCOL}; run both from the same version of tool0"
             )
         if hello["mode"] != "simulation":
-            raise ConnectionFailedError(
+            raise TransportError(
                 f"'{name}' is a robot without physics; start one with `tool0 bringup`"
             )
         self._numbers = itertools.count(1)
@@ -248,20 +239,18 @@ _ENDED = RequestFailedError("TransportError", "the bring-up has ended")
 
 
 def _connected(name: str, *, wait: bool) -> socket.socket:
-    if not _NAME.fullmatch(name):
-        raise ConnectionFailedError(f"a bring-up cannot be named '{name}'")
     end = math.inf if wait else time.monotonic()
     while True:
         problem = f"no bring-up named '{name}' is running; start `tool0 bringup`"
-        for folder in _folders():
-            path = folder / f"{name}.sock"
+        for folder in folders():
+            path = socket_path(folder, name)
             if not path.exists():
                 continue
-            _check_folder(folder)
+            if found := insecurity(folder):
+                raise TransportError(found)
             peer = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             try:
                 peer.connect(str(path))
-                _check_user(peer, path)
             except (FileNotFoundError, ConnectionRefusedError):
                 peer.close()  # of a bring-up that was killed
                 continue
@@ -269,37 +258,10 @@ def _connected(name: str, *, wait: bool) -> socket.socket:
                 peer.close()
                 problem = f"cannot connect to {path}: {error.strerror}"
                 continue
+            if is_foreign(peer):
+                peer.close()
+                raise TransportError(f"another user's program listens on {path}")
             return peer
         if time.monotonic() >= end:
-            raise ConnectionFailedError(problem)
+            raise TransportError(problem)
         time.sleep(RETRY_PERIOD)
-
-
-def _folders() -> list[Path]:
-    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
-    fallback = Path(tempfile.gettempdir()) / f"tool0-{os.getuid()}"
-    if runtime and Path(runtime).is_absolute():
-        return [Path(runtime) / "tool0", fallback]
-    return [fallback]
-
-
-def _check_folder(folder: Path) -> None:
-    """Raise unless only this user can place a socket in ``folder``."""
-    status = folder.lstat()
-    if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.getuid():
-        raise ConnectionFailedError(f"{folder} is not a folder of this user; remove it")
-    if status.st_mode & 0o077:
-        raise ConnectionFailedError(
-            f"{folder} is open to other users; run: chmod 700 {folder}"
-        )
-
-
-def _check_user(peer: socket.socket, path: Path) -> None:
-    """Raise unless the process at the other end is this user's."""
-    if not hasattr(socket, "SO_PEERCRED"):
-        return
-    credentials = struct.Struct("3i")
-    data = peer.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, credentials.size)
-    if credentials.unpack(data)[1] != os.getuid():
-        peer.close()
-        raise ConnectionFailedError(f"another user's program listens on {path}")

@@ -56,9 +56,14 @@ class ControlBox:
 
 def read_boxes(context: Context) -> list[ControlBoxState]:
     """Return the control box of each arm of the namespace."""
-    call, owns = context.connection.call, context.names.owns
-    arms = [arm["name"] for arm in call(requests.list_arms()) if owns(arm["tip"])]
-    return [call(requests.read_io(arm=arm)) for arm in arms]
+    use = "the control boxes of arms"
+    arms = context.ask(requests.list_arms(), use) or []
+    boxes = (
+        context.ask(requests.read_io(arm=arm["name"]), use)
+        for arm in arms
+        if context.names.owns(arm["tip"])
+    )
+    return [box for box in boxes if box is not None]
 
 
 def flange_of(context: Context, name: str) -> str:

@@ -72,7 +72,7 @@ class Controllers:
         context = self._context
         statuses = [
             status
-            for status in context.connection.call(requests.list_controllers())
+            for status in context.ask(requests.list_controllers(), "controllers") or []
             if context.names.owns(status["name"])
         ]
         by_name = {status["name"]: status for status in statuses}
@@ -137,14 +137,13 @@ class Controllers:
             item.part = part
 
     def _new_node(self, name: str) -> tuple[Any, dict[str, Any]]:
-        context = self._context
+        context, values = self._context, self._read(name)
         node = Node(
             context.names.own(name),
             namespace=context.names.root or "/",
             context=context.node.context,
             use_global_arguments=False,
         )
-        values = self._read(name)
         ControllerParameters(context, name, node, values)
         self._executor.add_node(node)
         return node, values

@@ -11,16 +11,9 @@ from xml.etree import ElementTree
 from tool0_ros2 import requests
 from tool0_ros2.bridge import Context
 from tool0_ros2.connection import RequestFailedError
-from tool0_ros2.kinematics import (
-    IDENTITY,
-    LinkTree,
-    Pose,
-    Quaternion,
-    Vector3,
-    compose,
-    inverse,
-    rotate,
-)
+from tool0_ros2.copied import Transform, Vector3, from_quaternion
+from tool0_ros2.kinematics import LinkTree
+from tool0_ros2.messages import fill_frame
 from tool0_ros2.requests import ObjectState, SnapshotMessage
 
 _UNSUPPORTED, _NOT_FOUND, _FAILED = 0, 2, 4
@@ -32,6 +25,7 @@ _INVALID_STATE_POSE = 101
 """Of SetEntityState."""
 _MAX_FILE = 1_000_000
 """[bytes]"""
+_IDENTITY = Transform()
 
 
 class RefusedError(Exception):
@@ -53,7 +47,7 @@ class Entities:
         urdf = context.description["urdf"]
         self._tree = LinkTree(urdf)
         self._robot = ElementTree.fromstring(urdf).get("name") or "robot"
-        self._spawned: dict[str, Pose] = {}
+        self._spawned: dict[str, Transform] = {}
         """Pose of the object in its model's frame, of entities spawned here."""
 
     def list_names(self, request: Any, response: Any) -> None:
@@ -80,21 +74,20 @@ class Entities:
         snapshot = self._snapshot()
         name = self._free_name(request, text, snapshot)
         T_root_model = self._asked_pose(request.initial_pose, snapshot, _INVALID_POSE)
-        position, quat_xyzw = T_root_model
         try:
             placed = self._context.connection.call(
                 requests.add_model(
                     name=name,
                     model=text,
-                    xyz=position,
-                    quat_wxyz=_to_wxyz(quat_xyzw),
+                    xyz=T_root_model.position,
+                    quat_wxyz=T_root_model.quat_wxyz,
                 )
             )
         except RequestFailedError as error:
             wrong = error.kind in ("DescriptionError", "ModelError")
             code = _PARSE_ERROR if wrong else _FAILED
             raise RefusedError(code, str(error)) from None
-        self._spawned[name] = _to_vector(placed["xyz"]), _to_xyzw(placed["quat_wxyz"])
+        self._spawned[name] = from_quaternion(placed["xyz"], placed["quat_wxyz"])
         response.entity_name = name
 
     def delete(self, request: Any, response: Any) -> None:
@@ -121,18 +114,17 @@ class Entities:
         shape = _placed(now)
         if has_pose:
             asked = _pose(state.pose, _INVALID_STATE_POSE)
-            T_root_model = compose(frame, asked)
-            shape = compose(T_root_model, self._spawned.get(name, IDENTITY))
+            shape = frame @ asked @ self._spawned.get(name, _IDENTITY)
         linear: Sequence[float] = now["linear"]
         angular: Sequence[float] = now["angular"]
         if has_twist:
-            linear = rotate(frame[1], _vector(state.twist.linear))
-            angular = rotate(frame[1], _vector(state.twist.angular))
+            linear = frame.rotate(_vector(state.twist.linear))
+            angular = frame.rotate(_vector(state.twist.angular))
         self._context.connection.call(
             requests.place_object(
                 name=name,
-                xyz=shape[0],
-                quat_wxyz=_to_wxyz(shape[1]),
+                xyz=shape.position,
+                quat_wxyz=shape.quat_wxyz,
                 linear=linear,
                 angular=angular,
             )
@@ -167,34 +159,34 @@ class Entities:
     def _fill_state(self, state: Any, name: str, snapshot: SnapshotMessage) -> None:
         state.header.stamp = self._context.clock.to_ros(snapshot["time"])
         state.header.frame_id = self._context.names.frame(self._tree.root)
-        pose = IDENTITY
+        pose = _IDENTITY
         if name != self._robot:
             item, twist = self._object(name, snapshot), state.twist
-            T_model_shape = self._spawned.get(name, IDENTITY)
-            pose = compose(_placed(item), inverse(T_model_shape))
+            T_model_shape = self._spawned.get(name, _IDENTITY)
+            pose = _placed(item) @ T_model_shape.inverse()
             twist.linear.x, twist.linear.y, twist.linear.z = map(float, item["linear"])
             x, y, z = map(float, item["angular"])
             twist.angular.x, twist.angular.y, twist.angular.z = x, y, z
-        place, turn = state.pose.position, state.pose.orientation
-        place.x, place.y, place.z = map(float, pose[0])
-        turn.x, turn.y, turn.z, turn.w = map(float, pose[1])
+        fill_frame(state.pose.position, state.pose.orientation, pose)
 
-    def _asked_pose(self, stamped: Any, snapshot: SnapshotMessage, code: int) -> Pose:
+    def _asked_pose(
+        self, stamped: Any, snapshot: SnapshotMessage, code: int
+    ) -> Transform:
         frame = self._frame(stamped.header.frame_id, snapshot, code)
-        return compose(frame, _pose(stamped.pose, code))
+        return frame @ _pose(stamped.pose, code)
 
-    def _frame(self, frame: str, snapshot: SnapshotMessage, code: int) -> Pose:
+    def _frame(self, frame: str, snapshot: SnapshotMessage, code: int) -> Transform:
         """Return the pose of a frame in the root: a link, an entity or the world."""
         if frame in ("", "world", self._robot):
-            return IDENTITY
+            return _IDENTITY
         for link in self._tree.links:
             if frame in (link, self._context.names.frame(link)):
                 values = dict(zip(snapshot["joint_names"], snapshot["position"]))
                 return self._tree.pose(link, values)
         for item in snapshot["objects"]:
             if item["name"] == frame:
-                T_model_shape = self._spawned.get(frame, IDENTITY)
-                return compose(_placed(item), inverse(T_model_shape))
+                T_model_shape = self._spawned.get(frame, _IDENTITY)
+                return _placed(item) @ T_model_shape.inverse()
         raise RefusedError(
             code, f"there is no frame '{frame}'; use a link or an entity"
         )
@@ -213,9 +205,9 @@ class Entities:
         return next(other for other in numbers if other not in taken)
 
 
-def _placed(item: ObjectState) -> Pose:
+def _placed(item: ObjectState) -> Transform:
     """Return the pose of an object in the root."""
-    return _to_vector(item["position"]), _to_xyzw(item["quat_wxyz"])
+    return from_quaternion(item["position"], item["quat_wxyz"])
 
 
 def _entity_state() -> Any:
@@ -247,31 +239,15 @@ def _name_in(text: str) -> str:
     return found.group(1) if found else ""
 
 
-def _pose(message: Any, code: int) -> Pose:
+def _pose(message: Any, code: int) -> Transform:
     turn = message.orientation
-    quat = (turn.x, turn.y, turn.z, turn.w)
-    length = math.sqrt(sum(value * value for value in quat))
+    quat_wxyz = (turn.w, turn.x, turn.y, turn.z)
+    length = math.hypot(*quat_wxyz)
     place = _vector(message.position)
     if not 0.0 < length < math.inf or not all(map(math.isfinite, place)):
         raise RefusedError(code, "the pose needs finite numbers and a quaternion")
-    x, y, z, w = (value / length for value in quat)
-    return place, (x, y, z, w)
+    return from_quaternion(place, quat_wxyz)
 
 
-def _vector(message: Any) -> tuple[float, float, float]:
+def _vector(message: Any) -> Vector3:
     return message.x, message.y, message.z
-
-
-def _to_vector(values: Sequence[float]) -> Vector3:
-    x, y, z = values
-    return x, y, z
-
-
-def _to_wxyz(quat_xyzw: Quaternion) -> list[float]:
-    x, y, z, w = quat_xyzw
-    return [w, x, y, z]
-
-
-def _to_xyzw(quat_wxyz: Any) -> Quaternion:
-    w, x, y, z = quat_wxyz
-    return x, y, z, w

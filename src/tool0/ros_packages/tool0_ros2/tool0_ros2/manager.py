@@ -101,6 +101,7 @@ class ControllerManager:
             return
         self._last_activity = states
         own = self._context.names.own
+        components = self._context.ask(requests.list_hardware(), "hardware components")
         message = msg.ControllerManagerActivity()
         message.header.stamp = self._context.clock.now()
         message.controllers = [
@@ -109,7 +110,7 @@ class ControllerManager:
         ]
         message.hardware_components = [
             msg.NamedLifecycleState(name=item["name"], state=_lifecycle(item["state"]))
-            for item in self._components()
+            for item in self._owned(components or [])
         ]
         self._activity.publish(message)
 
@@ -151,8 +152,13 @@ class ControllerManager:
         return [c for c in self._call(requests.list_controllers()) if owns(c["name"])]
 
     def _components(self) -> list[HardwareComponentState]:
+        return self._owned(self._call(requests.list_hardware()))
+
+    def _owned(
+        self, components: list[HardwareComponentState]
+    ) -> list[HardwareComponentState]:
         owns = self._context.names.owns
-        return [c for c in self._call(requests.list_hardware()) if owns(c["name"])]
+        return [item for item in components if owns(item["name"])]
 
     def _list_controllers(self, request: Any, response: Any) -> Any:
         names, rate = self._context.names, self._update_rate()

@@ -10,6 +10,7 @@ from builtin_interfaces.msg import Duration
 
 from tool0_ros2.clock import NANOSECONDS, to_seconds
 from tool0_ros2.connection import RequestFailedError
+from tool0_ros2.copied import Transform, Vector3
 from tool0_ros2.requests import TrajectoryPoint
 
 INVALID_GOAL = -1
@@ -23,6 +24,18 @@ def fill(item: Any, /, **values: Any) -> Any:
         if name in fields:
             setattr(item, name, value)
     return item
+
+
+def fill_frame(place: Any, turn: Any, frame: Transform) -> None:
+    """Set a position or translation, and a rotation."""
+    place.x, place.y, place.z = map(float, frame.position)
+    turn.w, turn.x, turn.y, turn.z = frame.quat_wxyz
+
+
+def to_vector(values: Sequence[float]) -> Vector3:
+    """Return three numbers of a response."""
+    x, y, z = values
+    return x, y, z
 
 
 def rejected(reason: str) -> RequestFailedError:

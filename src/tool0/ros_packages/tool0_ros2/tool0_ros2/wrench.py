@@ -12,10 +12,10 @@ from tool0_ros2 import requests
 from tool0_ros2.bridge import ControllerContext, Update
 from tool0_ros2.connection import (
     Connection,
-    ConnectionFailedError,
     RequestFailedError,
 )
 from tool0_ros2.control_box import flange_of
+from tool0_ros2.errors import TransportError
 from tool0_ros2.requests import WrenchReading
 
 RATE = 500.0
@@ -86,7 +86,7 @@ class WrenchPart:
                     connection = Connection(self._context.connection.name)
                     connection.start()
                 self._publish_samples(connection)
-            except (ConnectionFailedError, RequestFailedError) as error:
+            except (TransportError, RequestFailedError) as error:
                 self._context.report.error(f"wrench: {error}")
                 self._is_closing.wait(_IDLE)
         if connection is not None:

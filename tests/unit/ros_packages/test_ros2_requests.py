@@ -6,8 +6,8 @@ import ast
 import re
 
 import msgspec
-from ros2_client import MODULE, NODE, REQUESTS, module_text
 from tool0_ros2 import requests
+from tools.ros2_requests import MODULE, NODE, REQUESTS, module_text
 
 from tool0.protocol.codec import decode_request
 from tool0.protocol.motion import CommandGripper
@@ -20,7 +20,7 @@ METHODS = {method_name(kind) for kind in REQUESTS}
 
 def test_the_node_s_requests_are_made_from_the_contract_as_it_is() -> None:
     assert SOURCES[MODULE] == module_text(), (
-        "the contract has changed; run `python tools/ros2_client.py`"
+        "the contract has changed; run `python -m tools.ros2_requests`"
     )
 
 
