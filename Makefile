@@ -25,9 +25,13 @@ WORKERS ?= $(shell n=$$(getconf _NPROCESSORS_ONLN); echo $$((n < 4 ? n + 1 : 4))
 PYTEST  := $(BIN)/python -m pytest
 AT_ONCE := $(PYTEST) --numprocesses=$(WORKERS)
 STURDY  := tests/unit tests/conformance
+# Those that measure wall time, or hold what is sent to a rate: one at a time.
+ALONE   := $(addprefix tests/clients/test_,browser_tool.py panel_jog.py panel_outage.py \
+           stop_under_flood.py ur_rtde.py ur_rtde_safety.py)
 # Those of other programs, which mostly wait: two files at a time.
 TWO_FILES := $(PYTEST) --numprocesses=2 --dist=loadfile
 PATIENT := tests/gazebo tests/ros1 tests/ros2 tests/ur $(wildcard tests/test_*.py)
+CLIENTS := $(filter-out $(ALONE),$(wildcard tests/clients/test_*.py))
 
 .DEFAULT_GOAL := help
 .PHONY: help run setup dev check lint lint-python lint-web format unit unit-python unit-web
@@ -43,8 +47,11 @@ setup: $(RUN) $(PAGE) $(KERNEL)
 
 dev: $(DEV)
 
+# First what uses one processor, side by side, then the tests of Python, which use all:
+# each command shows its output when it ends, and pytest its progress.
 check: $(DEV)
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync unit lint
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync=line lint unit-web
+	@$(MAKE) --no-print-directory unit-python
 
 lint: lint-python lint-web
 
@@ -53,6 +60,7 @@ lint-python: $(DEV)
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python tools/coupling.py
 
 lint-web: $(DEV)
 	$(WEB) run check:static
@@ -79,7 +87,8 @@ test: $(DEV) $(PAGE) $(KERNEL) $(BROWSER) $(GAZEBO) $(ROS1) $(ROS2) $(GL) unit-w
 	run() { "$$@" $(ARGS); case $$? in 0) chosen=1;; 5) ;; *) failed=1;; esac; }; \
 	run $(AT_ONCE) $(STURDY); \
 	run $(TWO_FILES) $(PATIENT); \
-	run $(PYTEST) $(patsubst %,--ignore=%,$(STURDY) $(PATIENT)); \
+	run $(TWO_FILES) $(CLIENTS); \
+	run $(PYTEST) $(patsubst %,--ignore=%,$(STURDY) $(PATIENT) $(CLIENTS)); \
 	[ -z "$$failed" ] && [ "$$chosen" ]  # status 5: ARGS chose none of them
 
 bench: $(DEV) $(KERNEL)

@@ -1,13 +1,17 @@
-"""How much of the engine's speed is left for the copies of a batch."""
+"""Speed of the copies of a batch beside the engine alone, and MuJoCo's own batches."""
 
 from __future__ import annotations
 
 import statistics
 import threading
 import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
+import mujoco.batch
+import mujoco.rollout
 import numpy as np
 
 import tool0
@@ -94,6 +98,108 @@ def raw_seconds(parts: list[list[tuple[mujoco.MjModel, mujoco.MjData]]]) -> floa
     return elapsed
 
 
+class Ratio(NamedTuple):
+    """Speed ÷ that of ``mujoco.rollout``: medians over all rounds."""
+
+    wall: float
+    """By wall time."""
+    processor: float
+    """By processor time: what other programs take does not count."""
+    spread: float
+    """Half the interquartile range of ``processor``."""
+
+
+def compare(n: int, threads: int = THREADS, rounds: int = 41) -> Mapping[str, Ratio]:
+    """Return the speed of each way to run n copies, beside ``mujoco.rollout``.
+
+    All start in the same states in each round, in random order.  Only ``tool0.Batch``
+    computes control laws; the others keep the motors' efforts.
+    """
+    threads = min(n, threads)
+    costs: dict[str, list[tuple[float, float]]] = {}
+    rng = np.random.default_rng(0)
+    with tool0.Batch(n, threads=threads) as copies:
+        copies.step(200)
+        physics = _Physics(copies, threads)
+        ways = physics.ways() | {"tool0.Batch": lambda: copies.step(TICKS)}
+        for _ in range(rounds):
+            physics.save()
+            for name in rng.permutation(list(ways)).tolist():
+                physics.restore()
+                wall, processor = time.perf_counter(), time.process_time()
+                ways[name]()
+                cost = time.perf_counter() - wall, time.process_time() - processor
+                costs.setdefault(name, []).append(cost)
+    rollout = costs.pop("mujoco.rollout")
+    return {name: _ratio(rollout, own) for name, own in costs.items()}
+
+
+def _ratio(one: list[tuple[float, float]], own: list[tuple[float, float]]) -> Ratio:
+    ratios = np.array(one) / np.array(own)
+    low, middle, high = np.percentile(ratios, [25, 50, 75], axis=0)
+    return Ratio(float(middle[0]), float(middle[1]), float(high[1] - low[1]) / 2.0)
+
+
+class _Physics:
+    """The models and states of the copies, stepped by MuJoCo's own batches."""
+
+    _WHOLE = mujoco.mjtState.mjSTATE_INTEGRATION
+    _START = mujoco.mjtState.mjSTATE_FULLPHYSICS
+
+    def __init__(self, copies: tool0.Batch, threads: int) -> None:
+        engines = [core.engine for core in copies._cores]
+        self._models = [engine.model for engine in engines]
+        self._data = [engine.data for engine in engines]
+        self._scratch = [mujoco.MjData(self._models[0]) for _ in range(threads)]
+        self._pool = mujoco.rollout.Rollout(nthread=threads)
+        self._batch = mujoco.batch.Batch(self._models[0], copies.n, threads)
+        self._batch.set_models(self._models)
+        self._ctrl = self._batch.bind("ctrl")
+        self.save()
+
+    def save(self) -> None:
+        """Take the present states of the copies."""
+        self._states = self._rows(self._WHOLE)
+        self._starts = self._rows(self._START)
+        self._warm = np.array([data.qacc_warmstart for data in self._data])
+        self._efforts = np.array([data.ctrl for data in self._data])
+        self._controls = np.repeat(self._efforts[:, None], TICKS, axis=1)
+
+    def _rows(self, what: mujoco.mjtState) -> np.ndarray:
+        rows = np.empty((len(self._data), mujoco.mj_stateSize(self._models[0], what)))
+        for row, model, data in zip(rows, self._models, self._data, strict=True):
+            mujoco.mj_getState(model, data, row, what)
+        return rows
+
+    def restore(self) -> None:
+        """Return MuJoCo's batch to the saved states."""
+        self._batch.state[:] = self._states
+
+    def ways(self) -> dict[str, Callable[[], None]]:
+        """Return functions that step all copies."""
+        return {
+            "mujoco.rollout": self._roll,
+            "mujoco.batch": lambda: self._batch.step(nstep=TICKS),
+            "mujoco.batch, a call per step": self._single_steps,
+        }
+
+    def _roll(self) -> None:
+        self._pool.rollout(
+            self._models,
+            self._scratch,
+            self._starts,
+            self._controls,
+            nstep=TICKS,
+            initial_warmstart=self._warm,
+        )
+
+    def _single_steps(self) -> None:
+        """Step as control laws outside MuJoCo need it: efforts before each step."""
+        for _ in range(TICKS):
+            self._ctrl[:] = self._efforts
+            self._batch.step()
+
+
 def _resident() -> float:
     """Return the resident memory of this process [B]."""
     with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123
@@ -102,3 +208,9 @@ def _resident() -> float:
 
 if __name__ == "__main__":
     print(cost())
+    for number in (1, 16, 64):
+        for name, ratio in compare(number).items():
+            print(
+                f"{number} copies, {name} ÷ mujoco.rollout: {ratio.wall:.2f} by wall "
+                f"time, {ratio.processor:.2f} ± {ratio.spread:.2f} by processor time"
+            )

@@ -15,7 +15,7 @@ from tool0.cli.demos.monitor import GraspMonitor
 from tool0.cli.demos.picker import Picker
 from tool0.cli.demos.setup import Cube, Demo, handover_demo, pick_demo
 from tool0.cli.demos.trials import DemoReport
-from tool0.description.forward_kinematics import link_poses
+from tool0.kinematics.chain import find_chains
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
 from tool0.sensing.grasp import pad_links
 
@@ -217,6 +217,8 @@ def _shake(
     """
     monitor.begin("shaking")
     monitor.start_slip(picker.hand.gripper)
+    pad_link, _ = pad_links(robot.description.model, robot.gripper.geometry)
+    pad = robot.pose(pad_link, "tool0")  # the fingers hold still
     arm = robot.controller("eff_joint_traj_controller")
     names = robot.arm.joint_names
     start = dict(robot.arm.joints)
@@ -234,13 +236,15 @@ def _shake(
         ],
         joint_names=names,
     )
-    model, engine = robot.description.model, robot.engine
-    pad, _ = pad_links(model, robot.gripper.geometry)
-    places = []
+    (chain,) = find_chains(robot.description.model).values()
+    columns = [robot.engine.joint_names.index(name) for name in chain.joint_names]
+    rows = []
     while not goal.status.is_terminal:
         robot.run(robot.control_period)
-        position = dict(zip(engine.joint_names, engine.read().position, strict=True))
-        places.append(link_poses(model, position)[pad].position)
+        position = robot.engine.read().position
+        rows.append([position[column] for column in columns])
+    T_base_tool0 = chain.forward(np.array(rows)).T_base_tip
+    places = T_base_tool0[:, :3] @ (*pad.position, 1.0)
     velocity = np.diff(places, axis=0) / robot.control_period
     steps = np.diff(velocity, axis=0) / robot.control_period
     accelerations.extend(np.linalg.norm(steps, axis=1).tolist())

@@ -8,7 +8,7 @@ import re
 import textwrap
 import types
 import typing
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any, get_args, get_origin
 
@@ -217,13 +217,14 @@ def _shown(hint: Any) -> str:
         return f"[{sent_as[hint.__name__]}](#{sent_as[hint.__name__].lower()})"
     return (
         f"[{hint.__name__}](#{hint.__name__.lower()})"
-        if hint in set(_structs())
+        if hint in _structs()
         else hint.__name__
     )
 
 
-def _structs() -> Iterator[type]:
-    """Yield the values that requests and responses are made of, by name."""
+@cache
+def _structs() -> tuple[type, ...]:
+    """Return the values that requests and responses are made of, by name."""
     found: dict[str, type] = {}
 
     def visit(hint: Any) -> None:
@@ -264,7 +265,7 @@ def _structs() -> Iterator[type]:
                     visit(hint)
     for kind in (SnapshotMessage, Picture, Outcome, ErrorInfo):
         visit(kind)
-    yield from (found[name] for name in sorted(found))
+    return tuple(found[name] for name in sorted(found))
 
 
 if __name__ == "__main__":

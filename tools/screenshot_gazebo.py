@@ -32,7 +32,7 @@ _SAME_FRAMES = 15
 
 def main() -> None:
     """Take the picture that the arguments describe."""
-    sys.path.insert(0, str(ROOT / "tests/fakes"))
+    sys.path.insert(0, str(ROOT / "tests/rigs"))
     from screen import Pixels, Screen  # noqa: PLC0415  # beside the tests
 
     options = _options()

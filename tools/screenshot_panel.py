@@ -27,7 +27,7 @@ _SLOW = 120_000
 
 def main() -> None:
     """Take the picture that the arguments describe."""
-    sys.path.insert(0, str(ROOT / "tests/fakes"))
+    sys.path.insert(0, str(ROOT / "tests/rigs"))
     from browser import find_chromium, launch  # noqa: PLC0415  # beside the tests
 
     options = _options()

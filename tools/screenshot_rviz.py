@@ -32,7 +32,7 @@ _POSE = "[1.5, -1.7, -0.4, -1.37, -1.57, 0.0]"
 
 def main() -> None:
     """Take the picture that the arguments describe."""
-    sys.path.insert(0, str(ROOT / "tests/fakes"))
+    sys.path.insert(0, str(ROOT / "tests/rigs"))
     from in_rviz import black, blue, start_rviz, view  # noqa: PLC0415  # of the tests
     from ros import Ros  # noqa: PLC0415
     from screen import Pixels, Screen  # noqa: PLC0415

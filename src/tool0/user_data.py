@@ -18,7 +18,7 @@ def data_folder() -> Path:
 
 
 def cache_folder() -> Path:
-    """Return tool0's folder for what can be made again; it may not exist yet."""
+    """Return tool0's folder of files that can be made again; it may not exist yet."""
     return _home("XDG_CACHE_HOME", ".cache") / "tool0"
 
 
@@ -45,11 +45,11 @@ def expanded(path: str | Path) -> Path:
 
 @contextmanager
 def locked(file: Path, *, wait: bool = True) -> Iterator[None]:
-    """Hold the lock ``file``, which no other process or thread then does.
+    """Hold the lock ``file``, so that no other process or thread holds it.
 
     Args:
-        file: Made if it is not there; what it holds does not matter.
-        wait: Whether to wait for one who holds it.
+        file: Created if it is missing; its content does not matter.
+        wait: Whether to wait while another holds it.
 
     Raises:
         BlockingIOError: If another holds it and ``wait`` is false.
@@ -87,7 +87,7 @@ def replace_text(file: Path, text: str) -> None:
 
 
 def require_writable(path: Path) -> None:
-    """Raise ConfigError if there can be no such file; leave what is there."""
+    """Raise ConfigError if a file cannot be written; a present one is left as it is."""
     is_new = not path.exists()
     try:
         with path.open("ab"):

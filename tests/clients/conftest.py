@@ -12,13 +12,15 @@ from browser import Tab, find_chromium, launch
 from playwright.sync_api import Browser, sync_playwright
 from promised import absent
 
+import tool0
 from tool0.interfaces.panel.server import Panel, is_page_built
 
 OpenTab = Callable[..., Tab]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def browser() -> Iterator[Browser]:
+    """Start one for all pages of these tests, each in a context of its own."""
     chromium = find_chromium()
     if chromium is None:
         absent("browser", "no Chromium is installed")
@@ -28,6 +30,13 @@ def browser() -> Iterator[Browser]:
         started = launch(playwright, chromium)
         yield started
         started.close()
+
+
+@pytest.fixture(scope="module")
+def shared_panel() -> Iterator[Panel]:
+    """Serve a robot that no test changes."""
+    with tool0.bringup() as robot, Panel(robot) as panel:
+        yield panel
 
 
 @pytest.fixture

@@ -18,6 +18,11 @@ VIOLATIONS = """async () => (await axe.run(document)).violations.flatMap((rule) 
 WIDTHS = {"desktop": (1440, 900), "tablet": (820, 1180), "phone": (390, 844)}
 
 
+@pytest.fixture
+def panel(shared_panel: Panel) -> Panel:
+    return shared_panel
+
+
 def violations(tab: Tab) -> list[str]:
     """Return what axe finds, without the animations that hide what is there."""
     tab.page.evaluate(

@@ -17,6 +17,11 @@ FIRST_VIEW = 300_000
 OVERFLOW = "document.documentElement.scrollWidth - innerWidth"
 
 
+@pytest.fixture
+def panel(shared_panel: Panel) -> Panel:
+    return shared_panel
+
+
 def bottom(tab: Tab, test_id: str) -> float:
     box = tab.get(test_id).bounding_box()
     assert box is not None

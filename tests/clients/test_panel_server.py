@@ -5,7 +5,7 @@ import math
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from unittest.mock import patch
 
@@ -35,13 +35,6 @@ def eventually(is_so: Callable[[], bool], what: str) -> None:
 
 def port_of(panel: Panel) -> int:
     return int(panel.url.rsplit(":", 1)[1].rstrip("/"))
-
-
-@pytest.fixture(scope="module")
-def shared_panel() -> Iterator[Panel]:
-    """A panel whose robot no test changes."""
-    with tool0.bringup() as robot, Panel(robot) as panel:
-        yield panel
 
 
 def test_a_page_receives_what_it_shows(panel: Panel, robot: tool0.Robot) -> None:

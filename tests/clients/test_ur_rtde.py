@@ -10,8 +10,15 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 from rtde_rig import Recorder, RtdeClient
-from ur_formulas import Array, assert_trapezoid
-from ur_rtde_rig import HOME, PLAYING, Station, station_of, until
+from ur_rtde_rig import (
+    HOME,
+    PLAYING,
+    Array,
+    Station,
+    assert_trapezoid,
+    station_of,
+    until,
+)
 
 
 @pytest.fixture(scope="module")

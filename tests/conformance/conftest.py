@@ -25,6 +25,24 @@ def engine(request: pytest.FixtureRequest) -> str:
     return name
 
 
+@pytest.fixture(scope="module")
+def shared_robot(engine: str) -> Iterator[tool0.Robot]:
+    """Bring the usual robot up, for several tests of a module."""
+    simulation = tool0.SimulationConfig(engine=engine)
+    with tool0.bringup(simulation=simulation, realtime=False) as robot:
+        yield robot
+
+
+@pytest.fixture
+def robot(shared_robot: tool0.Robot) -> tool0.Robot:
+    """Return the usual robot as if just brought up.
+
+    A test that leaves behind more than a reset undoes has to bring up its own.
+    """
+    shared_robot.reset()
+    return shared_robot
+
+
 @pytest.fixture
 def bring_up(engine: str) -> Iterator[BringUp]:
     """Bring robots up on the engine, as fast as possible, and close them."""

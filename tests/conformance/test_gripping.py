@@ -3,26 +3,43 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from conformance_types import BringUp
 from ur5_rig import ARM_JOINTS, GRIPPER, POST, POST_GRIPPER, point
 
 import tool0
 
 OPENINGS = {"open": 0.085, "half": 0.0425, "closed": 0.0}  # [m]
 CLOSED = 0.8133  # [rad]
-FILES = {
-    "ours": None,
-    "post, trajectory": [POST],
-    "post, action": [POST, POST_GRIPPER],
-}
+BY_TRAJECTORY, BY_ACTION = "post, trajectory", "post, action"
+FILES = {"ours": None, BY_TRAJECTORY: [POST], BY_ACTION: [POST, POST_GRIPPER]}
 MIMIC_ERROR = 3e-4  # [rad]
 SPEED = 0.06  # [m/s] of the pads
 PADS = ("left_inner_finger_pad", "right_inner_finger_pad")
 WEIGHT = 0.08
 """Of the fingers at the drive, which carries it beside what is commanded [N·m]."""
+
+
+@pytest.fixture(scope="module", params=FILES)
+def shared_by_files(
+    engine: str, request: pytest.FixtureRequest
+) -> Iterator[tool0.Robot]:
+    """Bring a robot up with some of the FILES, for all tests with these."""
+    with tool0.bringup(
+        control=tool0.ControlConfig(controllers_file=FILES[request.param]),
+        simulation=tool0.SimulationConfig(engine=engine),
+        realtime=False,
+    ) as robot:
+        yield robot
+
+
+@pytest.fixture
+def with_files(shared_by_files: tool0.Robot) -> tool0.Robot:
+    """Return it as if just brought up."""
+    shared_by_files.reset()
+    return shared_by_files
 
 
 def random_targets(n: int) -> list[float]:
@@ -33,12 +50,10 @@ def finger(robot: tool0.Robot) -> float:
     return robot.joint_state.position["finger_joint"]
 
 
-@pytest.mark.parametrize("files", FILES.values(), ids=FILES)
 @pytest.mark.parametrize("pose", OPENINGS)
-def test_at_rest_nothing_trembles(
-    bring_up: BringUp, pose: str, files: list[object] | None
-) -> None:
-    robot = bring_up(initial_pose=pose, controllers_file=files)
+def test_at_rest_nothing_trembles(with_files: tool0.Robot, pose: str) -> None:
+    robot = with_files
+    robot.reset(robot.poses()[pose].positions)
     robot.gripper.move(opening=OPENINGS[pose])
     robot.run(2.0)
     squares = []
@@ -51,14 +66,13 @@ def test_at_rest_nothing_trembles(
     assert rms.max() <= 1e-4  # [rad/s]
 
 
-@pytest.mark.parametrize("files", [[POST], [POST, POST_GRIPPER]])
+@pytest.mark.parametrize("shared_by_files", [BY_TRAJECTORY, BY_ACTION], indirect=True)
 def test_every_goal_in_range_succeeds_with_the_post_s_controllers(
-    bring_up: BringUp, files: list[object]
+    with_files: tool0.Robot, request: pytest.FixtureRequest
 ) -> None:
-    robot = bring_up(controllers_file=files)
-    controller = robot.controller(GRIPPER)
+    controller = with_files.controller(GRIPPER)
     for target in random_targets(19):  # 6 of 19 were aborted by the original
-        if POST_GRIPPER not in files:
+        if BY_TRAJECTORY in request.node.name:
             goal = controller.follow([point([target], 1.0)])
             assert goal.wait(10.0).status is tool0.GoalStatus.SUCCEEDED
             continue
@@ -69,11 +83,8 @@ def test_every_goal_in_range_succeeds_with_the_post_s_controllers(
         assert result.position == pytest.approx(target, abs=0.002)
 
 
-@pytest.mark.parametrize("files", FILES.values(), ids=FILES)
-def test_it_opens_and_closes_to_the_millimetre(
-    bring_up: BringUp, files: list[object] | None
-) -> None:
-    robot = bring_up(controllers_file=files)
+def test_it_opens_and_closes_to_the_millimetre(with_files: tool0.Robot) -> None:
+    robot = with_files
     for opening in (0.0, 0.085, 0.04, 0.01, 0.06):
         goal = robot.gripper.move(opening=opening)
         assert goal.wait(10.0).status is tool0.GoalStatus.SUCCEEDED
@@ -81,22 +92,20 @@ def test_it_opens_and_closes_to_the_millimetre(
         assert robot.gripper.opening == pytest.approx(opening, abs=1e-3)
 
 
-def test_cancelling_holds_the_fingers_where_they_are(bring_up: BringUp) -> None:
-    for files in FILES.values():
-        robot = bring_up(controllers_file=files)
-        goal = robot.gripper.move(opening=0.0)
-        robot.run(0.05)
-        goal.cancel()
-        assert goal.status is tool0.GoalStatus.PREEMPTED
-        robot.run(1.5)
-        rest = finger(robot)
-        assert 0.0 < rest < 0.7
-        robot.run(1.0)
-        assert finger(robot) == pytest.approx(rest, abs=1e-3)
+def test_cancelling_holds_the_fingers_where_they_are(with_files: tool0.Robot) -> None:
+    robot = with_files
+    goal = robot.gripper.move(opening=0.0)
+    robot.run(0.05)
+    goal.cancel()
+    assert goal.status is tool0.GoalStatus.PREEMPTED
+    robot.run(1.5)
+    rest = finger(robot)
+    assert 0.0 < rest < 0.7
+    robot.run(1.0)
+    assert finger(robot) == pytest.approx(rest, abs=1e-3)
 
 
-def test_mimic_joints_follow_in_motion_and_at_rest(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_mimic_joints_follow_in_motion_and_at_rest(robot: tool0.Robot) -> None:
     followers = [
         (joint.name, joint.mimic.multiplier)
         for joint in robot.description.model.movable_joints
@@ -115,8 +124,9 @@ def test_mimic_joints_follow_in_motion_and_at_rest(bring_up: BringUp) -> None:
     assert worst <= MIMIC_ERROR
 
 
-def test_the_fingers_are_never_faster_than_their_drive(bring_up: BringUp) -> None:
-    robot = bring_up(controllers_file=[POST, POST_GRIPPER])
+@pytest.mark.parametrize("shared_by_files", [BY_ACTION], indirect=True)
+def test_the_fingers_are_never_faster_than_their_drive(with_files: tool0.Robot) -> None:
+    robot = with_files
     limit = robot.description.model.joint("finger_joint").limits.velocity
     fastest = 0.0
     for target, _ in itertools.product((CLOSED - 1e-3, 0.0), range(2)):
@@ -136,8 +146,7 @@ def strongest(robot: tool0.Robot, duration: float) -> float:
     return most
 
 
-def test_an_effort_bound_is_kept_and_lifted(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_an_effort_bound_is_kept_and_lifted(robot: tool0.Robot) -> None:
     bound = 0.2
     robot.gripper.move(opening=0.0, effort=bound)
     assert 0.5 * bound < strongest(robot, 1.5) <= bound + WEIGHT
@@ -146,10 +155,11 @@ def test_an_effort_bound_is_kept_and_lifted(bring_up: BringUp) -> None:
     assert strongest(robot, 1.5) > 2.0 * bound
 
 
+@pytest.mark.parametrize("shared_by_files", [BY_ACTION], indirect=True)
 def test_fingers_rest_at_their_stops_and_leave_them_no_faster_than_told(
-    bring_up: BringUp,
+    with_files: tool0.Robot,
 ) -> None:
-    robot = bring_up(controllers_file=[POST, POST_GRIPPER])
+    robot = with_files
     joint = robot.description.model.joint("finger_joint")
     geometry = robot.gripper.geometry
     for target, stop in ((0.0, joint.limits.upper), (0.085, joint.limits.lower)):
@@ -174,9 +184,8 @@ def between_pads(robot: tool0.Robot) -> float:
 
 
 def test_the_opening_is_that_of_the_formula_over_the_whole_range(
-    bring_up: BringUp,
+    robot: tool0.Robot,
 ) -> None:
-    robot = bring_up()
     seen = []
     for opening in (0.0, 0.085):
         goal = robot.gripper.move(opening=opening)

@@ -70,8 +70,9 @@ def test_a_goal_that_is_too_fast_stops_the_joint_where_it_is(bring_up: BringUp) 
     assert abs(effort) < 40.0
 
 
-def test_a_named_motion_that_needs_too_much_speed_is_refused(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_a_named_motion_that_needs_too_much_speed_is_refused(
+    robot: tool0.Robot,
+) -> None:
     before = robot.snapshot.setpoints()[ELBOW].target
     with pytest.raises(ControlError) as refused:
         robot.move_joints({ELBOW: -1.2}, duration=0.05)
@@ -84,10 +85,10 @@ def test_a_named_motion_that_needs_too_much_speed_is_refused(bring_up: BringUp) 
 
 @pytest.mark.parametrize("duration", [5e-324, 1e-9])
 def test_no_duration_is_too_short_to_be_refused(
-    bring_up: BringUp, duration: float
+    robot: tool0.Robot, duration: float
 ) -> None:
     with pytest.raises(ControlError, match="elbow_joint"):
-        bring_up().move_joints({ELBOW: 0.0}, duration=duration)
+        robot.move_joints({ELBOW: 0.0}, duration=duration)
 
 
 def test_an_abort_names_the_contact(bring_up: BringUp) -> None:
@@ -140,8 +141,7 @@ def test_a_push_is_reported_and_a_stop_ends_it(
     assert abs(effort) < 20.0
 
 
-def test_a_joint_that_holds_a_load_is_not_reported(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_a_joint_that_holds_a_load_is_not_reported(robot: tool0.Robot) -> None:
     robot.move_joints({LIFT: -0.3, ELBOW: 0.0}, speed=0.5)
     robot.run(6.0)
     assert robot.snapshot.stalls == ()

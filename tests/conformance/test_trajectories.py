@@ -35,8 +35,7 @@ def partial_yaml(tmp_path: object) -> str:
     return path
 
 
-def test_a_trajectory_succeeds_where_it_was_sent(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_a_trajectory_succeeds_where_it_was_sent(robot: tool0.Robot) -> None:
     way = [
         point(AWAY, 1.0, [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]),
         point(HOME, 2.0, AT_REST),
@@ -49,8 +48,7 @@ def test_a_trajectory_succeeds_where_it_was_sent(bring_up: BringUp) -> None:
     assert arm_positions(robot) == pytest.approx(AWAY, abs=0.02)
 
 
-def test_joints_may_come_in_any_order(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_joints_may_come_in_any_order(robot: tool0.Robot) -> None:
     order = [3, 0, 5, 1, 4, 2]
     goal = robot.controller(ARM).follow(
         [point([AWAY[k] for k in order], 1.0)],
@@ -61,8 +59,7 @@ def test_joints_may_come_in_any_order(bring_up: BringUp) -> None:
     assert arm_positions(robot) == pytest.approx(AWAY, abs=0.02)
 
 
-def test_an_arm_that_cannot_follow_is_aborted_at_once(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_an_arm_that_cannot_follow_is_aborted_at_once(robot: tool0.Robot) -> None:
     goal = robot.controller(ARM).follow([point((3.0, *HOME[1:]), 0.3)])
     result = goal.wait(5.0)
     assert (result.status, result.error_code) == (ABORTED, -4)
@@ -72,8 +69,7 @@ def test_an_arm_that_cannot_follow_is_aborted_at_once(bring_up: BringUp) -> None
     assert worst_departure(robot, 3.0) <= 1e-3
 
 
-def test_a_tight_path_tolerance_of_the_goal_is_enforced(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_a_tight_path_tolerance_of_the_goal_is_enforced(robot: tool0.Robot) -> None:
     arm = robot.controller(ARM)
     robot.run(1.0)
     goal = arm.follow([point(AWAY, 1.0)], path_tolerance={"elbow_joint": 0.001})
@@ -87,8 +83,7 @@ def test_a_tight_path_tolerance_of_the_goal_is_enforced(bring_up: BringUp) -> No
     assert goal.wait(5.0).status is SUCCEEDED
 
 
-def test_a_path_tolerance_below_zero_switches_the_check_off(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_a_path_tolerance_below_zero_switches_the_check_off(robot: tool0.Robot) -> None:
     off = dict.fromkeys(ARM_JOINTS, -1.0)
     goal = robot.controller(ARM).follow(
         [point((1.5, *HOME[1:]), 0.3)], path_tolerance=off, goal_time_tolerance=5.0
@@ -123,8 +118,7 @@ def test_an_endless_grace_waits_on(bring_up: BringUp) -> None:
     assert goal.status is ACTIVE
 
 
-def test_cancelling_ramps_down_as_ros_does(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_cancelling_ramps_down_as_ros_does(robot: tool0.Robot) -> None:
     arm = robot.controller(ARM)
     goal = arm.follow([point((2.0, *HOME[1:]), 2.0)])  # the pan at 1 rad/s
     robot.run(1.0)
@@ -141,8 +135,7 @@ def test_cancelling_ramps_down_as_ros_does(bring_up: BringUp) -> None:
     goal.cancel()  # again, and too late: nothing happens
 
 
-def test_following_nothing_stops_and_succeeds(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_following_nothing_stops_and_succeeds(robot: tool0.Robot) -> None:
     arm = robot.controller(ARM)
     goal = arm.follow([point((2.0, *HOME[1:]), 2.0)])
     robot.run(1.0)
@@ -154,8 +147,7 @@ def test_following_nothing_stops_and_succeeds(bring_up: BringUp) -> None:
     assert worst_departure(robot, 2.0) <= 1e-3
 
 
-def test_a_new_goal_replaces_the_old_one_without_a_jump(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_a_new_goal_replaces_the_old_one_without_a_jump(robot: tool0.Robot) -> None:
     arm = robot.controller(ARM)
     first = arm.follow([point((1.0, *HOME[1:]), 1.0)])
     robot.run(0.5)
@@ -167,8 +159,7 @@ def test_a_new_goal_replaces_the_old_one_without_a_jump(bring_up: BringUp) -> No
     assert arm_positions(robot)[0] == pytest.approx(-0.5, abs=0.01)
 
 
-def test_a_goal_of_the_future_lets_the_old_one_run_on(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_a_goal_of_the_future_lets_the_old_one_run_on(robot: tool0.Robot) -> None:
     arm = robot.controller(ARM)
     arm.follow([point((0.4, *HOME[1:]), 1.0)])
     robot.run(0.2)
@@ -179,8 +170,7 @@ def test_a_goal_of_the_future_lets_the_old_one_run_on(bring_up: BringUp) -> None
     assert robot.time >= 1.6
 
 
-def test_points_of_the_past_are_left_out(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_points_of_the_past_are_left_out(robot: tool0.Robot) -> None:
     robot.run(1.0)
     way = [point(HOME, 0.5), point((0.3, *HOME[1:]), 1.5)]
     goal = robot.controller(ARM).follow(way, stamp=0.1)
@@ -209,9 +199,8 @@ def test_partial_goals_move_the_named_joints_only_where_allowed(
 
 
 def test_a_command_without_an_outcome_moves_the_arm_and_preempts(
-    bring_up: BringUp,
+    robot: tool0.Robot,
 ) -> None:
-    robot = bring_up()
     arm = robot.controller(ARM)
     goal = arm.follow([point((1.0, *HOME[1:]), 2.0)])
     arm.command_trajectory([point(AWAY, 1.0)])
@@ -230,8 +219,7 @@ def test_the_longest_way_round_is_taken_where_joints_range_over_two_turns(
     assert goal.wait(5.0).status is SUCCEEDED
 
 
-def test_a_reset_preempts_and_everything_works_again(bring_up: BringUp) -> None:
-    robot = bring_up()
+def test_a_reset_preempts_and_everything_works_again(robot: tool0.Robot) -> None:
     arm = robot.controller(ARM)
     goals = [arm.follow([point(AWAY, 2.0)]), robot.gripper.move(opening=0.0)]
     robot.run(0.3)

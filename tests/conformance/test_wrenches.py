@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -31,12 +32,27 @@ WALL = SceneObject(
 SCENE = Scene((CUBE, WALL))
 
 
+@pytest.fixture(scope="module")
+def shared_cell(engine: str) -> Iterator[tool0.Robot]:
+    simulation = tool0.SimulationConfig(engine=engine)
+    with tool0.bringup(
+        scene=SCENE, simulation=simulation, paused=True, realtime=False
+    ) as robot:
+        yield robot
+
+
+@pytest.fixture
+def robot(shared_cell: tool0.Robot) -> tool0.Robot:
+    """Return the robot with a cube and a wall, as if just brought up, and paused."""
+    shared_cell.reset()
+    return shared_cell
+
+
 def cube(robot: tool0.Robot) -> ObjectState:
     return robot.scene.states["cube"]
 
 
-def test_a_force_accelerates_for_as_long_as_it_acts(bring_up: BringUp) -> None:
-    robot = bring_up(scene=SCENE, paused=True)
+def test_a_force_accelerates_for_as_long_as_it_acts(robot: tool0.Robot) -> None:
     robot.apply_wrench("cube", force=(6.0, -4.0, 0.0), duration=0.1)
     robot.step(50)
     assert cube(robot).linear[:2] == pytest.approx((0.15, -0.1), rel=1e-6)
@@ -45,16 +61,14 @@ def test_a_force_accelerates_for_as_long_as_it_acts(bring_up: BringUp) -> None:
     assert cube(robot).angular == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
 
 
-def test_a_torque_turns_it(bring_up: BringUp) -> None:
-    robot = bring_up(scene=SCENE, paused=True)
+def test_a_torque_turns_it(robot: tool0.Robot) -> None:
     robot.apply_wrench("cube", torque=(0.0, 0.0, 0.3), duration=0.1)
     robot.step(200)
     expected = 0.3 * 0.1 / INERTIA
     assert cube(robot).angular == pytest.approx((0.0, 0.0, expected), rel=1e-5)
 
 
-def test_a_force_beside_the_centre_of_mass_turns_it_too(bring_up: BringUp) -> None:
-    robot = bring_up(scene=SCENE, paused=True)
+def test_a_force_beside_the_centre_of_mass_turns_it_too(robot: tool0.Robot) -> None:
     x, y, z = FALLING
     robot.apply_wrench(
         "cube", force=(0.0, 3.0, 0.0), point=(x + 0.1, y, z), duration=0.05
@@ -65,8 +79,7 @@ def test_a_force_beside_the_centre_of_mass_turns_it_too(bring_up: BringUp) -> No
     assert cube(robot).angular[2] == pytest.approx(expected, rel=1e-4)
 
 
-def test_wrenches_add_up_until_they_are_cleared(bring_up: BringUp) -> None:
-    robot = bring_up(scene=SCENE, paused=True)
+def test_wrenches_add_up_until_they_are_cleared(robot: tool0.Robot) -> None:
     for _ in range(2):
         robot.apply_wrench("cube", force=(1.0, 0.0, 0.0))
     robot.step(100)
@@ -121,9 +134,8 @@ def test_the_wrist_feels_what_pushes_the_tool(bring_up: BringUp) -> None:
     [("cub", "did you mean 'cube'"), ("wall", "stands still"), ("base_link", "still")],
 )
 def test_what_cannot_be_pushed_is_refused(
-    bring_up: BringUp, name: str, says: str
+    robot: tool0.Robot, name: str, says: str
 ) -> None:
-    robot = bring_up(scene=SCENE, paused=True)
     with pytest.raises(EngineError, match=says):
         robot.apply_wrench(name, force=(1.0, 0.0, 0.0))
     with pytest.raises(RequestError):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import warnings
 from collections.abc import Generator, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from types import ModuleType
 
@@ -99,6 +100,14 @@ def own_ros() -> Iterator[Ros]:
     require_ros()
     with Ros() as ros:
         yield ros
+
+
+@pytest.fixture
+def masterless() -> Iterator[Ros]:
+    """Take a port for a roscore that the test itself starts, or nobody does."""
+    require_ros()
+    with ExitStack() as exits:
+        yield exits.push(Ros())
 
 
 def set_environment(patch: pytest.MonkeyPatch, ros: Ros) -> None:

@@ -9,8 +9,9 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from ros import Bringup, Ros, until
+from ros import Bringup, Ros
 from ros_client import Message, call, listening, publishing
+from waits import until
 
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.robot import assemble

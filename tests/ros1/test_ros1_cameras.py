@@ -9,8 +9,9 @@ from types import ModuleType
 import numpy as np
 import pytest
 from promised import require_gl
-from ros import Bringup, Ros, until
+from ros import Bringup, Ros
 from ros_client import Message, listening
+from waits import until
 
 from tool0.description.camera import default_cameras
 from tool0.description.forward_kinematics import link_pose

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from types import ModuleType
 
 import pytest
-from ros import Bringup, until
+from ros import Bringup
 from ros_client import Message, Topic, connected, listening, outcome, state
 from ur5_rig import GRIPPER
+from waits import until
 
 ENGINES = ("mujoco", "gazebo")
 OPTIONS = (

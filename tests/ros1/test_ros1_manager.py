@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 import yaml
-from ros import Bringup, Ros, until
+from ros import Bringup, Ros
 from ros_client import (
     arm_client,
     call,
@@ -22,6 +22,7 @@ from ros_client import (
 )
 from ros_spawner import spawned
 from ur5_rig import ARM, GRIPPER
+from waits import until
 
 MANAGER = "/controller_manager"
 GROUP = "joint_group_eff_controller"

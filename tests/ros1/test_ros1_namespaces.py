@@ -9,7 +9,7 @@ from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
-from ros import Bringup, Ros, until
+from ros import Bringup, Ros
 from ros_client import (
     Message,
     arm_client,
@@ -23,6 +23,7 @@ from ros_client import (
 from ros_frames import assert_agrees, looked_up
 from ros_spawner import spawned
 from ur5_rig import ARM, ARM_JOINTS, AWAY, GRIPPER, HOME
+from waits import until
 
 from tool0.description.camera import Camera
 from tool0.description.cell_file import load_cell

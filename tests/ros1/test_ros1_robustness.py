@@ -11,7 +11,8 @@ from xmlrpc.client import ServerProxy
 
 import pytest
 from processes import Watch, descendants, listening, program
-from ros import TIMEOUT, Bringup, Ros, system_python, until
+from ros import TIMEOUT, Bringup, Ros, system_python
+from waits import until
 
 CLIENT = """
 import sys, rospy, actionlib
@@ -167,41 +168,35 @@ def test_a_hundred_thousand_points(ros: Ros, bringup: Bringup, wrist: Wrist) -> 
     assert moves(ros, 0.1)  # and so it is preempted
 
 
-def test_what_we_start_ends_with_us_when_we_are_killed(own_ros: Ros) -> None:
-    own_ros.stop()
-    bringup = own_ros.bring_up("--roscore")
+def test_what_we_start_ends_with_us_when_we_are_killed(masterless: Ros) -> None:
+    bringup = masterless.bring_up("--roscore")
     started = descendants(bringup.process.pid)
     assert len(started) >= 5  # supervisors, roscore and its two, and others
     watch = Watch(started)
     bringup.process.kill()
     assert watch.all_ended(TIMEOUT)
-    until(lambda: not own_ros.is_up, "the master's end")
+    until(lambda: not masterless.is_up, "the master's end")
 
 
-def test_a_roscore_of_ours_ends_with_us(own_ros: Ros) -> None:
-    own_ros.stop()
-    bringup = own_ros.bring_up("--roscore")
-    assert own_ros.is_up
-    assert bringup.end(signal.SIGTERM) == 0
-    assert not own_ros.is_up
-
-
-def test_what_is_ours_listens_on_this_machine_alone(own_ros: Ros) -> None:
-    own_ros.stop()
-    bringup = own_ros.bring_up("--roscore")
+def test_a_roscore_of_ours_listens_on_this_machine_alone_and_ends_with_us(
+    masterless: Ros,
+) -> None:
+    bringup = masterless.bring_up("--roscore")
     pids = [bringup.process.pid, *descendants(bringup.process.pid)]
     addresses = {pid: listening(pid).get("tcp", set()) for pid in pids}
     # Only now: a process may have become one of roscpp's nodes, which have no choice.
     in_python = [pid for pid in pids if program(pid).startswith("python")]
     assert len(in_python) >= 5
     assert set().union(*(addresses[pid] for pid in in_python)) == {"0100007F"}
+    assert masterless.is_up
+    assert bringup.end(signal.SIGTERM) == 0
+    assert not masterless.is_up
 
 
-def test_without_a_master_it_says_so(own_ros: Ros) -> None:
-    own_ros.stop()
-    bringup = own_ros.bring_up(wait=False)
+def test_without_a_master_it_says_so(masterless: Ros) -> None:
+    bringup = masterless.bring_up(wait=False)
     assert bringup.wait_for_end() == FAILED
-    assert own_ros.uri in bringup.text
+    assert masterless.uri in bringup.text
     assert "--roscore" in bringup.text
 
 

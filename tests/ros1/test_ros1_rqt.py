@@ -10,9 +10,10 @@ from types import ModuleType
 from xml.etree import ElementTree
 
 import numpy as np
-from ros import Bringup, Ros, system_python, until
+from ros import Bringup, Ros, system_python
 from ros_client import Topic, at, listening, publishing, trajectory
 from ur5_rig import ARM, ARM_JOINTS, HOME
+from waits import until
 
 ENGINES = ("mujoco", "gazebo")
 SERVICES = {

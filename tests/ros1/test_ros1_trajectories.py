@@ -8,7 +8,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from ros import Bringup, until
+from ros import Bringup
 from ros_client import (
     Message,
     Topic,
@@ -22,6 +22,7 @@ from ros_client import (
     trajectory,
 )
 from ur5_rig import ARM, ARM_JOINTS, AWAY, HOME
+from waits import until
 
 ENGINES = ("mujoco", "gazebo")
 NEAR = tuple(q + 0.2 for q in HOME)

@@ -7,9 +7,10 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from ros import Bringup, Ros, until
+from ros import Bringup, Ros
 from ros_client import listening, publishing, trajectory
 from ur5_rig import ARM, AWAY
+from waits import until
 
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.robot import assemble

@@ -3,23 +3,37 @@
 The native controller_manager is not here; tool0's own presents the same services.
 """
 
+import contextlib
 import subprocess
 from collections.abc import Iterator
 
 import pytest
-from ros import TIMEOUT, Bringup, Ros, system_python
+from ros import TIMEOUT, Ros, system_python
 
+import tool0
 from tool0.description.packages import BUNDLED
 
 SCRIPT = str(BUNDLED / "tool0_gazebo" / "scripts" / "unpause_when_loaded")
 STARTED = ("joint_state_controller", "eff_joint_traj_controller", "gripper_controller")
 
 
+@pytest.fixture(scope="module")
+def robot(ros: Ros) -> Iterator[tool0.Robot]:
+    """Bring one robot up, and connect to it."""
+    with (
+        contextlib.closing(ros.bring_up("--paused")) as bringup,
+        pytest.MonkeyPatch.context() as patch,
+    ):
+        patch.setenv("XDG_RUNTIME_DIR", bringup.runtime_folder)
+        with tool0.connect() as robot:
+            yield robot
+
+
 @pytest.fixture
-def paused(ros: Ros) -> Iterator[Bringup]:
-    bringup = ros.bring_up("--paused")
-    yield bringup
-    bringup.close()
+def paused(robot: tool0.Robot) -> None:
+    """Let the robot's time stand still at its start."""
+    robot.pause()
+    robot.reset()
 
 
 def is_paused(ros: Ros) -> bool:
@@ -29,7 +43,7 @@ def is_paused(ros: Ros) -> bool:
     )
 
 
-def test_time_runs_when_the_controllers_are_loaded(ros: Ros, paused: Bringup) -> None:
+def test_time_runs_when_the_controllers_are_loaded(ros: Ros, paused: None) -> None:
     assert is_paused(ros)
     answer = ros.outcome(system_python(), SCRIPT, *STARTED, "_patience:=60")
     assert answer.returncode == 0, answer.stderr
@@ -37,7 +51,7 @@ def test_time_runs_when_the_controllers_are_loaded(ros: Ros, paused: Bringup) ->
     assert not is_paused(ros)
 
 
-def test_time_runs_in_the_end_without_a_controller(ros: Ros, paused: Bringup) -> None:
+def test_time_runs_in_the_end_without_a_controller(ros: Ros, paused: None) -> None:
     answer = ros.outcome(system_python(), SCRIPT, "no_such", "_patience:=0.5")
     assert answer.returncode == 0, answer.stderr
     assert "one of no_such; time runs all the same" in answer.stdout + answer.stderr
@@ -45,7 +59,7 @@ def test_time_runs_in_the_end_without_a_controller(ros: Ros, paused: Bringup) ->
 
 
 def test_time_stands_still_until_the_joints_are_in_place(
-    ros: Ros, paused: Bringup
+    ros: Ros, paused: None
 ) -> None:
     """spawn_model sets them a second after the robot appears."""
     joints = ("-J", "elbow_joint", "1.2", "-J", "wrist_1_joint", "-0.5")
@@ -80,7 +94,7 @@ def test_time_stands_still_until_the_joints_are_in_place(
     ],
 )
 def test_time_runs_in_the_end_without_the_joints(
-    ros: Ros, paused: Bringup, joint: str, complaint: str
+    ros: Ros, paused: None, joint: str, complaint: str
 ) -> None:
     joints = ("-J", "wrist_3_joint", "0.0", "-J", joint, "1.2")
     answer = ros.outcome(system_python(), SCRIPT, *STARTED, *joints, "_patience:=0.5")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ros import until
 from ros2_domain import Domain
 from ros2_manager import Manager
 from ros2_rig import JTC, STATE, follow, trajectory
 from ur5_rig import ARM_JOINTS, HOME
+from waits import until
 
 ROBOTS = ("--robots", "left=ur5e+2f85@0,0.5,0", "right=ur10e+hande@0,-0.5,0")
 SIDES = ("left", "right")

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from ros import Bringup, until
+from ros import Bringup
 from ros2_client import Client, Topic
 from ros2_manager import Manager
 from ros2_rig import (
@@ -25,6 +25,7 @@ from ros2_rig import (
     wait_until_moving,
 )
 from ur5_rig import ARM_JOINTS, HOME
+from waits import until
 
 RQT_SERVICES = (
     *("list_controllers", "list_controller_types", "load_controller"),

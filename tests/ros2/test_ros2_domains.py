@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from ros import Bringup, until
+from ros import Bringup
 from ros2_client import Client
 from ros2_domain import Domain
 from ros2_manager import Manager
 from ros2_rig import JTC, STATE, arrive, distance, follow, go, trajectory
 from ur5_rig import HOME
+from waits import until
 
 NEAR = tuple(q + 0.2 for q in HOME)
 

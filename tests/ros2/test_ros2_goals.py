@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import pytest
-from ros import Bringup, until
+from ros import Bringup
 from ros2_client import Client, Message, Topic
 from ros2_manager import Manager
 from ros2_rig import (
@@ -31,6 +31,7 @@ from ros2_rig import (
     wait_until_moving,
 )
 from ur5_rig import ARM_JOINTS, AWAY, HOME
+from waits import until
 
 ENGINES = ("mujoco", "gazebo")
 NEAR = tuple(q + 0.2 for q in HOME)

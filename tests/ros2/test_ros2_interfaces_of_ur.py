@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ros import Bringup, until
+from ros import Bringup
 from ros2_client import Client, Goal, Topic
 from ros2_rig import JTC, follow, trajectory
 from ur5_rig import ARM_JOINTS
+from waits import until
 
 import tool0
 

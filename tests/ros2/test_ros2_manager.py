@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from ros import Bringup, until
+from ros import Bringup
 from ros2_client import Client
 from ros2_manager import BEST_EFFORT, Manager
 from ros2_rig import JTC
 from ur5_rig import ARM_JOINTS
+from waits import until
 
 FILE = Path(__file__).parent.parent / "data" / "controllers" / "ros2_variants.yaml"
 SPAWNED = "position_forwarder"

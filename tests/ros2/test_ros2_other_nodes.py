@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from ros import Bringup, until
+from ros import Bringup
 from ros2_client import Client, Message
 from ros2_domain import Domain, interrupt
+from waits import until
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 TF = "tf2_msgs/msg/TFMessage"

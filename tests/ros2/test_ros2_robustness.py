@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from processes import Watch, descendants
-from ros import TIMEOUT, Bringup, until
+from ros import TIMEOUT, Bringup
 from ros2_client import Client
 from ros2_domain import Domain
 from ros2_rig import JTC, STATE, follow, go, trajectory, wait_until_moving
 from ur5_rig import AWAY, HOME
+from waits import until
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 NEVER_READS = """

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from ros import Bringup, until
+from ros import Bringup
 from ros2_client import Client, Message
+from waits import until
 
 OPTIONS = ("--arm", "ur5e")
 SIMULATION = "/simulation"

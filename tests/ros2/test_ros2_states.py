@@ -8,10 +8,11 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from ros import Bringup, until
+from ros import Bringup
 from ros2_client import Client, Topic
 from ros2_rig import JTC, STATE
 from ur5_rig import ARM_JOINTS
+from waits import until
 
 OPTIONS = ("--arm", "ur5e")
 JOINT_STATE = "sensor_msgs/msg/JointState"

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
 from ur_packets import Packets, unpack
 from ur_rig import UrRig, ur_rig
+from waits import until
 
 from tool0.protocol.control_box import SetIO, SetTcp, StopProtectively
 
@@ -19,6 +21,8 @@ SWAY = 0.02
 """Of the arm right after a motion [rad]."""
 SPEED = 4.0
 """Of time."""
+SLOW = 0.25
+"""Of time, where no update may be left out for want of a processor."""
 PRIMARY, SECONDARY, REALTIME = 30001, 30002, 30003
 
 
@@ -56,6 +60,23 @@ def still(rig):
     yield rig.robot
     rig.robot.resume()
     rig.robot.arm.control_box.clear_payload()
+
+
+def first(read: Callable[[], dict[str, Any]], is_it: Callable[[Any], bool]) -> Any:
+    """Return the first packet of those that arrive that is wanted."""
+    packet: dict[str, Any] = {}
+
+    def has_come() -> bool:
+        nonlocal packet
+        packet = read()
+        return is_it(packet)
+
+    until(has_come, "a packet", period=0.0)
+    return packet
+
+
+def is_output_on(values: dict[str, Any], pin: int) -> bool:
+    return bool(int(values["digital_outputs"]) & 1 << pin)
 
 
 def matrix(pose) -> np.ndarray:
@@ -109,8 +130,7 @@ def test_sub_packages_have_the_sizes_of_a_ur5e(clients):
 def test_the_state_is_that_of_the_robot(clients, still):
     now = round(still.time * 1e9)
     states = clients(SECONDARY).states()
-    while (state := next(states))["mode"]["timestamp"] != now:
-        pass  # an update was on its way
+    state = first(states.__next__, lambda s: s["mode"]["timestamp"] == now)
     q = positions(still)
     assert [joint["q_actual"] for joint in state["joints"]] == pytest.approx(
         q, abs=1e-9
@@ -142,8 +162,7 @@ def test_the_kinematics_are_those_of_a_ur5e(clients):
 
 def test_the_real_time_packet_is_that_of_the_robot(clients, still):
     packets = clients(REALTIME)
-    while (values := packets.realtime())["time"] != still.time:
-        pass  # an update was on its way
+    values = first(packets.realtime, lambda v: v["time"] == still.time)
     assert values["q_actual"] == pytest.approx(positions(still), abs=1e-9)
     np.testing.assert_allclose(
         matrix(values["tool_vector"]), true_tcp(still), atol=1e-9
@@ -216,27 +235,22 @@ def test_lines_replace_each_other_and_secondary_programs_do_not(rig, clients):
     packets = clients(REALTIME)
     box = rig.robot.arm.control_box
     packets.connection.sendall(b"def loop():\n  while True:\n    sync()\n  end\nend\n")
-    while packets.realtime()["program_state"] != 2.0:
-        pass
+    first(packets.realtime, lambda v: v["program_state"] == 2.0)
     packets.connection.sendall(b"sec lamp():\n  set_digital_out(5, True)\nend\n")
-    while not int(packets.realtime()["digital_outputs"]) & 1 << 5:
-        pass
+    first(packets.realtime, lambda v: is_output_on(v, 5))
     assert packets.realtime()["program_state"] == 2.0
     assert box.state.taken_by == "loop"
     packets.connection.sendall(b"set_digital_out(6, True)\n")
-    while not int(packets.realtime()["digital_outputs"]) & 1 << 6:
-        pass
-    while packets.realtime()["program_state"] != 1.0:
-        pass
+    first(packets.realtime, lambda v: is_output_on(v, 6))
+    first(packets.realtime, lambda v: v["program_state"] == 1.0)
 
 
 def test_read_only_ports_take_no_programs(rig, clients):
     clients(30013).connection.sendall(b"set_digital_out(7, True)\n")
     packets = clients(REALTIME)
     packets.connection.sendall(b"set_digital_out(4, True)\n")
-    while not int(packets.realtime()["digital_outputs"]) & 1 << 4:
-        pass
-    assert not int(packets.realtime()["digital_outputs"]) & 1 << 7
+    first(packets.realtime, lambda v: is_output_on(v, 4))
+    assert not is_output_on(packets.realtime(), 7)
 
 
 def test_commands_of_ur_client_library(rig, clients):
@@ -246,8 +260,7 @@ def test_commands_of_ur_client_library(rig, clients):
 
     def send_until(line: str, **expected: object) -> None:
         packets.connection.sendall(f"{line}\n".encode())
-        while any(next(states)["mode"][k] != v for k, v in expected.items()):
-            pass
+        first(states.__next__, lambda s: expected.items() <= s["mode"].items())
 
     send_until("power off", robot_mode=3)
     send_until("power on", robot_mode=5)
@@ -266,8 +279,7 @@ def test_safety_modes_are_announced(rig, clients):
     assert next(packets.states())["mode"]["protective_stopped"]
     dashboard = rig.dashboard()
     dashboard.until("safetymode", "Safetymode: PROTECTIVE_STOP")
-    while dashboard.ask("unlock protective stop") != "Protective stop releasing":
-        pass
+    dashboard.until("unlock protective stop", "Protective stop releasing")
     dashboard.close()
     assert next(messages)[1]["mode"] == 1
 
@@ -291,7 +303,7 @@ def test_too_long_programs_end_the_connection(clients):
 
 
 def test_a_cb3_has_its_layout_and_rate():
-    with ur_rig(arm="ur5", gripper=None) as rig:
+    with ur_rig(arm="ur5", gripper=None, speed=SLOW) as rig:
         connection = rig.connect(PRIMARY)
         packets = Packets(connection)
         _, version = next(packets.messages())
@@ -306,6 +318,17 @@ def test_a_cb3_has_its_layout_and_rate():
         connection.close()
 
 
+def runs_a_program(robot) -> None:
+    """Wait until urx knows of a program, and then of its end."""
+
+    def is_running() -> bool:
+        robot.secmon.wait(5.0)
+        return robot.is_program_running()
+
+    until(is_running, "a program", period=0.0)
+    until(lambda: not is_running(), "its end", period=0.0)
+
+
 @pytest.mark.filterwarnings("ignore:notifyAll:DeprecationWarning")
 def test_urx_reads_and_moves_the_arm(rig):
     """As it is published, urx takes an arm with 3.5 or later for one that is off."""
@@ -316,22 +339,15 @@ def test_urx_reads_and_moves_the_arm(rig):
         assert robot.getj() == pytest.approx(positions(rig.robot), abs=1e-3)
         target = np.array(HOME) + 0.2
         robot.movej(list(target), acc=3.0, vel=2.0, wait=False)
-        while not robot.is_program_running():
-            robot.secmon.wait(5.0)
-        while robot.is_program_running():
-            robot.secmon.wait(5.0)
+        runs_a_program(robot)
         assert robot.getj(wait=True) == pytest.approx(target, abs=SWAY)
         pose = robot.getl(wait=True)
         pose[2] += 0.05
         robot.movel(pose, acc=1.0, vel=0.5, wait=False)
-        while not robot.is_program_running():
-            robot.secmon.wait(5.0)
-        while robot.is_program_running():
-            robot.secmon.wait(5.0)
+        runs_a_program(robot)
         assert robot.getl(wait=True)[:3] == pytest.approx(pose[:3], abs=SWAY)
         robot.set_digital_out(2, True)
-        while not robot.get_digital_out(2, wait=True):
-            pass
+        until(lambda: robot.get_digital_out(2, wait=True), "output 2", period=0.0)
     finally:
         robot.close()
 

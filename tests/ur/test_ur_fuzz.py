@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from ur_packets import Packets
 from ur_rig import UrRig, ur_rig
+from waits import until
 
 PACKETS = 100_000
 """In total, over all ports."""
@@ -188,11 +189,18 @@ def check_that_good_clients_are_served(rig: UrRig) -> None:
 
 def until_accepted(task: Callable[[], None]) -> None:
     """Try again while the port still works off what broken clients have sent."""
-    while True:
+    refusal: OSError | None = None
+
+    def is_accepted() -> bool:
+        nonlocal refusal
         try:
-            return task()
-        except OSError:
-            continue
+            task()
+        except OSError as error:
+            refusal = error
+            return False
+        return True
+
+    until(is_accepted, lambda: f"an answer, not {refusal!r}", period=0.0)
 
 
 def ask_the_dashboard(rig: UrRig) -> None:

@@ -15,7 +15,7 @@ from ur_address import free_host
 import tool0
 from tool0.scene import Box, Pose, Scene, load_scene
 
-PROGRAM = Path(__file__).parent.parent / "fakes" / "ur_pick.py"
+PROGRAM = Path(__file__).parent.parent / "rigs" / "ur_pick.py"
 PLACES = [(x, y) for x in (0.38, 0.51, 0.64) for y in (-0.11, 0.02, 0.15, 0.28)][:10]
 """Of the cubes, in the robot's root [m]."""
 WIDTH, REST = 0.045, 0.0025

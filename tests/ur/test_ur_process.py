@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 from processes import Watch, descendants, has_ended, listening
-from ros import Bringup, until
+from ros import Bringup
 from ur_address import free_host
+from waits import until
 
 import tool0
 from tool0.interfaces.ur.process import MODULE

@@ -1,4 +1,4 @@
-"""What simulates the copies of a batch: the CPU or a GPU."""
+"""The backends that simulate the copies of a batch: CPU and GPU."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CPU = "cpu"
 _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")
 
 
-class Backend(Protocol):
+class BatchBackend(Protocol):
     """n copies of a robot and its scene; arguments have been checked.
 
     Arrays have one row per copy, or one per row of ``rows`` where a method has these.
@@ -105,7 +105,7 @@ class Backend(Protocol):
 
 
 def needs_cpu(what: str, device: str) -> ControlError:
-    """Return the error for what another device cannot do."""
+    """Return the error for something that only the CPU can do."""
     return ControlError(f"{what} works with device='cpu' only; this is '{device}'")
 
 

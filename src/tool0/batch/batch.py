@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tool0.batch.arguments import Arguments, Indices, Which
-from tool0.batch.backend import CPU, Backend, checked_device, needs_cpu
+from tool0.batch.backend import CPU, BatchBackend, checked_device, needs_cpu
 from tool0.batch.commands import Commands
-from tool0.batch.frames import GripperFrames, LinkFrames
+from tool0.batch.frames import GripperFrames
 from tool0.batch.making import (
     checked_count,
     checked_threads,
@@ -25,6 +25,7 @@ from tool0.batch.making import (
 )
 from tool0.description.camera import default_cameras, merged
 from tool0.description.config import DescriptionConfig, File
+from tool0.description.joint_tree import LinkFrames
 from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.description.parts import find_arms, find_grippers
 from tool0.description.robot import load_description
@@ -115,24 +116,24 @@ class Batch:
         self._tcp_frames: dict[str, GripperFrames] = {}
         self._joints: tuple[Array, Array, Array] | None = None
         self._object_arrays: ObjectArrays | None = None
-        """What was read since the state last changed, these two."""
+        """Arrays read since the state last changed, like ``_joints``."""
         self._is_closed = False
 
     # ---- what it is -----------------------------------------------------------------
 
     @property
     def n(self) -> int:
-        """How many copies there are."""
+        """Number of copies."""
         return self._n
 
     @property
     def threads(self) -> int:
-        """How many threads step them."""
+        """Number of threads that step the copies."""
         return self._threads
 
     @property
     def device(self) -> str:
-        """What computes: "cpu", or a GPU."""
+        """The device that computes: "cpu", or a GPU."""
         return self._device
 
     @property
@@ -206,7 +207,7 @@ class Batch:
         """
         arms = find_arms(self._model)
         link = _named(arms, robot, "arm", self._model).flange
-        frames = self._link_frames(link).poses(self._positions())
+        frames = self._link_frames(link).poses(self._positions(), self.n)[link]
         return _frozen(frames.position), _frozen(frames.quat_wxyz)
 
     def tcp_pose(self, gripper: str | None = None) -> tuple[Array, Array]:
@@ -224,7 +225,7 @@ class Batch:
         geometry = self._gripper(gripper)
         if geometry.name not in self._tcp_frames:
             self._tcp_frames[geometry.name] = GripperFrames(self._model, geometry)
-        frames = self._tcp_frames[geometry.name].poses(self._positions())
+        frames = self._tcp_frames[geometry.name].poses(self._positions(), self.n)
         return _frozen(frames.position), _frozen(frames.quat_wxyz)
 
     def opening(self, gripper: str | None = None) -> Array:
@@ -353,10 +354,10 @@ class Batch:
         gripper: str | None = None,
         which: Which | None = None,
     ) -> None:
-        """Move the pads to ``opening``; what stops them is gripped with ``force``.
+        """Move the pads to ``opening``; grip an object on the way with ``force``.
 
         The driven joint moves along one cubic that ends at rest
-        (``gripper_motion.direct_motion``); a GripperActionController moves it its way.
+        (``motion.gripper.direct_path``); a GripperActionController moves it its way.
 
         Args:
             opening: Distance between the pads [m], shape (n,).
@@ -539,8 +540,8 @@ class Batch:
 
     # ---- details --------------------------------------------------------------------
 
-    def _backend(self) -> Backend:
-        """Return what simulates the copies."""
+    def _backend(self) -> BatchBackend:
+        """Return the backend of the device."""
         if self._device == CPU:
             from tool0.batch.copies import Copies
 
@@ -554,7 +555,7 @@ class Batch:
             raise needs_cpu(f"Batch.{method}", self._device)
 
     def _change(self) -> None:
-        """Forget what was read: the state is about to change."""
+        """Forget arrays that were read: the state is about to change."""
         if self._is_closed:
             raise ControlError("the batch is closed")
         self._joints = self._object_arrays = None
@@ -579,7 +580,7 @@ class Batch:
 
     def _link_frames(self, link: str) -> LinkFrames:
         if link not in self._chains:
-            self._chains[link] = LinkFrames(self._model, link)
+            self._chains[link] = LinkFrames(self._model, [link])
         return self._chains[link]
 
     def _gripper(self, name: str | None) -> ParallelGripper:

@@ -10,7 +10,7 @@ from typing import NamedTuple, final
 import numpy as np
 
 from tool0.batch.arguments import Indices
-from tool0.batch.backend import Backend
+from tool0.batch.backend import BatchBackend
 from tool0.control.position_limits import check_position, position_range
 from tool0.control.ros1.goal_check import check_names
 from tool0.control.trajectory import TrajectoryGoal
@@ -18,26 +18,28 @@ from tool0.description.model import ParallelGripper, RobotModel
 from tool0.errors import ControlError
 from tool0.hardware.limits import DriveLimits
 from tool0.kinematics.chain import Array
+from tool0.motion.gripper import direct_path
+from tool0.motion.path import Path
 from tool0.protocol.controllers import Role, why_not_driven
 from tool0.protocol.trajectories import TrajectoryPoint
+from tool0.runtime.controller_paths import trajectory_points
 from tool0.runtime.core import Core
-from tool0.runtime.gripper_motion import direct_motion
 
 
-class Part(NamedTuple):
+class ControllerJoints(NamedTuple):
     """Joints of one running trajectory controller."""
 
     controller: str
     joints: tuple[str, ...]
     columns: list[int]
-    """Of the joints, in an array of all joints that are commanded."""
+    """Columns of the joints, in an array of all joints that are commanded."""
 
 
 @final
 class Commands:
     """Checks and starts motions.  ``rows`` are the numbers of the chosen copies."""
 
-    def __init__(self, model: RobotModel, copies: Backend, first: Core) -> None:
+    def __init__(self, model: RobotModel, copies: BatchBackend, first: Core) -> None:
         """Command ``copies``; all have the controllers of the ``first``."""
         self._model = model
         self._copies = copies
@@ -49,7 +51,7 @@ class Commands:
 
     @cached_property
     def arm_joints(self) -> tuple[str, ...]:
-        """Those of every running trajectory controller that drives no gripper."""
+        """The joints of every running trajectory controller that drives no gripper."""
         return tuple(
             joint
             for joints in self._trajectory_controllers.values()
@@ -57,7 +59,9 @@ class Commands:
             for joint in joints
         )
 
-    def parts(self, joints: Sequence[str] | None) -> tuple[tuple[str, ...], list[Part]]:
+    def parts(
+        self, joints: Sequence[str] | None
+    ) -> tuple[tuple[str, ...], list[ControllerJoints]]:
         """Return the joints to move, and those of each controller."""
         names = self.arm_joints if joints is None else tuple(joints)
         owners = {
@@ -77,7 +81,7 @@ class Commands:
         parts = []
         for name in dict.fromkeys(owners[joint] for joint in names):
             columns = [k for k, joint in enumerate(names) if owners[joint] == name]
-            part = Part(name, tuple(names[k] for k in columns), columns)
+            part = ControllerJoints(name, tuple(names[k] for k in columns), columns)
             spec = self._first.trajectory_controller(name).spec
             check_names(
                 TrajectoryGoal(points=(), joint_names=part.joints),
@@ -107,7 +111,7 @@ class Commands:
     def start(
         self,
         rows: Indices,
-        parts: list[Part],
+        parts: list[ControllerJoints],
         positions: Array,
         velocities: Array | None,
         times: Sequence[float],
@@ -169,14 +173,14 @@ class Commands:
                 controller = core.trajectory_controller(name)
                 column = controller.spec.joints.index(joint)
                 here = controller.query_state(core.time).positions[column]
-                point = self._grip_point(bound, here, end)
-                goal = TrajectoryGoal(points=[point], joint_names=[joint])
+                points = trajectory_points(self._grip_path(bound, here, end))
+                goal = TrajectoryGoal(points=points, joint_names=[joint])
                 core.command_trajectory(name, goal, {joint: bound})
 
     def _start_native(
         self,
         rows: Indices,
-        part: Part,
+        part: ControllerJoints,
         positions: Array,
         velocities: Array | None,
         times: Sequence[float],
@@ -207,16 +211,16 @@ class Commands:
         here = self._copies.desired(rows, number, column)
         if here is None:
             return False
-        points = [
-            self._grip_point(bound, at, end)
+        paths = [
+            self._grip_path(bound, at, end)
             for bound, at, end in zip(bounds, here.tolist(), openings, strict=True)
         ]
-        targets = np.array([[point.positions] for point in points])
+        targets = np.array([path.positions[1:] for path in paths])
         has_started = self._copies.start(
             rows,
             number,
             [column],
-            times=np.array([[point.time_from_start] for point in points]),
+            times=np.array([path.times[1:] for path in paths]),
             positions=targets,
             velocities=np.zeros_like(targets),
             lifts_limits=False,
@@ -226,14 +230,11 @@ class Commands:
             self._copies.set_drive_limits(rows, index, bounds)
         return has_started
 
-    def _grip_point(
-        self, bounds: DriveLimits, here: float, end: float
-    ) -> TrajectoryPoint:
+    def _grip_path(self, bounds: DriveLimits, here: float, end: float) -> Path:
         """Return the motion to an opening [m] from the joint's setpoint."""
         gripper = bounds.gripper
         speed = bounds.speed or gripper.speed[1]
-        start = gripper.opening(here)
-        return direct_motion(gripper, start, end, speed, self._period)
+        return direct_path(gripper, here, end, speed, self._period)
 
     @cached_property
     def _driven_by_grippers(self) -> frozenset[str]:

@@ -18,8 +18,8 @@ from tool0.engines.mujoco.copies import (
 from tool0.errors import EngineError, GoalRejectedError
 from tool0.hardware.limits import DriveLimits
 from tool0.kernel import library
-from tool0.kernel.many import Addresses, Many, Started
-from tool0.kernel.program import Ended, Program
+from tool0.kernel.many import Addresses, BatchKernel, StartResult
+from tool0.kernel.program import Ended, TickProgram
 from tool0.kinematics.chain import Array
 from tool0.protocol.state import ObjectState
 from tool0.runtime.core import Core
@@ -44,16 +44,16 @@ class Copies:
         self._views = [joint_views(engine) for engine in self._engines]
         n = len(cores)
         compiled = library.load()
-        self._many = None if compiled is None else Many(compiled, threads)
+        self._kernel = None if compiled is None else BatchKernel(compiled, threads)
         self._ticks = np.zeros(n, dtype=np.int64)
         self._untold = np.zeros(n, dtype=np.int64)
         """Ticks that the kernel executed and the core does not know of."""
         self._is_loaded = np.zeros(n, dtype=np.bool_)
-        self._programs: list[Program | None] = [None] * n
+        self._programs: list[TickProgram | None] = [None] * n
         self._has_diverged = np.zeros(n, dtype=np.bool_)
         self._robots: Addresses = np.zeros(n, dtype=np.uintp)
         self._laws: dict[int, Addresses] = {}
-        """Of each running controller, by number."""
+        """Addresses of the laws of each running controller, by number."""
 
     @property
     def ticks(self) -> NDArray[np.int64]:
@@ -72,23 +72,23 @@ class Copies:
 
     def step(self, ticks: int) -> None:
         """Advance each copy that has not diverged."""
-        left = np.where(self._has_diverged, 0, ticks).astype(np.int64)
-        while (rows := np.flatnonzero(left)).size:
-            self.load(rows)
-            native = rows[self._is_loaded[rows]]
-            if native.size and self._many is not None:
+        left = np.where(self._has_diverged, 0, ticks)
+        while (rows := left.nonzero()[0]).size:
+            is_loaded = self.load(rows)
+            native = rows if is_loaded else rows[self._is_loaded[rows]]
+            if native.size and self._kernel is not None:
                 most = np.minimum(left[native], MOST_TICKS).astype(np.int32)
-                done, results = self._many.run(self._robots[native], most)
+                done, results = self._kernel.run(self._robots[native], most)
                 self._ticks[native] += done
                 self._untold[native] += done
                 left[native] -= done
-                events = np.flatnonzero(results)
+                events = results.nonzero()[0]
                 for i, result in zip(
                     native[events].tolist(), results[events].tolist(), strict=True
                 ):
                     left[i] -= self._tick(i, Ended(result), int(left[i]))
-            for i in rows[~self._is_loaded[rows]].tolist():
-                if left[i]:
+            if not is_loaded:
+                for i in np.setdiff1d(rows, native).tolist():
                     left[i] -= self._tick(i, None, int(left[i]))
 
     def _tick(self, i: int, event: Ended | None, left: int) -> int:
@@ -99,7 +99,7 @@ class Copies:
             if event is None:
                 core.tick()
             else:
-                core.ran(event, untold)
+                core.apply_kernel_result(event, untold)
         except EngineError:
             self._has_diverged[i] = True
             self._ticks[i] = core.ticks
@@ -110,8 +110,11 @@ class Copies:
 
     def load(self, rows: Indices) -> bool:
         """Load these copies into the kernel; return whether all are."""
-        for i in rows[~self._is_loaded[rows]].tolist():
-            program = None if self._many is None else self._cores[i].program()
+        is_loaded = self._is_loaded[rows]
+        if is_loaded.all():
+            return True
+        for i in rows[~is_loaded].tolist():
+            program = None if self._kernel is None else self._cores[i].program()
             if program is None:
                 continue
             self._is_loaded[i] = True
@@ -125,7 +128,7 @@ class Copies:
     def core(self, i: int) -> Core:
         """Return the core of one copy, up to date, for anything."""
         core = self.observed(i)
-        core.settle()
+        core.sync_from_kernel()
         self._unload(i)
         return core
 
@@ -134,14 +137,14 @@ class Copies:
         core, untold = self._cores[i], int(self._untold[i])
         if untold:
             self._untold[i] = 0
-            core.ran(Ended.DONE, untold)
+            core.apply_kernel_result(Ended.DONE, untold)
         return core
 
     def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
-        """Reset copies, as ``Backend.reset``."""
+        """Reset copies, as ``BatchBackend.reset``."""
         for row, i in enumerate(rows.tolist()):
             core = self._cores[i]
-            core.settle()
+            core.sync_from_kernel()
             start = {name: float(values[row]) for name, values in starts.items()}
             core.reset(start, keep_time=False)
             self._unload(i)
@@ -189,11 +192,11 @@ class Copies:
     # ---- commands to copies that are loaded ----------------------------------------
 
     def desired(self, rows: Indices, controller: int, joint: int) -> Array | None:
-        """Return the desired positions of a joint, as ``Backend.desired``."""
-        if self._many is None or not self.load(rows):
+        """Return the desired positions of a joint, as ``BatchBackend.desired``."""
+        if self._kernel is None or not self.load(rows):
             return None
         laws = self._laws[controller][rows]
-        return self._many.desired(laws, joint, self.time[rows])
+        return self._kernel.desired(laws, joint, self.time[rows])
 
     def start(
         self,
@@ -206,16 +209,16 @@ class Copies:
         velocities: Array | None,
         lifts_limits: bool,
     ) -> bool:
-        """Start motions, as ``Backend.start``: the kernel starts those to one point.
+        """Start motions, as ``BatchBackend.start``: the kernel starts one-point ones.
 
         Raises:
             GoalRejectedError: If no joint can move so; nothing has changed.
         """
         if times.shape[1] != 1 or lifts_limits:
             return False
-        if self._many is None or not self.load(rows):
+        if self._kernel is None or not self.load(rows):
             return False
-        started, which = self._many.start(
+        started, which = self._kernel.start(
             self._laws[controller][rows],
             joints,
             now=self.time[rows],
@@ -223,12 +226,12 @@ class Copies:
             positions=positions[:, 0],
             velocities=None if velocities is None else velocities[:, 0],
         )
-        if started is Started.REFUSED:
+        if started is StartResult.REFUSED:
             raise GoalRejectedError(
                 f"copy {rows[which]}: no joint can move through "
                 f"{positions[which].tolist()} within {times[which, -1]:.6g} s"
             )
-        return started is Started.YES
+        return started is StartResult.YES
 
     def set_drive_limits(
         self, rows: Indices, joint: int, limits: Sequence[DriveLimits]

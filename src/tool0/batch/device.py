@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
 from tool0.batch.backend import needs_cpu
-from tool0.batch.frames import joint_position
+from tool0.description.forward_kinematics import joint_position
 from tool0.description.model import RobotModel
 from tool0.engines.mujoco.copies import ObjectArrays, mujoco_engine
 from tool0.engines.mujoco.warp_worlds import WarpWorlds, check_device
@@ -53,7 +53,7 @@ class DeviceCopies:
             device=name,
         )
         self._launch: Callable[[], None] | None = None
-        """What executes one tick; None until it is made."""
+        """Launch of one tick; None until it is made."""
 
     @property
     def time(self) -> Array:
@@ -84,7 +84,7 @@ class DeviceCopies:
             self._worlds.step()
 
     def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
-        """Reset copies, as ``Backend.reset``."""
+        """Reset copies, as ``BatchBackend.reset``."""
         if not rows.size:
             return
         joints = self._model.movable_joints
@@ -125,7 +125,7 @@ class DeviceCopies:
     observed = core
 
     def desired(self, rows: Indices, controller: int, joint: int) -> Array:
-        """Return the desired positions of a joint [rad | m], as ``Backend.desired``."""
+        """Return desired positions of a joint [rad | m]: ``BatchBackend.desired``."""
         return self._control.desired(rows, controller, joint, self.time[rows])
 
     def start(
@@ -139,7 +139,7 @@ class DeviceCopies:
         velocities: Array | None,
         lifts_limits: bool,  # it always does
     ) -> bool:
-        """Start motions, as ``Backend.start``; they always start.
+        """Start motions, as ``BatchBackend.start``; they always start.
 
         Raises:
             GoalRejectedError: If no joint can move so; nothing has changed.

@@ -11,7 +11,7 @@ import numpy as np
 from tool0.description.config import SPAWN_Z, File
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
-from tool0.engines.registry import make_engine
+from tool0.engines.registry import batch_engine, make_engine
 from tool0.errors import ConfigError
 from tool0.runtime.assembly import Assembly, chosen_scene
 from tool0.runtime.config import ControlConfig
@@ -61,17 +61,17 @@ def make_cores(
     scenes: Sequence[Scene],
     dt: float,
 ) -> list[Core]:
-    """Return cores at their initial pose, on MuJoCo with steps of ``dt`` [s]."""
-    assembly = Assembly.of(robot, control)
+    """Return cores at their initial pose, with physics steps of ``dt`` [s]."""
+    name, assembly = batch_engine(), Assembly.of(robot, control)
     cores = []
     for scene in scenes:
-        engine = make_engine("mujoco", robot, dt=dt, spawn_z=SPAWN_Z, scene=scene)
+        engine = make_engine(name, robot, dt=dt, spawn_z=SPAWN_Z, scene=scene)
         cores.append(assembly.core(engine, scene))
     return cores
 
 
 def _checked_scenes(scenes: list[Scene], n: int) -> list[Scene]:
-    """Return the scenes, which differ only in what may differ between copies."""
+    """Return the scenes, after checks of the differences between copies."""
     if len(scenes) != n:
         raise ConfigError(f"give one scene for all copies, or {n}, got {len(scenes)}")
     first = scenes[0]

@@ -211,7 +211,7 @@ def _ur_controller(options: BringupOptions) -> UrController | None:
 def _run(
     robot: Robot, options: BringupOptions, stop: StopSignal, status: StatusLine
 ) -> None:
-    """Let simulated time pass until the duration is over or a signal arrives."""
+    """Run the simulation until the duration is over or a signal arrives."""
     simulation, duration = options.simulation, options.run.duration
     end = math.inf if duration is None else duration
     reported: str | None = None

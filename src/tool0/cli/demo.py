@@ -37,7 +37,7 @@ PAGE_TIMEOUT = 300.0
 class DemoArguments:
     """The cube, the trials, and the output."""
 
-    engine: str = "mujoco"
+    engine: str = SimulationConfig().engine
     """The physics engine: mujoco or gazebo."""
     n: int = 1
     """Number of trials; from the second on, or with --seed, from random poses."""
@@ -64,7 +64,7 @@ class DemoArguments:
     camera: str = "scene"
     """The camera of the video: scene or wrist."""
     format: Literal["text", "json"] = "text"
-    """What to print."""
+    """Output format."""
 
     def __post_init__(self) -> None:
         if self.n < 1:
@@ -72,7 +72,7 @@ class DemoArguments:
 
     @property
     def cube(self) -> Cube:
-        """What is picked."""
+        """The cube that is picked."""
         from tool0.cli.demos.setup import Cube
 
         return Cube(edge=self.size, mass=self.mass, friction=self.friction)

@@ -13,7 +13,7 @@ from tool0.description.config import DescriptionConfig
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
-    from tool0.description.catalogue import Part
+    from tool0.description.catalogue import CataloguePart
     from tool0.description.model import Joint, RobotModel
     from tool0.description.robot import RobotDescription
 
@@ -123,7 +123,7 @@ def sources(description: RobotDescription) -> str:
     return "\n".join(map(_specifications, parts))
 
 
-def _specifications(part: Part) -> str:
+def _specifications(part: CataloguePart) -> str:
     facts = dict(part.load("specifications"))
     if not facts:
         return f"{part.name}: no specifications.yaml in {part.folder}\n"

@@ -25,7 +25,7 @@ HELP: Final = """\
 _JOG_SPEED: Final = 0.1
 """Of the tool while a key is held [m/s]."""
 _JOG_DURATION: Final = 0.25
-"""For which a key moves the tool [s]: a held key repeats sooner."""
+"""Time for which a key press moves the tool [s]; a held key repeats sooner."""
 _TWISTS: Final = {
     "w": (1.0, 0.0, 0.0),
     "s": (-1.0, 0.0, 0.0),
@@ -96,7 +96,7 @@ class _Session:
         self.show(problem)
 
     def show(self, problem: str = "") -> None:
-        """Show the status if it has changed, or what went wrong."""
+        """Show the status if it has changed, or the error."""
         from tool0.protocol.episodes import ReadEpisodes
 
         text = problem or _described(self._robot.channel.call(ReadEpisodes()))

@@ -21,9 +21,10 @@ def doctor(*, format: Format = "text") -> int:
     Args:
         format: Output format.
     """
+    from tool0.cli.probes import PROBES
     from tool0.installation.doctor.report import examine
 
-    return print_status(examine(), format)
+    return print_status(examine(PROBES), format)
 
 
 def _install_gazebo(
@@ -80,9 +81,7 @@ def _uninstall_gazebo() -> int:
     """Remove the private Gazebo and the compiled plugins."""
     from tool0.installation.gazebo.install import uninstall_gazebo
 
-    freed = uninstall_gazebo()
-    print(f"removed {freed / 1e6:.0f} MB" if freed else "nothing to remove")
-    return OK
+    return print_removed(uninstall_gazebo())
 
 
 gazebo = {
@@ -158,6 +157,12 @@ class InstallationStatus(Protocol):
     def as_json(self) -> dict[str, object]: ...
 
     def rows(self) -> Sequence[Sequence[str]]: ...
+
+
+def print_removed(size: int) -> int:
+    """Print the size of what was removed [bytes]; return the exit status."""
+    print(f"removed {size / 1e6:.0f} MB" if size else "nothing to remove")
+    return OK
 
 
 def print_status(status: InstallationStatus, format: Format) -> int:

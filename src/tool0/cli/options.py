@@ -62,11 +62,11 @@ class RunOptions:
     headless: bool = False
     """Disable the panel, and open no window."""
     summary: Literal["text", "json", "none"] = "text"
-    """What to print at the end.  json prints a single object and nothing else."""
+    """Report at the end.  json prints a single object and nothing else."""
     name: str = "tool0"
     """Name of this bringup for other processes: `tool0 move --name NAME`."""
     remote: bool = True
-    """Let other processes of the same user drive the robot, such as `tool0 move`."""
+    """Allow other processes of this user to drive the robot, such as `tool0 move`."""
     ros1: bool = False
     """Present the robot in ROS 1 as ur_gazebo does; `tool0 ros1 install` installs what
     it needs."""
@@ -135,7 +135,7 @@ class UrControllerOptions:
     ur_programs: Path | None = None
     """Folder with the programs (*.script) that the dashboard server can load."""
     ur_sockets: bool = False
-    """Let URScript programs connect to other machines."""
+    """Allow URScript programs to connect to other machines."""
     ur_active_gripper: bool = False
     """Start with the gripper activated.  A real one waits for it after power on."""
 

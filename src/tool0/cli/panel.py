@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, TextIO
@@ -13,6 +12,7 @@ from tool0.cli.stop_signal import StopSignal
 from tool0.cli.text import panel_line
 from tool0.description.config import DescriptionConfig
 from tool0.description.units import Metres
+from tool0.installation.machine import Machine
 from tool0.runtime.config import SimulationConfig
 
 if TYPE_CHECKING:
@@ -53,9 +53,7 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
     Returns:
         The thread that opens it; None if it is not opened.
     """
-    from tool0.interfaces.panel.probes import has_desktop
-
-    has_user = console.isatty() and has_desktop(os.environ, sys.platform)
+    has_user = console.isatty() and Machine().has_desktop()
     if not (options.open and has_user):
         return None
     import threading

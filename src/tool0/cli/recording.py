@@ -144,7 +144,7 @@ class VideoOptions:
     eye: Annotated[tuple[float, float, float] | None, Option(metavar="X Y Z")] = None
     """Look from here instead, in the robot's root [m]."""
     at: Annotated[tuple[float, float, float], Option(metavar="X Y Z")] = (0.0, 0.0, 0.3)
-    """What the eye looks at [m]."""
+    """The point that the eye looks at [m]."""
     width: int | None = None
     """Width of the images [pixels]: 960, or the camera's own for lerobot."""
     height: int | None = None

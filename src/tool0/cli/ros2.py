@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tool0.cli.installing import OK, Format, print_status
+from tool0.cli.installing import OK, Format, print_removed, print_status
 from tool0.cli.text import ProgressBar
 
 
@@ -66,9 +66,7 @@ def _uninstall_ros2() -> int:
     """Remove tool0's own ROS 2."""
     from tool0.installation.ros2.install import uninstall_ros2
 
-    freed = uninstall_ros2()
-    print(f"removed {freed / 1e6:.0f} MB" if freed else "nothing to remove")
-    return OK
+    return print_removed(uninstall_ros2())
 
 
 ros2 = {

@@ -8,7 +8,6 @@ from tool0.cli.connection import DEFAULT, Bringup
 from tool0.cli.parameters import Option
 from tool0.cli.text import columns
 from tool0.errors import ConfigError
-from tool0.protocol.running import EmergencyStop
 
 Names = Annotated[tuple[str, ...], Option(is_positional=True, metavar="CONTROLLER ...")]
 
@@ -188,4 +187,4 @@ def estop(release: bool = False, bringup: Bringup = DEFAULT) -> None:
         release: Release the emergency stop; the controllers hold the present positions.
     """
     with bringup.connect() as robot:
-        robot.channel.call(EmergencyStop(engaged=not release))
+        robot.emergency_stop(engaged=not release)

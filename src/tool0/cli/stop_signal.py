@@ -42,7 +42,7 @@ class StopSignal:
         self._write.close()
 
     def fileno(self) -> int:
-        """Return what ``select`` finds readable once a signal came."""
+        """Return a file descriptor that becomes readable when a signal arrives."""
         return self._read.fileno()
 
     def wait(self, timeout: float | None = None) -> bool:

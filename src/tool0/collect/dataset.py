@@ -37,7 +37,7 @@ _WRITERS: Final = 8
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Manifest:
-    """What a folder of episodes contains."""
+    """The content of a folder of episodes."""
 
     folder: Path
     n_episodes: int
@@ -85,7 +85,7 @@ class Dataset:
 
     @property
     def manifest(self) -> Manifest:
-        """What it contains now."""
+        """The present content of the folder."""
         return Manifest(
             folder=self._folder,
             n_episodes=self._n_episodes,
@@ -141,7 +141,7 @@ class Dataset:
                 os.fsync(stream.fileno())
 
     def _logged(self, log: str, row: Mapping[str, Any]) -> dict[str, Any]:
-        """Return what a log keeps of a row."""
+        """Return the part of a row that a log keeps."""
         index, length = row["episode_index"], row["length"]
         if log == _LEROBOT_EPISODES:
             tasks = [self._settings.task]

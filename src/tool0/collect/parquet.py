@@ -24,7 +24,7 @@ _DESCRIPTION: Final = b"tool0"
 
 
 def encoded(episode: Episode, index: int, form: Format) -> tuple[dict[str, Any], bytes]:
-    """Return what a manifest says of an episode, and its file.
+    """Return an episode's row of the manifest, and its file.
 
     A file of a LeRobot data set counts its frames from 0, see ``placed``.
     """
@@ -180,7 +180,7 @@ def _image_statistics(images: Array) -> dict[str, list[Any]]:
 def _metadata(
     frames: Mapping[str, Array], names: Mapping[str, list[str]], rate: float
 ) -> dict[bytes, bytes]:
-    """Return what a file of a LeRobot data set says of itself."""
+    """Return the metadata of a file of a LeRobot data set."""
     found = {name: _feature(values, names.get(name)) for name, values in frames.items()}
     hub = {name: _hub_feature(feature) for name, feature in found.items()}
     fps = int(rate) if rate.is_integer() else rate

@@ -15,9 +15,9 @@ from typing import Any
 from tool0.errors import ConfigError, did_you_mean
 
 Act = Callable[[Any], Any]
-"""From the observation of one environment to an action."""
+"""Maps the observation of one environment to an action."""
 Policy = Callable[[int], Act]
-"""From the seed of an episode to what acts in it."""
+"""Maps the seed of an episode to the function that acts in it."""
 
 
 def located(policy: str | Policy) -> tuple[str, str | None]:

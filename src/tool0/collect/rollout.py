@@ -26,7 +26,7 @@ _VERSION: Final = re.compile(r"-v\d+$")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Episode:
-    """What happened from a reset to the end, one row per action."""
+    """One episode from its reset to its end, one row per action."""
 
     seed: int
     observations: Mapping[str, Array]

@@ -1,4 +1,4 @@
-"""What decides the bytes of an episode: task, seed, policy, format and programs."""
+"""The inputs that decide an episode's bytes: task, seed, policy, format, programs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tool0.errors import ConfigError
 Format = Literal["parquet", "lerobot"]
 """Columns and further files of a data set."""
 
-_PROGRAMS: Final = ("tool0", "mujoco", "numpy", "gymnasium", "pyarrow")
+_LIBRARIES: Final = ("gymnasium", "pyarrow")
 
 
 @final
@@ -38,7 +38,7 @@ class Settings:
     format: Format
 
     def to_json(self) -> dict[str, Any]:
-        """Return it as what JSON holds; ``from_json`` is its inverse."""
+        """Return the settings as JSON values; ``from_json`` is the inverse."""
         return asdict(self)
 
     @classmethod
@@ -47,7 +47,7 @@ class Settings:
         return cls(**values)
 
     def recorded(self) -> dict[str, Any]:
-        """Return what a manifest keeps.  A policy's file may move, but not change."""
+        """Return the manifest's values.  A policy's file may move, but not change."""
         policy = self.policy
         if self.digest is not None and policy is not None:
             policy = f"{policy.rpartition(':')[2]}@sha256:{self.digest}"
@@ -68,7 +68,7 @@ def episode_seed(base: int, index: int) -> int:
 
 def require_extra() -> None:
     """Raise ConfigError if a library of the extra ``collect`` is not installed."""
-    for name in ("gymnasium", "pyarrow"):
+    for name in _LIBRARIES:
         if importlib.util.find_spec(name) is None:
             raise ConfigError(
                 f"a data set needs {name}, which is not installed; run "
@@ -84,10 +84,11 @@ def programs() -> dict[str, str]:
     """
     from importlib.metadata import version
 
-    from tool0.kernel.build import source_digest
+    from tool0.runtime.provenance import batch_versions, kernel_digest
 
-    found = {name: version(name) for name in _PROGRAMS}
-    return found | {"kernel": source_digest()[:16], "arithmetic": _arithmetic()}
+    libraries = {name: version(name) for name in _LIBRARIES}
+    computed = {"kernel": kernel_digest(), "arithmetic": _arithmetic()}
+    return batch_versions() | libraries | computed
 
 
 def _arithmetic() -> str:

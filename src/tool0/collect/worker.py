@@ -1,4 +1,4 @@
-"""What a worker does, whoever runs it: the episodes of a chunk, as a message."""
+"""A worker: computes the episodes of a chunk, and returns them as a message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Force mode and freedrive: an arm that gives way along some axes, by its efforts.
+"""Force mode and freedrive: an arm that is compliant along some axes, by its efforts.
 
 The efforts balance gravity.  Along the other axes of a frame, stiff virtual springs and
 dampers, scaled by the inertia, keep the tool on its nominal motion.  Along the axes
@@ -40,9 +40,9 @@ DAMPING_RANGE: Final = (10.0, 200.0)
 """Decay rates of a motion that nothing drives, for a damping parameter of 0 and 1
 [1/s]."""
 FREEDRIVE_DAMPING: Final = 8.0
-"""The same in freedrive [1/s]."""
+"""Damping in freedrive [1/s]."""
 JOINT_DAMPING: Final = 1.0
-"""Of the joints' deviation from their nominal motion [1/s], for singular postures."""
+"""Damping of the joints' deviation from the nominal motion [1/s]: singular postures."""
 RIDGE: Final = SINGULAR**2
 """Part by which the mobility along each axis grows in a singular posture, so that the
 forces of the springs stay finite."""
@@ -55,14 +55,14 @@ SLOW: Final = 1e-3
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ComplianceTask:
-    """What gives way, and what it pushes with: the arguments of ``force_mode``."""
+    """The compliant axes and their wrench: the arguments of ``force_mode``."""
 
     frame: Array
     """The task's frame in the base, shape (4, 4)."""
     free: Mask
     """Whether each axis gives way: x, y, z, and about them, shape (6,) of bool."""
     wrench: Array
-    """What the tool applies to its environment along those [N, N·m], shape (6,)."""
+    """Wrench on the environment along the compliant axes [N, N·m], shape (6,)."""
     kind: int = 2
     """1: the y axis points from the TCP to the frame's origin.  2: the frame is fixed.
     3: the x axis is the TCP's velocity, projected onto the frame's xy plane."""
@@ -107,12 +107,12 @@ class _Inertias(NamedTuple):
     """Wrenches on the tool per motion along the axes of a task, shape (6, 6) each."""
 
     held: Array
-    """Per acceleration of the axes that do not give way, by forces along these only."""
+    """Wrench per acceleration of the stiff axes, by forces along these only."""
     free: Array
-    """The same of those that give way: what resists in a single step, as springs, not
-    bars, hold the others."""
+    """Wrench per acceleration of the compliant axes: the inertia in a single step, as
+    springs, not bars, hold the others."""
     drag: Array
-    """Per velocity of those that give way: it decays with their inertia while the
+    """Wrench per velocity of the compliant axes: it decays with their inertia while the
     others are held.  That can be far more, which bounds the rate."""
 
 
@@ -128,9 +128,9 @@ class Compliance:
         self._model = model
         self._select = select
         self._nominal: tuple[float, ArmSetpoint] | None = None
-        """Since when the nominal motion is known [s], and what it was then."""
+        """Time at which the nominal motion is known [s], and the motion then."""
         self._known: tuple[Sequence[float], Placement] | None = None
-        """Where the TCP was placed last, and for which positions."""
+        """The last pose of the TCP, and the joint positions that it belongs to."""
         self._weighed: tuple[Array, Array, _Inertias] | None = None
         """The last inertias, and for which masses and axes."""
 

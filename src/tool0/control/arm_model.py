@@ -1,4 +1,4 @@
-"""What an ArmMotionController needs to know of the arm: kinematics and dynamics.
+"""Kinematics and dynamics of an arm for an ArmMotionController.
 
 Numbers of joints are in the order from base to flange.
 """
@@ -20,15 +20,15 @@ class Placement(NamedTuple):
     """A point fixed to the flange, in the base frame of UR."""
 
     position: Array
-    """[m], shape (3,)."""
+    """Position of the flange [m], shape (3,)."""
     rotation: Array
-    """Of the flange, shape (3, 3)."""
+    """Rotation of the flange, shape (3, 3)."""
     jacobian: Array
-    """Its twist per joint velocity, linear above angular, shape (6, 6)."""
+    """Twist of the flange per joint velocity, linear above angular, shape (6, 6)."""
 
 
 class ArmDynamics(NamedTuple):
-    """What moves an arm's joints, from base to flange."""
+    """Dynamics of an arm's joints, from base to flange."""
 
     masses: Array
     """The mass matrix [kg·m²], shape (6, 6)."""

@@ -30,7 +30,7 @@ Mode = Literal["hold", "path", "servo", "speed", "stop", "freedrive"]
 
 
 MOST_SAG: Final = 0.05
-"""By which an arm may be away from where its controller wants it to rest [rad]."""
+"""Largest distance of an arm at rest from its setpoint [rad]."""
 ARRIVED: Final = 0.01
 """Distance of every joint from the end of a path that has arrived [rad].  Measured with
 a UR3e, UR5e and UR30: 1.6 mrad when a path ends, and up to 0.1 rad with a payload that
@@ -43,11 +43,11 @@ left after half of it, and the servos' integrals decay by exp(-4 t)."""
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ArmMotionSpec:
-    """What an ArmMotionController is made of."""
+    """The parameters of an ArmMotionController."""
 
     name: str
     joint_models: tuple[Joint, ...]
-    """From base to flange."""
+    """Joints from base to flange."""
     speed_scaling: Callable[[], float]
     """Returns the factor of the arm's control box, 0 … 1."""
     model: ArmModel
@@ -88,17 +88,17 @@ class ArmMotionController:
         self._period = 0.0
         self._splines = SplineMotion.holding(self._select(state.position), state.time)
         self._stream: StreamedMotion | None = None
-        """What moves the arm in place of the splines."""
+        """Stream that moves the arm in place of the splines."""
         self._stream_mode: Mode = "servo"
         self._compliance: Compliance | None = None
-        """What turns the motion into efforts, in each step of the physics."""
+        """Law that turns the motion into efforts, in each step of the physics."""
         self._no_efforts = (0.0,) * len(indices)
         self._last: tuple[int, float] = (0, 0.0)
         """Number of the last path, and the time on it when it was left [s]."""
         self._has_arrived = False
         """Whether the joints were seen at the end of the path."""
         self._ended: float | None = None
-        """When the end of the path was first seen to be commanded [s]."""
+        """Time of the first tick that commands the end of the path [s]."""
 
     def rest_at(self, positions: Sequence[float], now: float) -> None:
         """Rest at ``positions`` [rad], if the arm is near them."""
@@ -119,7 +119,7 @@ class ArmMotionController:
         return self._distance(positions) < MOST_SAG
 
     def _distance(self, positions: Sequence[float]) -> float:
-        """Return that of the joint which is farthest from its position [rad]."""
+        """Return the largest distance of a joint from its position [rad]."""
         measured = self._select(self._state.position)
         return max(abs(q - p) for q, p in zip(positions, measured, strict=True))
 
@@ -180,7 +180,7 @@ class ArmMotionController:
 
     @property
     def mode(self) -> Mode:
-        """What it does."""
+        """The present mode."""
         if self.is_guided:
             return "freedrive"
         return self._splines.mode if self._stream is None else self._stream_mode
@@ -196,7 +196,7 @@ class ArmMotionController:
         return self._compliance is not None and not self.is_guided
 
     @property
-    def gives_way(self) -> bool:
+    def is_compliant(self) -> bool:
         """Whether it does not drive the joints to its setpoint: forces move them."""
         return self._compliance is not None
 
@@ -272,7 +272,7 @@ class ArmMotionController:
     def replace(
         self, path: ArmPath, number: int, *, after: int, at: float, now: float
     ) -> None:
-        """Let a path replace another one, from that one's time ``at`` [s] on.
+        """Replace a path by another one, from the old one's time ``at`` [s] on.
 
         Raises:
             ControlError: If that is not possible; nothing has changed then.
@@ -345,7 +345,7 @@ class ArmMotionController:
                 )
 
     def servo(self, now: float) -> ServoStream:
-        """Return what follows targets from ``now`` [s] on."""
+        """Return the stream that follows targets from ``now`` [s] on."""
         current = self._stream
         if isinstance(current, ServoStream):
             return current
@@ -354,7 +354,7 @@ class ArmMotionController:
         return made
 
     def speed(self, now: float) -> SpeedStream:
-        """Return what moves with velocities from ``now`` [s] on."""
+        """Return the stream that moves with velocities from ``now`` [s] on."""
         current = self._stream
         if isinstance(current, SpeedStream):
             return current
@@ -363,8 +363,8 @@ class ArmMotionController:
         self._start("speed", made, now)
         return made
 
-    def comply(self, task: ComplianceTask, state: JointState) -> EffortLaw:
-        """Give way as a task demands, in ``state`` now; return what drives the joints.
+    def start_compliance(self, task: ComplianceTask, state: JointState) -> EffortLaw:
+        """Become compliant as a task demands, in ``state``; return the joints' law.
 
         The commands do not count from then on.
         """
@@ -378,7 +378,7 @@ class ArmMotionController:
         self._compliance = compliance
         return compliance.efforts
 
-    def stiffen(self, state: JointState, deceleration: float) -> None:
+    def end_compliance(self, state: JointState, deceleration: float) -> None:
         """Ramp to rest from the measured motion, and command positions again."""
         self._state = state
         start, now = self._measured(), state.time

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 CONTINUITY = 1e-6
 """Largest jump of a path from the setpoint [rad, rad/s]."""
 _ROUNDING = 1e-9
-"""[s]"""
+"""Rounding of times [s]."""
 
 Row = Sequence[float]
 
@@ -48,17 +48,17 @@ class ArmPath:
     """
 
     times: Sequence[float]
-    """[s], increasing; the first may be 0."""
+    """Times of the points [s], increasing; the first may be 0."""
     positions: Sequence[Row]
-    """[rad]"""
+    """Positions [rad]."""
     velocities: Sequence[Row]
-    """[rad/s]"""
+    """Velocities [rad/s]."""
     accelerations: Sequence[Row] = ()
-    """[rad/s²]; empty without."""
+    """Accelerations [rad/s²]; empty if there are none."""
 
     @property
     def duration(self) -> float:
-        """When the last knot is [s]."""
+        """Time of the last knot [s]."""
         return self.times[-1]
 
     def motion(self, joint: int, number: int) -> Motion:
@@ -163,9 +163,9 @@ class _Course(NamedTuple):
 
     number: int
     start: float
-    """In the clock's time [s]."""
+    """Start, in the clock's time [s]."""
     duration: float
-    """[s]"""
+    """Duration [s]."""
 
 
 @final
@@ -189,7 +189,7 @@ class SplineMotion:
         self.mode = mode
         self._splines = tuple(splines)
         self._end = end
-        """When it is at rest, in the clock's time [s]."""
+        """Time of rest, in the clock's time [s]."""
         self._clock = clock
         self.speed_scaling = speed_scaling
         """Time of the clock per simulated time."""
@@ -253,7 +253,7 @@ class SplineMotion:
     def replaced(
         self, path: ArmPath, number: int, *, after: int, at: float, now: float
     ) -> None:
-        """Let a path replace path number ``after`` from that one's time ``at`` [s] on.
+        """Replace path number ``after`` by a path, from that one's time ``at`` [s] on.
 
         Raises:
             ControlError: If that has passed, or the path is not executed, or the new
@@ -322,7 +322,7 @@ class SplineMotion:
         return sampler.desired(ahead)[0]
 
     def law(self, period: float, factor: float) -> TrajectoryLaw | None:
-        """Return what ``update`` does; None while the speed changes."""
+        """Return the law of ``update``; None while the speed changes."""
         if self._braking or (self.mode == "path" and factor != self.speed_scaling):
             return None
         lead = period * self.speed_scaling
@@ -337,7 +337,7 @@ class SplineMotion:
 
     @property
     def splines(self) -> tuple[JointSpline, ...]:
-        """One per joint, in the clock's time."""
+        """Return a spline per joint, in the clock's time."""
         return self._splines
 
     def lag(self, now: float) -> float:

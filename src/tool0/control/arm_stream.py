@@ -21,18 +21,18 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 MAX_ACCELERATION: Final = 40.0
-"""Of a joint that follows a stream [rad/s²]: the largest that ur_rtde accepts
+"""Acceleration of a joint that follows a stream [rad/s²]: the largest of ur_rtde
 (JOINT_ACCELERATION_MAX, https://sdurobotics.gitlab.io/ur_rtde/)."""
 SINGULAR: Final = 0.02
 """Below this smallest singular value of the Jacobian, joint velocities are damped: a
 UR5e is there 2 cm from its reach, or with its fifth joint within 2 degrees of 0."""
 _ROUNDING = 1e-9
-"""[s]"""
+"""Rounding of times [s]."""
 
 
 @final
 class JointBounds:
-    """What the joints of an arm can do in one tick."""
+    """Limits of the joints of an arm in one tick."""
 
     def __init__(self, joints: Sequence[Joint]) -> None:
         self._joints = [
@@ -140,11 +140,11 @@ class SpeedStream:
         self._lever: Array | None = None
         """The TCP in the flange's frame; None if joint velocities are given."""
         self._twist: Array | None = None
-        """Of the TCP at the end of the last tick, if it is known."""
+        """Twist of the TCP at the end of the last tick, if it is known."""
         self._target: Sequence[float] = (0.0,) * len(joints)
         self._acceleration = 1.0
         self._ramp = math.inf
-        """How long it takes to rest from the last target that is none [s]."""
+        """Duration of the ramp to rest after a target that is none [s]."""
         self._end = math.inf
 
     def aim(
@@ -172,9 +172,9 @@ class SpeedStream:
         self._end, self._lever, self._twist = until, lever, None
 
     def deceleration(self) -> float:
-        """Return that of the leading joint which ends the motion as soon [rad/s²].
+        """Return the equivalent deceleration of the leading joint [rad/s²].
 
-        It is ``MAX_ACCELERATION`` at most.
+        With it, the fastest joint stops with the ramp; ``MAX_ACCELERATION`` at most.
         """
         leading = max(map(abs, self.setpoint.velocities))
         if not leading < MAX_ACCELERATION * self._ramp:

@@ -25,7 +25,7 @@ class ControllerParameters(NamedTuple):
 
     values: Mapping[str, Value]
     adjustable: frozenset[str]
-    """Those that may change while it runs."""
+    """Parameters that may change while the controller runs."""
 
 
 @final
@@ -61,7 +61,7 @@ class ControllerConfig:
         return ControllerConfig(tree)
 
     def with_type(self, name: str, type_name: str) -> ControllerConfig:
-        """Return the same with another type for a controller, which need not exist."""
+        """Return a copy with another type for a controller, which need not exist."""
         config = ControllerConfig(self.tree, self.dialect)
         here = SourceLocation(None)
         empty = YamlEntry(name, here, {})
@@ -74,7 +74,7 @@ class ControllerConfig:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The controllers: what has a ``type``."""
+        """The controllers: the namespaces with a ``type``."""
         return tuple(self._declared)
 
     @property
@@ -181,7 +181,7 @@ class ControllerConfig:
     def with_parameters(
         self, name: str, changes: Mapping[str, Value]
     ) -> ControllerConfig:
-        """Return the same with other parameters of a controller, by dotted name."""
+        """Return a copy with other parameters of a controller, by dotted name."""
         found = self._find(name)
         overlay = YamlEntry(name, found.parameters.location, {})
         for path, value in changes.items():

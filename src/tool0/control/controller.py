@@ -1,4 +1,4 @@
-"""What every controller offers, of ROS 1 and of ROS 2: to the tick, and to requests."""
+"""Protocols of controllers of ROS 1 and ROS 2, for the tick and for requests."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Controller(Protocol):
         """
 
     def law(self) -> Law | None:
-        """Return what ``update`` does until an event; None if only it can tell."""
+        """Return the law of ``update`` until an event; None if there is none."""
 
     def observe(self, state: JointState) -> None:
         """Note the state of the last tick, which was executed by its law."""
@@ -57,7 +57,7 @@ class ControllerSpec(Protocol):
 
     @property
     def type(self) -> str:
-        """As in YAML: ``effort_controllers/JointTrajectoryController``."""
+        """The type in YAML: ``effort_controllers/JointTrajectoryController``."""
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -77,7 +77,7 @@ class ControllerSpec(Protocol):
 
     @property
     def gains(self) -> tuple[Gains, ...]:
-        """One per joint; none without a PID."""
+        """The gains of each joint; none without a PID."""
 
     @property
     def waits_for_command(self) -> bool:
@@ -97,7 +97,7 @@ class TrajectorySpec(ControllerSpec, Protocol):
 
     @property
     def joint_models(self) -> tuple[Joint, ...]:
-        """Its joints with their limits."""
+        """The joints with their limits."""
 
     @property
     def allow_partial_joints_goal(self) -> bool:
@@ -135,7 +135,9 @@ class TrajectoryFollower(Controller, Protocol):
     def setpoint(self) -> Setpoint:
         """Return the setpoints of the joints."""
 
-    def adopt(self, splines: Mapping[int, JointSpline], now: float) -> None:
+    def resume_from_kernel(
+        self, splines: Mapping[int, JointSpline], now: float
+    ) -> None:
         """Continue with the motions of joints, by number, that the kernel started."""
 
 
@@ -144,7 +146,7 @@ class SpeedScalable(Controller, Protocol):
     """A running controller whose trajectories can be slowed down."""
 
     def scale_speed(self, factor: float) -> None:
-        """Let so much trajectory time pass per simulated time; or ControlError."""
+        """Set the trajectory time per simulated time, or raise ControlError."""
 
 
 @runtime_checkable
@@ -173,7 +175,7 @@ class GripperDriver(Controller, Protocol):
     def limits(
         self, max_effort: float | None, max_velocity: float | None
     ) -> DriveLimits | None:
-        """Return what the drive keeps to with these settings of a goal.
+        """Return the limits of the drive with these settings of a goal.
 
         None means its all; settings left out are the controller's own.
         """

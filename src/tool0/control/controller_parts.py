@@ -9,7 +9,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
-from tool0.description.catalogue import Part, PartKind, shared_folder
+from tool0.description.catalogue import CataloguePart, PartKind, shared_folder
 from tool0.description.model import RobotModel
 from tool0.description.robot import CatalogueRobot, RobotDescription
 from tool0.description.yaml_tree import read_verbatim
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from tool0.control.gains import DerivedGains
 
 LIMITS: Final = "joint_limits"
-"""Where a YAML has limits that replace the URDF's."""
+"""Key of limits in a YAML that replace the URDF's."""
 
 
 @final
@@ -95,7 +95,7 @@ def read_part(path: Path) -> str:
         ) from None
 
 
-def part_file(kind: PartKind, part: Part | None, name: str) -> Path:
+def part_file(kind: PartKind, part: CataloguePart | None, name: str) -> Path:
     """Return a file of a part's folder, or the one that all of its kind share."""
     return shared_folder(kind) / name if part is None else part.file(name)
 
@@ -110,7 +110,7 @@ def joints_beyond(model: RobotModel, joint: str) -> list[str]:
     ]
 
 
-def rating(part: Part, name: str) -> float | None:
+def rating(part: CataloguePart, name: str) -> float | None:
     """Return a rating of a part, such as its payload [kg]; None if it has none."""
     path = part.file("specifications.yaml")
     if not path.is_file():

@@ -30,7 +30,7 @@ from tool0.control.controller_parts import (
 from tool0.control.parameters import joint_entries
 from tool0.control.ros2 import built_in
 from tool0.control.ros2.dialect import ROS2
-from tool0.description.catalogue import Part
+from tool0.description.catalogue import CataloguePart
 from tool0.description.model import Interface, JointType, RobotModel
 from tool0.description.packages import find_package
 from tool0.description.parts import joints_of
@@ -51,9 +51,9 @@ _GAINS: Final = "$gains"
 _STATE_CONTROLLER: Final = "joint_state_controller"
 """There is one for all robots, or one for each robot with a namespace."""
 _ROTARY: Final = {"$tolerance": "0.002", "$standstill": "0.001"}
-"""Of a gripper whose driven joint turns [rad, rad/s]."""
+"""Settings of a gripper whose driven joint turns [rad, rad/s]."""
 _LINEAR: Final = {"$tolerance": "0.0001", "$standstill": "0.0001"}
-"""Of one whose driven joint slides [m, m/s]: 0.2 mm of opening."""
+"""Settings of one whose driven joint slides [m, m/s]: 0.2 mm of opening."""
 
 
 def controllers_yaml(
@@ -103,7 +103,7 @@ def default_controllers(
     gripper_action: bool = False,
     period: float = PERIOD,
 ) -> ControllerConfig:
-    """Return the same controllers, with locations in the files that they come from.
+    """Return the built-in controllers with locations in their files.
 
     There are none if none fit your own robot file.
 
@@ -143,7 +143,7 @@ def controller_prefixes(description: RobotDescription) -> tuple[str, ...]:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Piece:
-    """The text of a part, for one robot, with what is inserted there."""
+    """The text of a part, for one robot, with the inserted rows."""
 
     text: str
     location: SourceLocation
@@ -253,7 +253,7 @@ class _Composer:
         return None
 
     def _own_piece(self, path: Path) -> _Piece:
-        """Return a file of controllers; what a cell has once is not among them."""
+        """Return a file of controllers without those that a cell has once."""
         text = read_part(path)
         tree = Tree()
         tree.load(text, SourceLocation(path, 1))
@@ -334,7 +334,9 @@ class _Composer:
             location=SourceLocation(self.description.source),
         )
 
-    def _stated(self, part: Part | None, joints: Sequence[str]) -> dict[str, Row]:
+    def _stated(
+        self, part: CataloguePart | None, joints: Sequence[str]
+    ) -> dict[str, Row]:
         """Return the gains that the folder of a part states, by joint."""
         path = None if part is None else part.file("gains.yaml")
         if self.robot is None or path is None or not path.is_file():

@@ -25,7 +25,7 @@ class ControllerType(NamedTuple):
 
     role: Role
     module: str
-    """Where its ``parse(name, type_name, parameters, robot)`` is defined."""
+    """The module that has ``parse(name, type_name, parameters, robot)``."""
 
 
 class Declared(NamedTuple):
@@ -36,7 +36,7 @@ class Declared(NamedTuple):
 
 
 class Stages(NamedTuple):
-    """What the stages of a controller's life are called."""
+    """The names of the stages of a controller's life."""
 
     unconfigured: str
     configured: str
@@ -48,11 +48,11 @@ class Stages(NamedTuple):
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Dialect:
-    """One version: ROS 1's ros_control, or ros2_control."""
+    """A version of controllers: ROS 1's ros_control, or ros2_control."""
 
     name: Literal["ros1", "ros2"]
     title: str
-    """For messages: ``ROS 1``."""
+    """Name in messages: ``ROS 1``."""
     types: Mapping[str, ControllerType]
     declared: Callable[[YamlEntry], Mapping[str, Declared]]
     """Returns the controllers of a YAML by name; their types need not exist."""
@@ -69,10 +69,10 @@ class Dialect:
     """YAML of a controller of the joint ``*`` with every parameter that any type
     requires, without its type."""
     linter: str
-    """Where its ``lint(tree, joints)`` is defined."""
+    """The module that has ``lint(tree, joints)``."""
     is_configured_when_loaded: bool
     bases: Mapping[Role, str]
-    """What ``list_controller_types`` reports as the base class."""
+    """The base class that ``list_controller_types`` reports, by role."""
 
     def lint(self, tree: Tree, joints: Collection[str] | None) -> tuple[Finding, ...]:
         """Return unused, ineffective and suspicious parameters of files."""
@@ -80,7 +80,7 @@ class Dialect:
         return findings
 
     def role(self, type_name: str) -> Role:
-        """Return what a type is for; a reader if there is no such type."""
+        """Return the role of a type; a reader if there is no such type."""
         known = self.types.get(type_name)
         return Role.READER if known is None else known.role
 

@@ -79,11 +79,11 @@ class DerivedGains:
     d: float
     i_clamp: float
     derivation: str
-    """In one line."""
+    """Derivation in one line."""
     acceleration: float = math.inf
-    """For planned motions [rad/s² | m/s²]."""
+    """Acceleration of planned motions [rad/s² | m/s²]."""
     jerk: float = math.inf
-    """For planned motions [rad/s³ | m/s³]."""
+    """Jerk of planned motions [rad/s³ | m/s³]."""
     limits_derivation: str = ""
 
 
@@ -244,7 +244,7 @@ def _postures(limits: Sequence[JointLimits], *, is_upright: bool) -> Matrix:
 def _loaded(
     model: RobotModel, bodies: Sequence[MovingBody], payload: float
 ) -> list[MovingBody]:
-    """Return the bodies with the payload at the flange, less what is mounted there."""
+    """Return the bodies with the payload at the flange, without the mounted tool."""
     *inner, last = bodies
     flange = next(
         ((name, at) for name, at in last.links if name.endswith(FLANGE)), None

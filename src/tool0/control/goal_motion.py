@@ -1,4 +1,4 @@
-"""From the points of a trajectory goal to the motion of each joint.
+"""The motion of each joint through the points of a trajectory goal.
 
 What the controllers of ROS 1 and ROS 2 have in common: checks of the numbers, and the
 splines along a plan.
@@ -25,10 +25,10 @@ from tool0.protocol.goals import Goal
 from tool0.protocol.trajectories import TrajectoryPoint
 
 _COARSE = 1e-9
-"""If times are rounded to more than this [s], every segment is examined."""
+"""Rounding of times [s] above which every segment is examined."""
 
 Splines = Sequence[JointSpline]
-"""One per joint of a controller."""
+"""A spline per joint of a controller."""
 
 
 def start_time(goal: TrajectoryGoal, now: float) -> float:
@@ -140,9 +140,9 @@ def splines_by_plan(
             now,
             now,
             Knots.of(path),
-            suspects=range(1, len(path)),
+            suspects=(),
             goal=goal,
-            tolerances=found.of(joint.name, None, None),
+            tolerances=found.of(joint.name),
         )
         for joint, old, path in zip(joints, running, plan, strict=True)
     ]

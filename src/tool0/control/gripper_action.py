@@ -1,4 +1,4 @@
-"""GripperActionController: move one joint, and squeeze what stops it."""
+"""GripperActionController: move one joint, and squeeze the object that stops it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from tool0.control.law import Grip, GripperLaw
-from tool0.control.parameters import Pid
+from tool0.control.law import GripperLaw, GripState
+from tool0.control.parameters import Pid, read_gains
 from tool0.control.position_limits import check_position
 from tool0.control.spline import hold
 from tool0.control.trajectory import Setpoint
 from tool0.description.model import Interface, Joint, ParallelGripper
+from tool0.description.yaml_values import Namespace
 from tool0.errors import GoalRejectedError
 from tool0.hardware.engine import JointState, joint_selector
 from tool0.hardware.limits import DriveLimits
@@ -20,7 +21,7 @@ from tool0.protocol.controllers import Gains
 from tool0.protocol.goals import Goal, GoalStatus, GripperResult
 
 _IN_PADS = "set_gripper_max_"
-"""In the name of an interface that sets the speed [m/s] or force [N] at the pads; the
+"""Part of the name of interfaces that set speed [m/s] or force [N] at the pads; the
 others set those of the joint."""
 
 
@@ -39,9 +40,9 @@ class DriveSettings:
     """Empty if the effort is not set, as in ``velocity_interface``."""
     velocity_interface: str
     max_effort: float
-    """Where a goal has none [N | N·m]."""
+    """Effort if a goal has none [N | N·m]."""
     max_velocity: float
-    """Where a goal has none [m/s | rad/s]."""
+    """Speed if a goal has none [m/s | rad/s]."""
 
     @property
     def interfaces(self) -> tuple[str, ...]:
@@ -51,7 +52,7 @@ class DriveSettings:
     def limits(
         self, effort: float | None, velocity: float | None
     ) -> DriveLimits | None:
-        """Return what the drive keeps to; None for its all.
+        """Return the limits of the drive; None for its own.
 
         As in the gripper's own driver, settings beyond its range are the nearest ones.
         """
@@ -87,7 +88,7 @@ class GripperActionSpec:
     joint: Joint
     interface: Interface
     gains: tuple[Gains, ...]
-    """Of the joint; none for the position interface."""
+    """Gains of the joint; none for the position interface."""
     goal_tolerance: float = 0.01
     max_effort: float
     """Limit of the effort at the start, after a cancel, and for goals without one."""
@@ -98,10 +99,10 @@ class GripperActionSpec:
     allow_stalling: bool = False
     """Whether a stall is a success: the gripper holds an object."""
     action_monitor_rate: float = 20.0
-    """[Hz], for interfaces that publish feedback."""
+    """Rate of feedback in ROS [Hz]."""
     state_interfaces: tuple[str, ...] = ()
     settings: DriveSettings | None = None
-    """How its goals limit the drive; None if they do not."""
+    """Limits of the drive that goals set; None if they set none."""
 
     waits_for_command: ClassVar[bool] = False
 
@@ -148,7 +149,7 @@ class GripperActionController:
         self._hold = hold(state.time, self._target)
         self._drive_limits: DriveLimits | None = None
         self._max_effort = spec.max_effort
-        self._grip = Grip(self._target, self._target, state.time)
+        self._grip = GripState(self._target, self._target, state.time)
         self._goal: Goal | None = None
         self._stall_range = spec.stall_velocity_threshold * spec.stall_timeout
 
@@ -251,7 +252,7 @@ class GripperActionController:
     def limits(
         self, max_effort: float | None, max_velocity: float | None
     ) -> DriveLimits | None:
-        """Return what the drive keeps to with these settings of a goal."""
+        """Return the limits of the drive with these settings of a goal."""
         settings = self.spec.settings
         return None if settings is None else settings.limits(max_effort, max_velocity)
 
@@ -288,3 +289,40 @@ class GripperActionController:
                     reached_goal=reached_goal,
                 )
             )
+
+
+def read_gripper_action(
+    name: str,
+    type_name: str,
+    parameters: Namespace,
+    joint: Joint,
+    interface: Interface,
+    *,
+    goal_tolerance: float,
+    max_effort: float,
+    action_monitor_rate: float,
+    state_interfaces: tuple[str, ...] = (),
+    settings: DriveSettings | None = None,
+) -> GripperActionSpec:
+    """Return the parameters of a gripper's controller; gains and stall are read."""
+    gains: tuple[Gains, ...] = ()
+    if interface is Interface.EFFORT:
+        path = f"gains/{joint.name}"
+        gains = (read_gains(parameters, path, f"{type_name} needs"),)
+    return GripperActionSpec(
+        name=name,
+        type=type_name,
+        joint=joint,
+        interface=interface,
+        gains=gains,
+        goal_tolerance=goal_tolerance,
+        max_effort=max_effort,
+        stall_velocity_threshold=parameters.not_negative(
+            "stall_velocity_threshold", 0.001
+        ),
+        stall_timeout=parameters.not_negative("stall_timeout", 1.0),
+        allow_stalling=parameters.boolean("allow_stalling", default=False),
+        action_monitor_rate=action_monitor_rate,
+        state_interfaces=state_interfaces,
+        settings=settings,
+    )

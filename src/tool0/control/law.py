@@ -1,4 +1,4 @@
-"""Control laws: what a controller does in every tick until something happens.
+"""Control laws: the work of a controller in every tick until an event.
 
 A running controller describes itself by a law, so that a kernel can execute its ticks
 without Python.  ``Controller.update`` remains the reference, and what happens then: an
@@ -13,7 +13,7 @@ from typing import NamedTuple, final
 
 from tool0.control.parameters import Pid
 from tool0.control.sampler import GoalMonitor, TrajectorySampler
-from tool0.control.watch import TrajectoryWatch
+from tool0.control.trajectory_monitor import TrajectoryMonitor
 from tool0.hardware.limits import DriveLimits
 
 
@@ -21,11 +21,11 @@ class TrajectoryClock(NamedTuple):
     """The time of a trajectory, which passes more slowly if its speed is scaled."""
 
     since: float = 0.0
-    """Since when it passes as it does now, in simulated time [s]."""
+    """Simulated time at which the present speed began [s]."""
     lag: float = 0.0
-    """How far it was behind then [s]."""
+    """Delay behind simulated time then [s]."""
     slip: float = 0.0
-    """How much it falls behind in a simulated second [s]; 0 at full speed."""
+    """Growth of the delay per simulated second [s]; 0 at full speed."""
 
     def lag_at(self, time: float) -> float:
         """Return how far it is behind simulated ``time`` [s], from ``since`` on."""
@@ -47,16 +47,16 @@ class TrajectoryLaw(NamedTuple):
     """Sample the desired motion; a PID and feed-forward turn errors into commands."""
 
     sampler: TrajectorySampler
-    monitor: GoalMonitor | TrajectoryWatch | None
-    """Of the active goal; what watches all joints also does so without a goal."""
+    monitor: GoalMonitor | TrajectoryMonitor | None
+    """Monitor of the goal; a TrajectoryMonitor also works without one."""
     pid: Pid | None
-    """None commands the desired positions."""
+    """PID from errors to commands; None commands the desired positions."""
     feed_forward: Sequence[float]
     """Command per desired velocity, one per joint; empty without."""
     wrapping: Sequence[int]
     """The joints, by number, whose errors go the shortest way round."""
     lead: float = 0.0
-    """By how much the commanded motion is ahead of what errors are against [s]."""
+    """Time by which commands are ahead of the motion that errors refer to [s]."""
     clock: TrajectoryClock = REAL_CLOCK
 
 
@@ -64,53 +64,53 @@ class CommandLaw(NamedTuple):
     """Pass one command per joint on, or follow it by a PID."""
 
     values: Sequence[float]
-    """One per joint."""
+    """The command of each joint."""
     pid: Pid | None
-    """None passes the values on."""
+    """PID from values to commands; None passes the values on."""
     measures_velocity: bool
     """Whether the PID compares the values with velocities, not with positions."""
     wrapping: Sequence[int]
     """The joints, by number, whose errors go the shortest way round."""
     last_errors: list[float]
-    """Those of the last update, one per joint; updated in place."""
+    """Errors of the last update, one per joint; updated in place."""
 
 
 @final
 @dataclass(slots=True)
-class Grip:
-    """What changes while a gripper moves and squeezes."""
+class GripState:
+    """The state of a gripper that moves and squeezes."""
 
     ramp: float
-    """The position to be at now [rad | m]."""
+    """The present setpoint [rad | m]."""
     stall_position: float
-    """Where the joint has not moved from [rad | m] …"""
+    """The position that the joint has not left [rad | m] …"""
     stall_since: float
-    """… since then [s]."""
+    """… since this time [s]."""
     effort: float = 0.0
-    """Of the last tick [N·m | N]."""
+    """Effort in the last tick [N·m | N]."""
 
 
 class GripperLaw(NamedTuple):
     """Drive one joint to a position with bounded effort until it arrives or stalls."""
 
     target: float
-    """[rad | m]"""
+    """Target position [rad | m]."""
     tolerance: float
-    """[rad | m]"""
+    """Largest distance from the target at which a goal ends [rad | m]."""
     max_effort: float
-    """[N·m | N]"""
+    """Largest effort [N·m | N]."""
     stall_range: float
-    """A movement of less than that is none [rad | m]."""
+    """Largest movement of a joint that counts as stalled [rad | m]."""
     stall_timeout: float
-    """[s]"""
+    """Time after which a stalled goal ends [s]."""
     has_goal: bool
     """Whether a goal ends at the target, or by a stall."""
     pid: Pid | None
-    """None commands the target."""
+    """PID from errors to efforts; None commands the target."""
     drive_limits: DriveLimits | None
-    """Of the goal: they slow the ramp down."""
-    grip: Grip
-    """Updated in place."""
+    """Limits of the drive during the goal; they slow the ramp down."""
+    grip: GripState
+    """The state; updated in place."""
 
 
 class IdleLaw(NamedTuple):

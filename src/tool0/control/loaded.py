@@ -23,7 +23,7 @@ class LoadedController:
         self.name = name
         self.type = type_name
         self.config = config
-        """None for one of tool0's own, which a request starts and stops."""
+        """Parameters in YAML; None for tool0's own, which requests start and stop."""
         self.spec: ControllerSpec | None = None
         self.indices: tuple[int, ...] = ()
         self.controller: Controller | None = None
@@ -31,7 +31,7 @@ class LoadedController:
         self.is_waiting = False
         """Whether the brakes hold its joints until its first command."""
         self.effort_law: EffortLaw | None = None
-        """What drives the joints of one of tool0's own, if its positions do not."""
+        """Law that drives the joints of one of tool0's own, if its positions do not."""
 
     @property
     def interface(self) -> Interface | None:
@@ -67,7 +67,7 @@ class LoadedController:
 
     @property
     def command_interfaces(self) -> tuple[str, ...]:
-        """What it claims, as ROS 2 names it."""
+        """The claimed command interfaces, as ROS 2 names them."""
         spec = self.spec
         if spec is None:
             return ()
@@ -83,7 +83,7 @@ class LoadedController:
 
     @property
     def configured(self) -> ControllerSpec:
-        """Its parameters, or raise ControlError."""
+        """The checked parameters, or raise ControlError."""
         if self.spec is None:
             raise ControlError(
                 f"controller '{self.name}' is {self.state}; configure it with "

@@ -32,11 +32,11 @@ _KIND: Final[Mapping[type, str]] = {
     str: "string",
     tuple: "array",
 }
-"""What ROS calls the type of a parameter."""
+"""ROS's name of the type of a parameter."""
 
 
 class Strictness(enum.Enum):
-    """How a switch handles requests that it cannot fulfil; numbers as in ROS."""
+    """Handling of requests that a switch cannot fulfil; numbers as in ROS."""
 
     BEST_EFFORT = 1
     """Do the rest."""
@@ -81,13 +81,13 @@ class ControllerManager:
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
         """Name and controller, and its slots of the command."""
         self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
-        """In load order, with the joints that they command; another tuple whenever a
-        controller starts or stops."""
+        """The running controllers in load order, with their joints; a new tuple
+        whenever a controller starts or stops."""
         self.running_specs: tuple[ControllerSpec, ...] = ()
         """Their parameters; the same ones when a controller restarts."""
         self._observers: tuple[Callable[[JointState], None], ...] = ()
         self._setpoints: tuple[tuple[str, Callable[[], Setpoint | None]], ...] = ()
-        """Name of each running controller, and what returns its setpoint."""
+        """Name and setpoint function of each running controller."""
         self._statuses: tuple[ControllerStatus, ...] = ()
 
     # ---- the tick -----------------------------------------------------------------
@@ -241,7 +241,7 @@ class ControllerManager:
     def drive_efforts(
         self, name: str, law: EffortLaw | None, state: JointState
     ) -> None:
-        """Let a law drive the joints of one of tool0's own controllers.
+        """Drive the joints of one of tool0's own controllers by a law.
 
         None lets them follow the controller's positions again.
         """
@@ -347,9 +347,9 @@ class ControllerManager:
         return plans["stop"], plans["start"]
 
     def block(self, joints: Collection[str], reason: str) -> None:
-        """Let no controller start that claims ``joints``; without a reason, let it.
+        """Refuse controllers that claim ``joints``; an empty ``reason`` unblocks.
 
-        Controllers that are running go on.
+        Running controllers continue.
         """
         for joint in joints:
             self._blocked.pop(joint, None)

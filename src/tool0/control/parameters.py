@@ -34,16 +34,16 @@ class Pid:
 
     def __init__(self, gains: Sequence[Gains]) -> None:
         self.rows = tuple(_row(k, g) for k, g in enumerate(gains))
-        """For each joint its number, and its gains in their order."""
+        """The number and the gains of each joint, in their order."""
         self.integrals = [0.0] * len(self.rows)
-        """Of the errors, by joint."""
+        """Integrals of the errors, by joint."""
 
     def reset(self, joint: int) -> None:
         """Reset the integral of one joint, by its number."""
         self.integrals[joint] = 0.0
 
-    def carry(self, joint: int, command: float) -> None:
-        """Let the integral of one joint contribute ``command``, within its clamp."""
+    def set_contribution(self, joint: int, command: float) -> None:
+        """Set what a joint's integral contributes to ``command``, within its clamp."""
         _, _, i, _, i_min, i_max, *_ = self.rows[joint]
         term = min(max(command, i_min), i_max)
         self.integrals[joint] = term / i if i else 0.0
@@ -122,6 +122,8 @@ INTERFACE_OF_PACKAGE = {
     "velocity_controllers": Interface.VELOCITY,
 }
 """The command interface that a controller type's package stands for."""
+INTERFACE_OF_NAME = {item.name.lower(): item for item in Interface}
+"""The command interfaces by their names in ROS 2."""
 JOINT_STATES = ("position", "velocity", "effort")
 """The state interfaces that a driven joint has."""
 
@@ -135,7 +137,7 @@ class RobotJoints:
     interfaces: Mapping[str, tuple[Interface, ...]]
     """The driven joints, in the engine's order, with their command interfaces."""
     hardware: tuple[HardwareComponent, ...] = ()
-    """What ``<ros2_control>`` tags describe."""
+    """The hardware that ``<ros2_control>`` tags describe."""
     grippers: tuple[ParallelGripper, ...] = ()
     speed_scaling: Mapping[str, float] = field(default_factory=dict)
     """Prefix of each arm → the factor of its trajectories' speed, as it is now."""
@@ -170,7 +172,7 @@ class RobotJoints:
 
 
 def joint_entries(controller: YamlEntry) -> list[YamlEntry]:
-    """Return where a controller names its joints: ``joint`` and those of ``joints``."""
+    """Return the entries that name a controller's joints: ``joint``, ``joints``."""
     joint, joints = controller.find("joint"), controller.find("joints")
     return [
         *([] if joint is None else [joint]),
@@ -256,6 +258,19 @@ def read_tolerances(
             goal=Tolerance(read(f"constraints/{joint.name}/goal", default), stopped),
         )
     return found
+
+
+def read_at_least(
+    parameters: Namespace, path: str, default: float, least: float
+) -> float:
+    """Return the number at ``path``; ConfigError if the YAML has a smaller one."""
+    value = parameters.number(path, default)
+    entry = parameters.find(path)
+    if entry is not None and value < least:
+        raise ConfigError(
+            f"'{entry.key}' must be at least {least}, got {value}", entry.location
+        )
+    return value
 
 
 def read_gains(parameters: Namespace, path: str, why: str) -> Gains:

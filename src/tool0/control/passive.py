@@ -15,7 +15,7 @@ from tool0.protocol.controllers import Gains
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PassiveSpec:
-    """What a controller that moves nothing claims and reads."""
+    """The parameters of a controller that moves nothing."""
 
     name: str
     type: str

@@ -1,4 +1,4 @@
-"""Which positions a controller accepts for a joint."""
+"""The positions that a controller accepts for a joint."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tool0.description.units import ANGLE, LENGTH
 from tool0.errors import GoalRejectedError
 
 ROUNDING = 1e-6
-"""How far beyond a limit a position may be [rad | m]: limits are printed rounded."""
+"""Accepted excess over a limit [rad | m]: limits are printed rounded."""
 
 
 def check_position(

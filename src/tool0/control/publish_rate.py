@@ -1,4 +1,4 @@
-"""When a message of a given rate is due, in simulated time."""
+"""Timing of messages at a given rate, in simulated time."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _ROUNDING = 1e-9
 """[s] that sums of periods may differ from multiples of the tick."""
 
 _PAUSE = 0.5
-"""After a pause this long [s], missed publications are dropped: the publisher did not
+"""Pause after which missed publications are dropped [s]: the publisher did not
 run.  ros_control forgets at every start."""
 
 

@@ -22,13 +22,13 @@ from tool0.protocol.goals import Goal, GoalResult, GoalStatus, Tolerance
 
 
 class Piece(NamedTuple):
-    """One joint's desired motion until it changes."""
+    """Desired motion of one joint until it changes."""
 
     until: float
-    """When the next piece begins [s]; inf for the last one."""
+    """Start of the next piece [s]; inf for the last one."""
     polynomial: Polynomial
     section: SplineSection
-    """What it belongs to."""
+    """The section that it belongs to."""
     segment: Segment
     has_ended: bool
     """Whether it is at or after the end of the segment."""
@@ -94,7 +94,7 @@ class TrajectorySampler:
         self.pieces = [piece_at(spline, time) for spline in self.splines]
         """The active piece of each joint."""
         self.next_change = min(piece.until for piece in self.pieces)
-        """When to call ``advance`` again [s]."""
+        """Time of the next call of ``advance`` [s]."""
         polynomials = [piece.polynomial for piece in self.pieces]
         self._polynomials = list(enumerate(polynomials))
         self._moving = any(polynomial[2:] != _STILL for polynomial in polynomials)
@@ -138,7 +138,7 @@ SUCCEEDED = GoalResult(status=GoalStatus.SUCCEEDED)
 
 
 class Check(enum.IntEnum):
-    """What an active goal checks of a joint."""
+    """Check of a joint by an active goal."""
 
     NOTHING = 0
     PATH = 1
@@ -164,7 +164,7 @@ class GoalMonitor:
         self._arrived: set[int] = set()
 
     def check_of(self, piece: Piece) -> tuple[Check, Tolerance]:
-        """Return what is checked during a piece."""
+        """Return the check during a piece, and its tolerance."""
         section = piece.section
         if section.goal is self.goal:
             if piece.is_at_end:
@@ -175,7 +175,7 @@ class GoalMonitor:
         return Check.NOTHING, UNCHECKED
 
     def watch(self, sampler: TrajectorySampler) -> None:
-        """Collect what to check until the sampler's next change."""
+        """Collect the checks until the sampler's next change."""
         self._ends = [piece.segment.end for piece in sampler.pieces]
         self._on_path: list[tuple[int, Tolerance]] = []
         self._at_goal: list[tuple[int, Tolerance]] = []

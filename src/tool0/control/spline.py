@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, final
 
 from tool0.control.goal import NO_TOLERANCES, JointTolerances
+from tool0.description.model import shortest_turn
 from tool0.errors import GoalRejectedError
 from tool0.protocol.goals import Goal
 
@@ -40,7 +41,7 @@ class Motion(NamedTuple):
 
 
 MotionPlan = Sequence[Sequence[tuple[float, Motion]]]
-"""For each joint, its motions at times [s after the start of the plan]."""
+"""The motions of each joint at times [s after the start of the plan]."""
 
 
 class Sample(NamedTuple):
@@ -107,16 +108,6 @@ class Segment:
         """The polynomial of resting at the end."""
         return resting(self.sample(self.end).position)
 
-    def peak_velocity(self) -> float:
-        """Return the largest speed on the segment, which is no quintic [rad/s | m/s].
-
-        The velocity of a cubic is largest at an end or where its acceleration is 0.
-        """
-        _, _, c2, c3, _, _ = self.coefficients
-        turn = self.start - c2 / (3.0 * c3) if c3 else self.start
-        times = self.start, min(max(turn, self.start), self.end), self.end
-        return max(abs(self.sample(time).velocity) for time in times)
-
     def is_bounded(self, bound: float = IMPLAUSIBLE) -> bool:
         """Return whether neither position nor speed can exceed ``bound``.
 
@@ -171,12 +162,6 @@ def _fit(
     return (p0, v0, 0.5 * a0, c3, c4 / T / T / T / T, c5 / T / T / T / T / T)
 
 
-def shortest_turn(start: float, end: float) -> float:
-    """Return the shortest turn from ``start`` to ``end``, in (-π, π] [rad]."""
-    turn = math.remainder(end - start, math.tau)
-    return math.pi if turn == -math.pi else turn
-
-
 def wrap_offset(previous: float, following: float) -> float:
     """Return the whole turns that bring ``following`` nearest to ``previous`` [rad].
 
@@ -193,7 +178,7 @@ class Knots(NamedTuple):
     """The knots of one joint: motions and their times."""
 
     times: Sequence[float]
-    """After the start of the trajectory [s], increasing."""
+    """Times after the start of the trajectory [s], increasing."""
     motion: Callable[[int], Motion]
     """Returns the motion at one knot."""
     is_stepped: bool = False
@@ -228,7 +213,7 @@ class SplineSection(NamedTuple):
     """
 
     start: float
-    """When the trajectory starts [s]."""
+    """Start time of the trajectory [s]."""
     knots: Knots
     first: int
     """The knot that the segment from ``origin`` leads to."""
@@ -237,7 +222,7 @@ class SplineSection(NamedTuple):
     span: range
     """The remaining segments of the section; at least one."""
     goal: Goal | None
-    """Whose tolerances hold."""
+    """The goal whose tolerances hold."""
     tolerances: JointTolerances
     made: Mapping[int, Segment]
     """Segments that were made when the trajectory was accepted."""
@@ -287,7 +272,7 @@ class JointSpline(NamedTuple):
     """
 
     sections: tuple[SplineSection, ...]
-    """At least one."""
+    """The sections in order, at least one."""
 
     @property
     def begin(self) -> float:
@@ -310,7 +295,7 @@ class JointSpline(NamedTuple):
         return section.segment(section.span[-1])
 
     def active(self, time: float) -> tuple[SplineSection, Segment, float]:
-        """Return what is active at ``time``, and when the next segment starts [s].
+        """Return section and segment at ``time``, and the start of the next one [s].
 
         That is never, inf, for the last one.
         """
@@ -335,7 +320,7 @@ class JointSpline(NamedTuple):
         return self.active(time)[1].sample(time)
 
     def with_goal(self, goal: Goal | None) -> JointSpline:
-        """Return the same motion, as that of ``goal``."""
+        """Return the same motion for ``goal``."""
         return JointSpline(
             tuple(section._replace(goal=goal) for section in self.sections)
         )

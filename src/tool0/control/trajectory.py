@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, final
 
 from msgspec import Struct
 
-from tool0.control.spline import IMPLAUSIBLE, JointSpline, Sample, shortest_turn
-from tool0.description.model import Joint, JointType
+from tool0.control.spline import IMPLAUSIBLE, JointSpline, Sample
+from tool0.description.model import Joint, JointType, shortest_turn
 from tool0.hardware.engine import JointSelector, JointState
 from tool0.protocol.goals import ToleranceOverride
 from tool0.protocol.state import ArmSetpoint, JointSetpoint
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 MANY = 50
-"""From this many points on, numpy is faster than a loop over the points."""
+"""Number of points from which numpy is faster than a loop over them."""
 
 BLOCK = 1024
 """Points that numpy examines in one go: less than a millisecond, during which no other
@@ -48,7 +48,7 @@ distance, and v and a are the larger ones of both ends.  Twice that leaves room 
 rounding; half the bound, for a rounded T and for whole turns of a continuous joint."""
 
 MARGIN = IMPLAUSIBLE / 2.0
-"""By how much positions may be shifted before every point must be examined [rad]."""
+"""Largest shift of positions without an examination of every point [rad]."""
 
 
 _set = object.__setattr__  # for the fields of frozen instances
@@ -68,20 +68,21 @@ class TrajectoryGoal:
     stamp: float | None = None
     """Simulated time at which it starts [s]; None or 0 for now."""
     path_tolerance: Mapping[str, ToleranceOverride] = field(default_factory=dict)
-    """Per joint: > 0 replaces the controller's, < 0 switches it off, 0 keeps it."""
+    """Tolerance on the path per joint: > 0 replaces the controller's, < 0 switches it
+    off, 0 keeps it."""
     goal_tolerance: Mapping[str, ToleranceOverride] = field(default_factory=dict)
-    """Per joint, by the same rule."""
+    """Tolerance at the goal per joint, by the same rule."""
     goal_time_tolerance: float | None = None
     """Grace after the last point [s]: > 0 replaces, < 0 is unlimited, 0 keeps."""
     times: Sequence[float] = field(init=False, repr=False, compare=False)
-    """Of the points, after the start [s]."""
+    """Times of the points after the start [s]."""
     suspects: Sequence[int] = field(init=False, repr=False, compare=False)
     """The points that may be wrong, in order: the first one, and others whose time or
     numbers are unsound or whose segment may be implausible.  All, if they are few."""
     position_ranges: PositionRanges | None = field(
         init=False, repr=False, compare=False
     )
-    """Of the points' positions; None if the points are few."""
+    """Ranges of the points' positions; None if the points are few."""
 
     def __post_init__(self) -> None:
         points = tuple(self.points)
@@ -186,19 +187,19 @@ class Setpoint(Struct, frozen=True):
 
     joint_models: tuple[Joint, ...]
     splines: tuple[JointSpline, ...]
-    """One per joint; a new goal makes new ones."""
+    """Spline of each joint; a new goal makes new ones."""
     select: JointSelector
     """Takes the joints out of the lists of ``measured``."""
     measured: JointState
-    """At that instant."""
+    """The measured state at that instant."""
     lag: float = 0.0
-    """How far the motion is behind simulated time [s], since its speed was scaled."""
+    """Delay of the motion behind simulated time [s], since its speed was scaled."""
     speed_scaling: float = 1.0
     """Trajectory time per simulated time."""
 
     @property
     def time(self) -> float:
-        """When the splines' motion is at that instant [s]."""
+        """Time of the splines at that instant [s]."""
         return self.measured.time - self.lag
 
     @property

@@ -32,7 +32,7 @@ _SCENE_VIEW = math.radians(50.0)
 _ARM_LENGTH = 1.098
 """Distance from joint to joint, summed [m], of the arm for which these are:"""
 _WORKSPACE: Vector3 = (0.35, 0.05, 0.15)
-"""What the camera of the scene looks at, from the arm's base [m]."""
+"""Point that the camera of the scene looks at, in the frame of the arm's base [m]."""
 _VIEWPOINT: Vector3 = (1.0, -1.0, 0.7)
 """Where that camera is, from there [m]."""
 _NAME = re.compile(r"[A-Za-z]\w*")

@@ -42,7 +42,7 @@ class DisplayName:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Part:
+class CataloguePart:
     """An arm or a gripper: a folder."""
 
     kind: PartKind
@@ -88,7 +88,7 @@ def grippers() -> tuple[str, ...]:
     return _names("gripper")
 
 
-def find_part(kind: PartKind, name: str) -> Part:
+def find_part(kind: PartKind, name: str) -> CataloguePart:
     """Return a built-in part by name, or your own by its folder.
 
     ``name`` is a folder if it contains a slash.
@@ -105,10 +105,10 @@ def find_part(kind: PartKind, name: str) -> Part:
                 f"{kind} '{name}': {problem}; give a folder like {shared_folder(kind)}/"
                 f"{_names(kind)[0]}"
             )
-        return Part(kind=kind, folder=folder)
+        return CataloguePart(kind=kind, folder=folder)
     none = (NO_GRIPPER,) if kind == "gripper" else ()
     check_choice(kind, name, (*_names(kind), *none))
-    return Part(kind=kind, folder=shared_folder(kind) / name)
+    return CataloguePart(kind=kind, folder=shared_folder(kind) / name)
 
 
 def shared_folder(kind: PartKind) -> Path:

@@ -221,7 +221,7 @@ class Cell:
     name: str = ""
     """Name of the whole model; made of the robots if empty."""
     robots: tuple[CellRobot, ...]
-    """In the order of their joints."""
+    """The robots, in the order of their joints."""
     scene: Scene | File | None = None
     """The objects around them; ``SimulationConfig.scene`` replaces them."""
     namespaces: bool = False

@@ -1,23 +1,34 @@
-"""Forward kinematics in plain floats: joint positions, link poses and velocities."""
+"""Forward kinematics in plain floats: joint positions, link poses and velocities.
+
+``joint_tree`` has it for many positions at once, and for each tick.
+"""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import final
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final, TypeVar, final
 
 from tool0.description.model import Joint, JointType, RobotModel
 from tool0.description.transform import (
+    Pose,
     Transform,
     Vector3,
     add,
     cross,
+    rotation_about,
     subtract,
     to_transform,
 )
 from tool0.errors import LimitsError, ModelError, did_you_mean
 
+if TYPE_CHECKING:  # NumPy is slow to import
+    import numpy as np
+    from numpy.typing import NDArray
+
+T = TypeVar("T", float, "NDArray[np.float64]")
+TURNING: Final = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS})
 _ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 
@@ -32,8 +43,7 @@ def link_poses(
         ModelError: If ``position`` names a joint that the robot lacks.
     """
     given = position or {}
-    for name in sorted(given.keys() - model.joint_by_name.keys()):
-        model.joint(name)  # raises
+    _check_names(model, given)
     found = {model.root: Transform()}
     for joint in model.joints:
         found[joint.child] = found[joint.parent] @ joint_transform(joint, given)
@@ -47,11 +57,28 @@ def link_pose(
     relative_to: str | None = None,
 ) -> Transform:
     """Return the pose of ``link`` in ``relative_to``; None means the root link."""
-    found = link_poses(model, position)
-    T_root_link = found[model.link(link).name]
+    _check_names(model, position)
+    T_root_link = _above(model, position, link)
     if relative_to is None:
         return T_root_link
-    return found[model.link(relative_to).name].inverse() @ T_root_link
+    return _above(model, position, relative_to).inverse() @ T_root_link
+
+
+def _above(model: RobotModel, position: Mapping[str, float], link: str) -> Transform:
+    """Return the pose of ``link`` in the root, by the joints above it alone."""
+    joints, name = [], model.link(link).name
+    while (joint := model.parent_joint.get(name)) is not None:
+        joints.append(joint)
+        name = joint.parent
+    pose = Transform()
+    for joint in reversed(joints):
+        pose = pose @ joint_transform(joint, position)
+    return pose
+
+
+def _check_names(model: RobotModel, position: Mapping[str, float]) -> None:
+    for name in sorted(position.keys() - model.joint_by_name.keys()):
+        model.joint(name)  # raises
 
 
 def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
@@ -59,30 +86,26 @@ def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
 
     Positions are as for ``link_poses``; planar and floating joints rest at 0.
     """
-    q = joint_position(joint, position)
-    return to_transform(joint.origin) @ _displacement(joint, q)
-
-
-def _displacement(joint: Joint, q: float) -> Transform:
-    """Return the joint's own motion at ``q`` [rad | m], in its frame at 0."""
-    x, y, z = joint.axis
+    at_zero = _at_zero(joint.origin)
     if joint.type is JointType.PRISMATIC:
-        return Transform(position=(q * x, q * y, q * z))
-    if joint.type not in {JointType.REVOLUTE, JointType.CONTINUOUS}:
-        return Transform()
-    c, s = math.cos(q), math.sin(q)
-    v = 1.0 - c
-    return Transform(  # Rodrigues' formula
-        rotation=(
-            (c + x * x * v, x * y * v - z * s, x * z * v + y * s),
-            (y * x * v + z * s, c + y * y * v, y * z * v - x * s),
-            (z * x * v - y * s, z * y * v + x * s, c + z * z * v),
-        )
-    )
+        q, (x, y, z) = joint_position(joint, position), joint.axis
+        return at_zero @ Transform(position=(q * x, q * y, q * z))
+    if joint.type in TURNING:
+        turn = rotation_about(joint.axis, joint_position(joint, position))
+        return at_zero @ Transform(rotation=turn)
+    return at_zero
 
 
-def joint_position(joint: Joint, position: Mapping[str, float]) -> float:
-    """Return the position of ``joint``: as given, by its mimic relation, or 0."""
+@lru_cache(maxsize=1024)  # the origins of some robots; they never change
+def _at_zero(origin: Pose) -> Transform:
+    return to_transform(origin) @ Transform()  # without negative zeros
+
+
+def joint_position(joint: Joint, position: Mapping[str, T]) -> T | float:
+    """Return the position of ``joint``: as given, by its mimic relation, or 0.
+
+    Positions are numbers or arrays.
+    """
     mimic = joint.mimic
     if mimic is None or joint.name in position:
         return position.get(joint.name, 0.0)
@@ -145,7 +168,7 @@ class FrameMotion:
             angular=self.angular,
         )
 
-    def seen_from(self, other: FrameMotion) -> FrameMotion:
+    def relative_to(self, other: FrameMotion) -> FrameMotion:
         """Return this motion relative to that of ``other``, in the axes of ``other``.
 
         As in Gazebo, the velocities are subtracted: the rotation of ``other`` adds

@@ -10,7 +10,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
-from tool0.description.model import Inertial, JointLimits, check_inertia, check_mass
+from tool0.description.model import (
+    Inertial,
+    JointLimits,
+    check_inertia,
+    check_mass,
+    check_protocol,
+)
 from tool0.description.yaml_checks import (
     allow_only,
     check_files,
@@ -22,6 +28,7 @@ from tool0.description.yaml_checks import (
     number_of,
     numbers_at,
     vector_of,
+    wrong_value,
 )
 from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import LimitsError
@@ -70,7 +77,12 @@ def _check_limits(root: YamlEntry) -> None:
     _check_joints(root)
     grip = mapping_at(root, "grip")
     keys = ("max_opening", *_RANGES[0], *_RANGES[1])
-    allow_only(grip, *keys)
+    allow_only(grip, "protocol", *keys)
+    protocol = grip.find("protocol")
+    if protocol is not None and not protocol.is_null:
+        if not isinstance(protocol.scalar, str):
+            raise wrong_value(protocol, "the name of a protocol")
+        check_protocol(protocol.scalar, protocol.location)
     check_positive(grip, keys)
     for low, high in _RANGES:
         least, most = (number_of(grip.children[key]) for key in (low, high))

@@ -41,7 +41,7 @@ class HardwareItem:
 
     kind: ItemKind
     name: str
-    """Of a joint: that of the URDF."""
+    """Name; for a joint, its name in the URDF."""
     commands: tuple[HardwareInterface, ...] = ()
     states: tuple[HardwareInterface, ...] = ()
     parameters: Mapping[str, str] = field(default_factory=dict)

@@ -11,13 +11,19 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeVar, final
+from typing import Final, TypeVar, final
 
 from tool0.description.hardware_component import HardwareComponent
 from tool0.description.shapes import RGBA, Geometry
 from tool0.description.transform import Pose, Vector3
 from tool0.description.units import ANGLE, LENGTH, Quantity
-from tool0.errors import LimitsError, ModelError, SourceLocation, did_you_mean
+from tool0.errors import (
+    DescriptionError,
+    LimitsError,
+    ModelError,
+    SourceLocation,
+    did_you_mean,
+)
 
 Item = TypeVar("Item")
 
@@ -32,6 +38,10 @@ TIME_TO_FULL_SPEED = 0.4
 shoulder of a UR5 gets 7.9 rad/s², which its drive can give to the outstretched arm."""
 _ROUNDING = 1e-3
 """Tolerance of the triangle inequality, for numbers rounded by CAD programs."""
+ROBOTIQ: Final = "robotiq"
+"""The protocol of Robotiq's grippers: the URCap's socket and Modbus registers."""
+GRIPPER_PROTOCOLS: Final = (ROBOTIQ,)
+"""The device protocols that a gripper may speak."""
 
 
 @final
@@ -78,6 +88,17 @@ def check_mass(mass: float, link: str, location: SourceLocation | None) -> None:
     if not mass > 0:
         raise ModelError(
             f"link '{link}' has mass {mass:g} kg; give a mass above zero", location
+        )
+
+
+def check_protocol(name: str, location: SourceLocation | None) -> None:
+    """Raise DescriptionError unless a gripper may speak the protocol ``name``."""
+    if name not in GRIPPER_PROTOCOLS:
+        raise DescriptionError(
+            f"unknown gripper protocol '{name}'; tool0 has "
+            f"{', '.join(GRIPPER_PROTOCOLS)}; a gripper that speaks another one names "
+            "none",
+            location,
         )
 
 
@@ -234,6 +255,12 @@ class Spring:
     """Position at which the spring is slack [rad | m]."""
 
 
+def shortest_turn(start: float, end: float) -> float:
+    """Return the shortest turn from ``start`` to ``end``, in (-π, π] [rad]."""
+    turn = math.remainder(end - start, math.tau)
+    return math.pi if turn == -math.pi else turn
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:
@@ -292,7 +319,7 @@ class Transmission:
     name: str
     joint: str
     interfaces: tuple[Interface, ...]
-    """What commands it can follow, the preferred one first; one of them at a time."""
+    """The command interfaces, the preferred one first; one is active at a time."""
     mechanical_reduction: float = 1.0
     rotor_inertia: float = 0.0
     """Inertia of the rotor, on the motor side [kg·m²]."""
@@ -391,7 +418,7 @@ class ParallelGripper:
     """
 
     name: str
-    """In the description, prefix included."""
+    """Name in the description, prefix included."""
     joint: str
     """The driven joint."""
     law: RotaryOpening | LinearOpening
@@ -402,13 +429,16 @@ class ParallelGripper:
     """Slowest and fastest closing speed, between the pads [m/s]."""
     force: tuple[float, float]
     """Weakest and strongest grip, at each pad [N]."""
+    protocol: str | None = None
+    """The device protocol that its ports speak, one of ``GRIPPER_PROTOCOLS``; None if
+    it is none of them."""
     passive: tuple[tuple[str, Mimic], ...] = ()
     """Mimic relations of the linkage's joints, valid while the pads are parallel: not
     for fingers that wrap around an object."""
 
     @property
     def quantity(self) -> Quantity:
-        """What the position of the joint measures."""
+        """The quantity that the joint's position measures."""
         return LENGTH if isinstance(self.law, LinearOpening) else ANGLE
 
     def opening(self, position: float) -> float:
@@ -439,11 +469,11 @@ class RobotModel:
     """A checked tree of links and joints."""
 
     name: str
-    """Of the robot, in the URDF."""
+    """Name of the robot in the URDF."""
     root: str
     """The link without a parent: poses are in its frame."""
     links: tuple[Link, ...]
-    """In the order of the URDF."""
+    """The links, in the order of the URDF."""
     joints: tuple[Joint, ...]
     """Depth first from the root, children in the order of the URDF."""
     transmissions: tuple[Transmission, ...] = ()

@@ -20,7 +20,7 @@ from tool0.description.shapes import (
     Compound,
     Geometry,
     Solid,
-    parts_of,
+    placed_geometries,
     read_geometry,
     sizes,
 )
@@ -81,7 +81,7 @@ class RigidModel:
     """The model of an object, with the frames that Gazebo has for it."""
 
     name: str
-    """As in its text."""
+    """Name of the model in its document."""
     geometry: Solid
     link: str = "link"
     collisions: tuple[str, ...] = ("collision",)
@@ -137,7 +137,7 @@ def _bounded(model: RigidModel) -> RigidModel:
     Raises:
         ModelError: If its size, its mass or an offset is too large.
     """
-    parts = parts_of(model.geometry)
+    parts = placed_geometries(model.geometry)
     extents = [size for geometry, _ in parts for size in sizes(geometry)]
     frames = (model.placement, model.T_model_link, model.T_model_shape)
     offsets = [

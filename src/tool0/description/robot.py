@@ -14,8 +14,8 @@ from tool0.description.arm_files import ARM_FILES, check_arm_files
 from tool0.description.assumed_drives import assume_drives
 from tool0.description.catalogue import (
     NO_GRIPPER,
+    CataloguePart,
     DisplayName,
-    Part,
     check_choice,
     find_part,
     grippers,
@@ -76,13 +76,13 @@ class CatalogueRobot:
 
     name: str = ""
     """Its name in a cell, such as ``left``; empty for a single robot."""
-    arm: Part
-    gripper: Part | None = None
+    arm: CataloguePart
+    gripper: CataloguePart | None = None
     prefix: str = ""
     """Prefix of the names of its links and joints."""
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[CataloguePart, ...]:
         return (self.arm,) if self.gripper is None else (self.arm, self.gripper)
 
     @property
@@ -120,7 +120,7 @@ class RobotDescription:
 
     @property
     def title(self) -> str:
-        """What a person calls it: its parts, or the name of your own file."""
+        """Title for people: the names of its parts, or that of your own file."""
         return ", ".join(robot.title for robot in self.robots) or self.source.name
 
     @property
@@ -313,7 +313,7 @@ def part_names(description: RobotDescription) -> Mapping[str, DisplayName]:
     }
 
 
-def _check_linkage(gripper: Part) -> None:
+def _check_linkage(gripper: CataloguePart) -> None:
     """Raise DescriptionError unless the gripper's fingers are linkages."""
     if not gripper.file(_LINKAGE_FILE).is_file():
         having = [
@@ -328,7 +328,7 @@ def _check_linkage(gripper: Part) -> None:
 
 
 def _own_files(
-    part: Part,
+    part: CataloguePart,
     names: Sequence[str],
     arguments: Mapping[str, str],
     given: Mapping[str, str],

@@ -54,7 +54,7 @@ _BOOLEANS: Final = ("true", "false")
 @final
 @dataclass(frozen=True, slots=True)
 class Ros2Control:
-    """What all ``<ros2_control>`` tags of a robot say."""
+    """The content of all ``<ros2_control>`` tags of a robot."""
 
     components: tuple[HardwareComponent, ...]
     drives: Mapping[str, Transmission]

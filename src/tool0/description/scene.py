@@ -100,7 +100,7 @@ class Scene:
     )
     """Source location of each object by name, for messages."""
     cameras: tuple[Camera, ...] = ()
-    """In addition to the default cameras of every robot."""
+    """Cameras in addition to the default ones of every robot."""
 
     def __post_init__(self) -> None:
         seen: set[str] = set()

@@ -60,7 +60,7 @@ class Mesh:
     """A mesh from a file; ``mesh`` makes one."""
 
     uri: str
-    """As in the source: ``package://…``, ``file://…`` or a path."""
+    """Address as in the source: ``package://…``, ``file://…`` or a path."""
     path: Path
     """The file it resolves to; it exists."""
     scale: Vector3 = (1.0, 1.0, 1.0)
@@ -100,14 +100,14 @@ Solid = Geometry | Compound
 """The shape of an object."""
 
 
-def parts_of(solid: Solid) -> tuple[tuple[Geometry, Pose], ...]:
+def placed_geometries(solid: Solid) -> tuple[tuple[Geometry, Pose], ...]:
     """Return the shapes of an object, and their poses in its frame."""
     return solid.parts if isinstance(solid, Compound) else ((solid, Pose()),)
 
 
-def part_names(name: str, solid: Solid) -> tuple[str, ...]:
+def geometry_names(name: str, solid: Solid) -> tuple[str, ...]:
     """Return a name for each part: ``name``, ``name_1``, ``name_2``, …, as Gazebo."""
-    count = len(parts_of(solid))
+    count = len(placed_geometries(solid))
     return (name, *(f"{name}_{number}" for number in range(1, count)))
 
 

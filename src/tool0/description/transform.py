@@ -1,4 +1,7 @@
-"""Rigid transforms in plain floats: URDF poses, matrices and quaternions."""
+"""Rigid transforms in plain floats: URDF poses, quaternions and rotation vectors.
+
+``transform_arrays`` has the same for many of them at once.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +24,8 @@ Rotation = tuple[Vector3, Vector3, Vector3]
 
 FARTHEST = 1e6
 """Largest coordinate of a requested pose [m]."""
+_SMALL = 1e-12
+"""Below this angle a rotation is linear in its rotation vector [rad]."""
 _IDENTITY: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -47,13 +52,28 @@ class Transform:
 
     def __matmul__(self, other: Transform) -> Transform:
         """Return the pose of ``other``, given in this frame, in the parent frame."""
-        x, y, z = self.apply(other.position)
-        columns = tuple(zip(*other.rotation, strict=True))
-        rows = tuple(
-            tuple(sum(a * b for a, b in zip(row, column)) for column in columns)  # noqa: B905
-            for row in self.rotation
+        (a, b, c), (d, e, f), (g, h, i) = self.rotation
+        (A, B, C), (D, E, F), (G, H, I) = other.rotation  # noqa: E741
+        return Transform(
+            position=self.apply(other.position),
+            rotation=(  # from 0.0, so that no zero is negative
+                (
+                    0.0 + a * A + b * D + c * G,
+                    0.0 + a * B + b * E + c * H,
+                    0.0 + a * C + b * F + c * I,
+                ),
+                (
+                    0.0 + d * A + e * D + f * G,
+                    0.0 + d * B + e * E + f * H,
+                    0.0 + d * C + e * F + f * I,
+                ),
+                (
+                    0.0 + g * A + h * D + i * G,
+                    0.0 + g * B + h * E + i * H,
+                    0.0 + g * C + h * F + i * I,
+                ),
+            ),
         )
-        return Transform(position=(x, y, z), rotation=rows)  # type: ignore[arg-type]
 
     def apply(self, point: Vector3) -> Vector3:
         """Return ``point``, given in this frame, in the parent frame."""
@@ -90,14 +110,23 @@ class Transform:
         )
         largest = squares.index(max(squares))
         root = 2 * math.sqrt(squares[largest])
-        rows = (
-            (root / 4, (zy - yz) / root, (xz - zx) / root, (yx - xy) / root),
-            ((zy - yz) / root, root / 4, (xy + yx) / root, (xz + zx) / root),
-            ((xz - zx) / root, (xy + yx) / root, root / 4, (yz + zy) / root),
-            ((yx - xy) / root, (xz + zx) / root, (yz + zy) / root, root / 4),
-        )
-        w, x, y, z = rows[largest]
+        if largest == 0:
+            w, x, y, z = root / 4, (zy - yz) / root, (xz - zx) / root, (yx - xy) / root
+        elif largest == 1:
+            w, x, y, z = (zy - yz) / root, root / 4, (xy + yx) / root, (xz + zx) / root
+        elif largest == 2:
+            w, x, y, z = (xz - zx) / root, (xy + yx) / root, root / 4, (yz + zy) / root
+        else:
+            w, x, y, z = (yx - xy) / root, (xz + zx) / root, (yz + zy) / root, root / 4
         return (w, x, y, z) if w >= 0 else (-w, -x, -y, -z)
+
+    @property
+    def rotation_vector(self) -> Vector3:
+        """The rotation as axis times angle [rad], of length 0 … π."""
+        w, x, y, z = self.quat_wxyz
+        sine = math.hypot(x, y, z)
+        factor = 2.0 / w if sine < _SMALL else 2.0 * math.atan2(sine, w) / sine
+        return factor * x, factor * y, factor * z
 
     @property
     def matrix(self) -> NDArray[np.float64]:
@@ -163,12 +192,44 @@ def from_quaternion(position: Sequence[float], quat_wxyz: Sequence[float]) -> Tr
     )
 
 
+def from_rotation_vector(
+    position: Sequence[float], rotation_vector: Sequence[float]
+) -> Transform:
+    """Return the transform with an axis times the angle about it [rad]."""
+    px, py, pz = position
+    x, y, z = rotation_vector
+    angle = math.hypot(x, y, z)
+    if angle < _SMALL:
+        rotation: Rotation = ((1.0, -z, y), (z, 1.0, -x), (-y, x, 1.0))
+    else:
+        rotation = rotation_about((x / angle, y / angle, z / angle), angle)
+    return Transform(position=(px, py, pz), rotation=rotation)
+
+
+def rotation_about(axis: Vector3, angle: float) -> Rotation:
+    """Return the rotation by ``angle`` [rad] about a unit vector (Rodrigues)."""
+    x, y, z = axis
+    c, s = math.cos(angle), math.sin(angle)
+    v = 1.0 - c
+    return (
+        (c + x * x * v, x * y * v - z * s, x * z * v + y * s),
+        (y * x * v + z * s, c + y * y * v, y * z * v - x * s),
+        (z * x * v - y * s, z * y * v + x * s, c + z * z * v),
+    )
+
+
 def from_matrix(T: NDArray[np.float64]) -> Transform:
     """Return a homogeneous matrix, shape (4, 4), as a transform."""
-    return Transform(
-        position=tuple(T[:3, 3].tolist()),
-        rotation=tuple(tuple(row) for row in T[:3, :3].tolist()),  # type: ignore[arg-type]
-    )
+    return from_arrays(T[:3, 3], T[:3, :3])
+
+
+def from_arrays(
+    position: NDArray[np.float64], rotation: NDArray[np.float64]
+) -> Transform:
+    """Return a position, shape (3,), and a rotation matrix, (3, 3), as a transform."""
+    x, y, z = position.tolist()
+    a, b, c = map(tuple, rotation.tolist())
+    return Transform(position=(x, y, z), rotation=(a, b, c))
 
 
 AnyPose = Transform | Pose | Iterable[Sequence[float]]
@@ -232,6 +293,18 @@ def cross(a: Vector3, b: Vector3) -> Vector3:
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
         a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def rotate_by(quat_wxyz: Quaternion, vector: Vector3) -> Vector3:
+    """Return ``vector`` rotated by a unit quaternion."""
+    w, x, y, z = quat_wxyz
+    a, b, c = vector
+    p, q, r = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return (
+        a + w * p + y * r - z * q,
+        b + w * q + z * p - x * r,
+        c + w * r + x * q - y * p,
     )
 
 

@@ -16,7 +16,7 @@ _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([^\W\d_]*)", 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Quantity:
-    """What a number measures, with the units in which it can be typed."""
+    """A physical quantity, with the units in which it can be typed."""
 
     name: str
     units: Mapping[str, float]

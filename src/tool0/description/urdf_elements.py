@@ -30,6 +30,7 @@ from tool0.description.model import (
     Visual,
     check_inertia,
     check_mass,
+    check_protocol,
 )
 from tool0.description.shapes import (
     RGBA,
@@ -346,9 +347,13 @@ def read_gripper(element: Element, joints: Mapping[str, Joint]) -> ParallelGripp
             "the smaller comes first",
             locate(element),
         )
+    protocol = element.getAttribute("protocol").strip() or None
+    if protocol is not None:
+        check_protocol(protocol, locate(element))
     gripper = ParallelGripper(
         name=name,
         joint=driven,
+        protocol=protocol,
         law=_read_opening_law(element, name, joints[driven]),
         max_opening=positive(element, "max_opening"),
         speed=speed,

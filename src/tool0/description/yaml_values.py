@@ -12,21 +12,21 @@ from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
 
 Value = str | float | int | bool | tuple[str, ...] | tuple[float, ...]
-"""What a getter returns."""
+"""The value that a getter returns."""
 Recorded = TypeVar("Recorded", bound=Value)
 
 
 @final
 @dataclass(slots=True)
 class Reading:
-    """What was read from a mapping and those inside it; keys are full."""
+    """The reads from a mapping and from those inside it; keys are full."""
 
     keys: set[str] = field(default_factory=set)
-    """Looked up so far."""
+    """The keys that were looked up so far."""
     values: dict[str, Value] = field(default_factory=dict)
-    """What the getters returned, defaults included."""
+    """Key → the returned value, defaults included."""
     adjustable: set[str] = field(default_factory=set)
-    """What may change later."""
+    """The keys whose values may change later."""
 
 
 @final

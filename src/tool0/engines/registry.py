@@ -1,4 +1,4 @@
-"""The physics engines by name: their options and constructors.
+"""The physics engines by name: their options, abilities and constructors.
 
 To add an engine, pass an ``EngineDefinition`` to ``register_engine``.  Only ``create``
 imports the simulator, so the options are known even if it is not installed.
@@ -15,6 +15,7 @@ from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, EngineUnavailableError, did_you_mean
 from tool0.hardware.engine import Engine
+from tool0.installation.machine import python_package_version
 
 
 @final
@@ -43,6 +44,18 @@ class EngineDefinition:
     It imports the simulator.  It raises ConfigError for unsupported settings, and
     EngineUnavailableError if the simulator is missing.
     """
+    package: str | None = None
+    """The Python package whose version decides the results; None if none does."""
+    is_deterministic: bool = False
+    """Whether equal input gives bit-identical results."""
+    runs_batches: bool = False
+    """Whether ``tool0.Batch`` simulates its copies with this engine."""
+
+    def versions(self) -> dict[str, str]:
+        """Return the version of ``package`` by its name; empty without a package."""
+        if self.package is None:
+            return {}
+        return {self.package: python_package_version(self.package) or "not installed"}
 
 
 @final
@@ -102,7 +115,13 @@ def _create_gazebo(
 
 
 _ENGINES: Final[dict[str, EngineDefinition]] = {
-    "mujoco": EngineDefinition(options=MujocoEngineOptions, create=_create_mujoco),
+    "mujoco": EngineDefinition(
+        options=MujocoEngineOptions,
+        create=_create_mujoco,
+        package="mujoco",
+        is_deterministic=True,
+        runs_batches=True,
+    ),
     "gazebo": EngineDefinition(options=GazeboEngineOptions, create=_create_gazebo),
 }
 
@@ -117,13 +136,21 @@ def register_engine(name: str, definition: EngineDefinition) -> None:
     _ENGINES[name] = definition
 
 
-def engine_options(name: str) -> type[Any]:  # a different dataclass for each engine
-    """Return the dataclass of an engine's own options.
+def batch_engine() -> str:
+    """Return the name of the engine of batches."""
+    return next(name for name, engine in _ENGINES.items() if engine.runs_batches)
+
+
+def engine_definition(name: str) -> EngineDefinition:
+    """Return the definition of an engine.
 
     Raises:
         EngineUnavailableError: If there is no such engine.
     """
-    return _definition(name).options
+    if name not in _ENGINES:
+        hint = did_you_mean(name, set(_ENGINES))
+        raise EngineUnavailableError(f"unknown engine '{name}'{hint}")
+    return _ENGINES[name]
 
 
 def make_engine(
@@ -143,14 +170,14 @@ def make_engine(
         dt: Length of a physics step [s].
         spawn_z: Height of the robot's root above the ground [m].
         scene: The objects around the robot.
-        options: Fields of ``engine_options(name)`` that differ from their defaults.
+        options: Fields of the engine's own options that differ from their defaults.
 
     Raises:
         EngineUnavailableError: If there is no such engine, or it cannot start here.
         ConfigError: If the engine has no such option, or cannot simulate the robot.
         ModelError: If the engine rejects the robot or an object.
     """
-    definition = _definition(name)
+    definition = engine_definition(name)
     known = [field.name for field in fields(definition.options)]
     for option in options or {}:
         if option not in known:
@@ -160,10 +187,3 @@ def make_engine(
     return definition.create(
         description, settings, definition.options(**(options or {}))
     )
-
-
-def _definition(name: str) -> EngineDefinition:
-    if name not in _ENGINES:
-        hint = did_you_mean(name, set(_ENGINES))
-        raise EngineUnavailableError(f"unknown engine '{name}'{hint}")
-    return _ENGINES[name]

@@ -7,9 +7,10 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tool0.description.transform_arrays import Frames, from_rotation_vectors
 from tool0.errors import ControlError
 from tool0.gym.options import EnvOptions
-from tool0.gym.tool import ToolPose, downward, turned_by
+from tool0.gym.tool import downward
 from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
@@ -102,18 +103,18 @@ class Actions:
         high = np.minimum(q + LEAD, self._workspace.upper - MARGIN)
         return np.asarray(np.clip(found, low, high))
 
-    def approach(self, target: Array, pose: ToolPose) -> Array:
+    def approach(self, target: Array, pose: Frames) -> Array:
         """Return targets [rad], (n, 6), with which the tool is nearer to a pose."""
         return self._workspace.tool.approach(target, pose, self.limit)
 
-    def _tool_target(self, actions: Array, target: Array) -> ToolPose:
+    def _tool_target(self, actions: Array, target: Array) -> Frames:
         pose = self._workspace.tool.pose(target)
         position = pose.position + actions[:, :3] * self.linear
         # Below, the finger tips would press on the table; out of there is allowed.
         lowest = np.minimum(pose.position[:, 2], self._workspace.lowest)
         position[:, 2] = np.maximum(position[:, 2], lowest)
         if self.mode == "cartesian":
-            return ToolPose(position, downward(pose.yaw + actions[:, 3] * self.turn))
-        return ToolPose(
-            position, turned_by(actions[:, 3:6] * self.turn) @ pose.rotation
+            return Frames(position, downward(pose.yaw + actions[:, 3] * self.turn))
+        return Frames(
+            position, from_rotation_vectors(actions[:, 3:6] * self.turn) @ pose.rotation
         )

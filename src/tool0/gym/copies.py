@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tool0.batch.batch import Batch
+from tool0.description.transform_arrays import quats_wxyz
 from tool0.gym.actions import Actions
 from tool0.gym.options import EnvOptions
 from tool0.gym.tasks import Mask, State, make_task
-from tool0.gym.tool import quaternions
 from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
@@ -26,7 +26,7 @@ FASTEST_OBJECT = 20.0
 """Bound of velocities of objects in observations [m/s]."""
 
 
-class Part(NamedTuple):
+class ObservationPart(NamedTuple):
     """One part of the state that an observation has."""
 
     name: str
@@ -168,7 +168,7 @@ class Copies:
             goal=self._goal.copy(),
         )
 
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[ObservationPart]:
         """Return the parts of the observed state, in their order."""
         state, workspace = self.state, self.workspace
         fastest = 2.0 * workspace.fastest
@@ -176,19 +176,19 @@ class Copies:
         one, three = np.ones(1), np.ones(3)
         far = FARTHEST * three
         parts = [
-            Part(
+            ObservationPart(
                 "joint_position", state.q, workspace.lower - 0.1, workspace.upper + 0.1
             ),
-            Part("joint_velocity", state.qd, -fastest, fastest),
-            Part("tcp_position", state.tcp_position, -far, far),
-            Part(
+            ObservationPart("joint_velocity", state.qd, -fastest, fastest),
+            ObservationPart("tcp_position", state.tcp_position, -far, far),
+            ObservationPart(
                 "tcp_quat_wxyz",
-                quaternions(state.tcp_rotation),
+                quats_wxyz(state.tcp_rotation),
                 -np.ones(4),
                 np.ones(4),
             ),
-            Part("opening", state.opening[:, None], 0.0 * one, widest * one),
-            Part(
+            ObservationPart("opening", state.opening[:, None], 0.0 * one, widest * one),
+            ObservationPart(
                 "opening_target", state.opening_target[:, None], 0.0 * one, widest * one
             ),
         ]
@@ -196,21 +196,25 @@ class Copies:
         for k, name in enumerate(self.task.objects):
             position = state.object_position[:, k]
             parts += [
-                Part(f"{name}_position", position, -far, far),
-                Part(
+                ObservationPart(f"{name}_position", position, -far, far),
+                ObservationPart(
                     f"{name}_quat_wxyz",
                     state.object_quat[:, k],
                     -np.ones(4),
                     np.ones(4),
                 ),
-                Part(f"{name}_velocity", state.object_velocity[:, k], -speed, speed),
-                Part(f"tcp_to_{name}", position - state.tcp_position, -far, far),
+                ObservationPart(
+                    f"{name}_velocity", state.object_velocity[:, k], -speed, speed
+                ),
+                ObservationPart(
+                    f"tcp_to_{name}", position - state.tcp_position, -far, far
+                ),
             ]
         goal = self.task.desired(state)
         missing = goal - self.task.achieved(state)
         bound = FARTHEST * np.ones(goal.shape[1])
-        parts.append(Part("goal", goal, -bound, bound))
-        parts.append(Part("to_goal", missing, -bound, bound))
+        parts.append(ObservationPart("goal", goal, -bound, bound))
+        parts.append(ObservationPart("to_goal", missing, -bound, bound))
         return parts
 
     def rewards(self, success: Mask) -> Array:

@@ -13,6 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.api.table import TABLE_TOP
+from tool0.description.transform_arrays import (
+    Frames,
+    from_quats,
+    from_rotation_vectors,
+    yaw_of,
+)
 from tool0.errors import ConfigError
 from tool0.gym.copies import Copies
 from tool0.gym.environments import TaskEnv, TaskVectorEnv
@@ -27,7 +33,7 @@ from tool0.gym.tasks import (
     State,
     is_holding,
 )
-from tool0.gym.tool import ToolPose, downward, rotation_vector, turned_by
+from tool0.gym.tool import chord_vectors, downward
 from tool0.kinematics.chain import Array
 from tool0.kinematics.geometry import wrapped
 
@@ -94,14 +100,14 @@ class Expert:
         if actions.mode == "cartesian":
             turn = GAIN * wrapped(target.yaw - pose.yaw)[:, None]
         else:
-            turn = GAIN * rotation_vector(pose.rotation, downward(target.yaw))
+            turn = GAIN * chord_vectors(pose.rotation, downward(target.yaw))
         linear = _within(way / actions.linear, target.speed)
         angular = _within(turn / actions.turn, np.ones(len(turn)))
         if actions.mode != "joint":
             return np.concatenate([linear, angular], axis=1)
-        aim = ToolPose(
+        aim = Frames(
             pose.position + linear * actions.linear,
-            turned_by(angular * actions.turn) @ pose.rotation,
+            from_rotation_vectors(angular * actions.turn) @ pose.rotation,
         )
         return _within((actions.approach(q, aim) - q) / actions.joint, np.ones(len(q)))
 
@@ -132,9 +138,8 @@ def _reach(copies: Copies, state: State) -> Target:
 
 def _grasp_yaw(state: State, k: int = 0) -> Array:
     """Return the yaw nearest to the tcp's at which pads touch an object's sides."""
-    w, x, y, z = np.moveaxis(state.object_quat[:, k], -1, 0)
-    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    present = np.arctan2(state.tcp_rotation[:, 1, 0], state.tcp_rotation[:, 0, 0])
+    yaw = yaw_of(from_quats(state.object_quat[:, k]))
+    present = yaw_of(state.tcp_rotation)
     quarter = np.pi / 2.0
     turn = np.remainder(yaw - present + quarter / 2.0, quarter) - quarter / 2.0
     return np.asarray(present + turn)

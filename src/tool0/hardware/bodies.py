@@ -1,10 +1,8 @@
 """The robot as rigid bodies: masses, gravity loads of the joints, and mass matrix.
 
 Fixed links are merged into their movable parent link.  Loads and the mass matrix need
-no engine: every joint frame is rotated so that the joint acts along its z axis; one
-pass from the root outwards computes the body frames, and sums over the bodies beyond a
-joint give its load.  The tick needs it, so it is computed with plain floats: a pass
-over 12 joints costs less than one NumPy call per joint.
+no engine: forward kinematics compute the body frames, and sums over the bodies beyond a
+joint give its load.  The tick needs it, so it is computed with plain floats.
 """
 
 from __future__ import annotations
@@ -16,8 +14,11 @@ from typing import NamedTuple, final
 
 import numpy as np
 
+from tool0.description.flat_frames import FlatTree, Frame
+from tool0.description.joint_tree import TreeJoint
 from tool0.description.model import Inertial, Joint, JointType, RobotModel
 from tool0.description.transform import Vector3, pose_matrix
+from tool0.description.transform_arrays import turn_z_to
 from tool0.errors import ModelError
 
 Matrix = np.ndarray
@@ -79,6 +80,12 @@ class MovingBody:
     """Links of the body with their frames in the body's frame."""
     inertia: BodyInertia
     """In the frame of the joint's child link."""
+
+    @property
+    def tree_joint(self) -> TreeJoint:
+        """Its joint, for forward kinematics."""
+        is_prismatic = self.joint.type is JointType.PRISMATIC
+        return TreeJoint(self.parent, self.placement, self.joint.axis, is_prismatic)
 
 
 def moving_bodies(model: RobotModel) -> tuple[MovingBody, ...]:
@@ -181,8 +188,8 @@ class DynamicBody(NamedTuple):
     """Index of the joint that drives its joint."""
     multiplier: float
     """Ratio of the velocities of its joint and of the master."""
-    placement: tuple[float, ...]
-    """The joint's axes x, y, z and origin in the parent's frame, 12 floats."""
+    placement: Frame
+    """The joint's frame in that of its parent."""
     mass: float
     center: Vector3
 
@@ -229,8 +236,6 @@ class JointDynamics:
         # In the rotated root, gravity points along -z.
         upright = _upright(gravity)
         index = {body.joint.name: i for i, body in enumerate(bodies)}
-        self._parent = [body.parent for body in bodies]
-        self._prismatic = [b.joint.type is JointType.PRISMATIC for b in bodies]
         self._masters = [_master(model, body.joint, index) for body in bodies]
         self._springs = [
             (i, *self._masters[i], spring.stiffness, spring.reference)
@@ -242,17 +247,11 @@ class JointDynamics:
             for body in bodies
             for transmission in [model.transmission_by_joint.get(body.joint.name)]
         ]
-        # Rotate each body's frame so that its joint acts along z.
-        turns = [turn_z_to(body.joint.axis) for body in bodies]
-        self._placement: list[tuple[float, ...]] = []
+        self._tree = FlatTree([body.tree_joint for body in bodies], upright)
         self._mass: list[float] = []
         self._center: list[tuple[float, float, float]] = []
         self._tensor: list[Matrix] = []
-        for body, turn in zip(bodies, turns, strict=True):
-            before = turns[body.parent].T if body.parent >= 0 else upright
-            rotation = before @ body.placement[:3, :3] @ turn
-            offset = before @ body.placement[:3, 3]
-            self._placement.append((*rotation.T.ravel().tolist(), *offset.tolist()))
+        for body, turn in zip(bodies, self._tree.turns, strict=True):
             self._mass.append(body.inertia.mass)
             x, y, z = (turn.T @ body.inertia.center).tolist()
             self._center.append((x, y, z))
@@ -264,10 +263,10 @@ class JointDynamics:
         bodies = tuple(
             DynamicBody(parent, prismatic, master, ratio, placement, mass, center)
             for parent, prismatic, (master, ratio), placement, mass, center in zip(
-                self._parent,
-                self._prismatic,
+                self._tree.parents,
+                self._tree.is_prismatic,
                 self._masters,
-                self._placement,
+                self._tree.placements,
                 self._mass,
                 self._center,
                 strict=True,
@@ -296,9 +295,10 @@ class JointDynamics:
             )
         effort = [0.0] * self._n
         g = self._gravity
+        parents, is_prismatic = self._tree.parents, self._tree.is_prismatic
         for i in range(self._n - 1, -1, -1):
-            frame, parent = frames[i], self._parent[i]
-            if self._prismatic[i]:
+            frame, parent = frames[i], parents[i]
+            if is_prismatic[i]:
                 load = g * mass[i] * frame[8]
             else:  # the height's derivative: z of (axis cross lever)
                 lever_x = moment_x[i] - mass[i] * frame[9]
@@ -332,7 +332,7 @@ class JointDynamics:
         return matrix
 
     def _jacobian(
-        self, frames: Sequence[tuple[float, ...]], body: int, point: Vector3
+        self, frames: Sequence[Frame], body: int, point: Vector3
     ) -> tuple[Matrix, Matrix]:
         """Return the velocities of a body per joint velocity, shape (n_joints, 3).
 
@@ -348,7 +348,7 @@ class JointDynamics:
             master, multiplier = self._masters[joint]
             x, y, z = multiplier * x, multiplier * y, multiplier * z
             way = linear[master]
-            if self._prismatic[joint]:
+            if self._tree.is_prismatic[joint]:
                 way[0], way[1], way[2] = way[0] + x, way[1] + y, way[2] + z
             else:
                 rx, ry, rz = px - ox, py - oy, pz - oz
@@ -357,56 +357,15 @@ class JointDynamics:
                 way[2] += x * ry - y * rx
                 turn = angular[master]
                 turn[0], turn[1], turn[2] = turn[0] + x, turn[1] + y, turn[2] + z
-            joint = self._parent[joint]
+            joint = self._tree.parents[joint]
         return np.array(linear), np.array(angular)
 
-    def frames(self, position: Sequence[float]) -> list[tuple[float, ...]]:
-        """Return each body's axes x, y, z and origin in the root, 12 floats each.
+    def frames(self, position: Sequence[float]) -> list[Frame]:
+        """Return each body's frame in the root, turned so that its joint acts along z.
 
         If gravity is not along -z, in the root rotated so that it is.
         """
-        frames: list[tuple[float, ...]] = []
-        cos, sin = math.cos, math.sin
-        for i, place in enumerate(self._placement):
-            ax, ay, az, bx, by, bz, cx, cy, cz, px, py, pz = place
-            parent = self._parent[i]
-            if parent >= 0:
-                (r0, r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11) = frames[parent]
-                ax, ay, az = (
-                    r0 * ax + r3 * ay + r6 * az,
-                    r1 * ax + r4 * ay + r7 * az,
-                    r2 * ax + r5 * ay + r8 * az,
-                )
-                bx, by, bz = (
-                    r0 * bx + r3 * by + r6 * bz,
-                    r1 * bx + r4 * by + r7 * bz,
-                    r2 * bx + r5 * by + r8 * bz,
-                )
-                cx, cy, cz = (
-                    r0 * cx + r3 * cy + r6 * cz,
-                    r1 * cx + r4 * cy + r7 * cz,
-                    r2 * cx + r5 * cy + r8 * cz,
-                )
-                px, py, pz = (
-                    r0 * px + r3 * py + r6 * pz + r9,
-                    r1 * px + r4 * py + r7 * pz + r10,
-                    r2 * px + r5 * py + r8 * pz + r11,
-                )
-            q = position[i]
-            if self._prismatic[i]:
-                px, py, pz = px + q * cx, py + q * cy, pz + q * cz
-            else:
-                c, s = cos(q), sin(q)
-                ax, ay, az, bx, by, bz = (
-                    c * ax + s * bx,
-                    c * ay + s * by,
-                    c * az + s * bz,
-                    c * bx - s * ax,
-                    c * by - s * ay,
-                    c * bz - s * az,
-                )
-            frames.append((ax, ay, az, bx, by, bz, cx, cy, cz, px, py, pz))
-        return frames
+        return self._tree.frames(position)
 
 
 def _master(
@@ -427,12 +386,3 @@ def _upright(gravity: Vector3) -> Matrix:
         return np.eye(3)
     g = math.hypot(x, y, z)
     return turn_z_to((-x / g, -y / g, -z / g)).T
-
-
-def turn_z_to(axis: Sequence[float]) -> Matrix:
-    """Return a rotation, shape (3, 3), whose third column is the unit ``axis``."""
-    z = np.asarray(axis, dtype=float)
-    helper = np.eye(3)[int(np.argmin(np.abs(z)))]
-    x = np.cross(helper, z)
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(z, x), z])

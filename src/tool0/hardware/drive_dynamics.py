@@ -45,7 +45,7 @@ class DriveDynamics:
             joint.name: float(inertia)
             for joint, inertia in zip(model.movable_joints, inertias, strict=True)
         }
-        """Of each joint in the zero pose [kg·m² | kg]."""
+        """Inertia at each joint in the zero pose [kg·m² | kg]."""
         carriers = [
             model.joint_by_name[name]
             for name in sorted(_joints_before_flanges(model))
@@ -57,7 +57,7 @@ class DriveDynamics:
             )
             for joint in carriers
         }
-        """Of the servos of joints that carry a payload [1/s]."""
+        """Integral rates of the servos of joints that carry a payload [1/s]."""
         self._expected_loads = {
             index[joint.name]: expected_load(joint.limits.effort) for joint in carriers
         }
@@ -68,7 +68,7 @@ class DriveDynamics:
         return self._payloads
 
     def set_payload(self, flange: str, payload: Payload | None) -> None:
-        """Take this to be fixed to ``flange``, or what the description has there."""
+        """Set the payload at ``flange``; None is the tool of the description."""
         self._payloads.pop(flange, None)
         if payload is not None:
             self._payloads[flange] = payload
@@ -107,7 +107,7 @@ class DriveDynamics:
         return bounded_masses(own, declared + np.diag(loads), largest_ratio(self._dt))
 
     def mobility(self, joints: Sequence[int], state: JointState) -> Matrix:
-        """Return what a step adds to the velocities of ``joints`` for their efforts.
+        """Return the change of ``joints``' velocities in a step per effort.
 
         Shape (n, n) [rad/s/(N·m)], by the masses of the description.
         """

@@ -167,7 +167,7 @@ class World(Protocol):
         """
 
     def hold_wrenches(self, wrenches: Mapping[str, Wrench]) -> None:
-        """Let these act, by link or object, from now on, and no others.
+        """Apply these wrenches, by link or object, from now on, and no others.
 
         Those on links of one body add up.  A reset removes all.
 
@@ -246,7 +246,7 @@ class Engine(Protocol):
 
     @property
     def stepper(self) -> NativeStepper | None:
-        """How compiled code steps it; None if only ``step`` does.
+        """Addresses for compiled code; None if only ``step`` steps the engine.
 
         Another one whenever addresses change.
         """
@@ -256,25 +256,25 @@ class Engine(Protocol):
 
 
 class NativeStepper(NamedTuple):
-    """How compiled code steps an engine in this process, by addresses.
+    """Addresses by which compiled code steps an engine in this process.
 
     The joints come first in ``position`` and ``velocity``, in the engine's order.
     """
 
     step: int
-    """Of a C function ``void step(const void *model, void *data)``."""
+    """Address of a C function ``void step(const void *model, void *data)``."""
     on_error: int
-    """Of the variable that has the C function ``void on_error(const char *message)``,
+    """Address of the variable with the C function ``void on_error(const char *)``,
     which the engine calls on an error; 0 if there is none."""
     model: int
     data: int
     position: int
-    """Of the measured positions [rad | m]."""
+    """Address of the measured positions [rad | m]."""
     velocity: int
-    """Of the velocities, those of objects included [rad/s | m/s]."""
+    """Address of the velocities, those of objects included [rad/s | m/s]."""
     n_velocities: int
     motors: int
-    """Of the efforts that the engine applies [N·m | N]."""
+    """Address of the efforts that the engine applies [N·m | N]."""
     motor_joints: tuple[int, ...]
     """The joint that each motor drives."""
     brakes: tuple[int, ...]
@@ -349,7 +349,7 @@ def check_attachable(objects: Mapping[str, SceneObject], name: str) -> None:
 
 
 def immovable(name: str) -> EngineError:
-    """Return the error for a wrench on what cannot move."""
+    """Return the error for a wrench on something immovable."""
     return EngineError(f"'{name}' stands still: no force moves it")
 
 

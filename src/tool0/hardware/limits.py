@@ -28,7 +28,7 @@ from tool0.errors import ControlError
 from tool0.hardware.engine import JointState
 
 STOP_TOLERANCE = 1e-4
-"""How far a joint may press into its stop before outward effort is cut [rad | m].
+"""Depth in a stop at which outward effort is cut [rad | m].
 
 A stop is a contact, and contacts yield a little.  Without this margin, the effort of a
 joint held at its stop would switch on and off a thousand times a second.
@@ -57,7 +57,7 @@ class EffortLimits:
 
 
 class DriveBounds(NamedTuple):
-    """What the limiter knows of one drive: constants."""
+    """Constants of one drive for the limiter."""
 
     joint: int
     """Index of the joint."""
@@ -100,7 +100,7 @@ class EffortLimiter:
 
     @property
     def velocities(self) -> dict[int, float | None]:
-        """What the speed limiters remember, by the joint's index."""
+        """State of the speed limiters, by the joint's index."""
         return {i: limiter.before for i, limiter in self._speed_limiters.items()}
 
     def restore(
@@ -313,7 +313,7 @@ class SpeedLimiter:
         self.before: float | None = None
         """Velocity in the last step, if a limit was near [rad/s | m/s]."""
         self.drive_limits: DriveLimits | None = None
-        """Of the goal; None for the joint's own."""
+        """Limits of the goal; None for the joint's own."""
 
     def limit(
         self,

@@ -1,4 +1,4 @@
-"""The payload of an arm: what its drives take to be at the flange.
+"""The payload of an arm: the mass that its drives assume at the flange.
 
 A payload replaces the model of everything beyond the flange, as ``set_payload`` does on
 a UR: the drives then compensate for its weight and inertia instead of those of the
@@ -19,12 +19,12 @@ from tool0.hardware.bodies import BodyInertia, total_inertia
 from tool0.protocol.control_box_state import Payload
 
 DENSITY: Final = 1000.0
-"""Of the sphere whose inertia a payload has [kg/m³]: 1 g/cm³, as for URScript's
+"""Density of the sphere whose inertia a payload has [kg/m³]: 1 g/cm³, as for URScript's
 ``set_target_payload`` without an inertia."""
 
 
 def modelled_payload(model: RobotModel, flange: str) -> Payload:
-    """Return what the description has beyond the link ``flange``, grippers open."""
+    """Return the description's payload beyond ``flange``, with open grippers."""
     tool = tool_inertia(model, flange)
     x, y, z = tool.center.tolist()
     return Payload(tool.mass, (x, y, z))
@@ -33,7 +33,7 @@ def modelled_payload(model: RobotModel, flange: str) -> Payload:
 def replaced_tools(
     model: RobotModel, payloads: Mapping[str, Payload]
 ) -> dict[str, tuple[BodyInertia, ...]]:
-    """Return what to add to each flange so that its tool becomes the payload."""
+    """Return the mass to add to each flange so that its tool becomes the payload."""
     return {
         flange: (payload_inertia(payload), _negative(tool_inertia(model, flange)))
         for flange, payload in payloads.items()

@@ -70,7 +70,7 @@ EffortLaw = Callable[[JointState, float], Sequence[float]]
 
 
 class DriveTable(NamedTuple):
-    """What changes in the drives of a robot only with a payload."""
+    """Data of a robot's drives that change only with a payload."""
 
     dt: float
     """Length of a step [s]."""
@@ -85,7 +85,7 @@ class DriveTable(NamedTuple):
 
 
 class DriveSetup(NamedTuple):
-    """What changes in few steps only: by requests, and with the mass matrix."""
+    """Data that change in few steps: by requests, and with the mass matrix."""
 
     drive_limits: Mapping[int, DriveLimits]
     """Limits of goals, by joint."""
@@ -101,17 +101,17 @@ class DriveSetup(NamedTuple):
 
 
 class DriveState(NamedTuple):
-    """What changes in each step."""
+    """Data that change in each step."""
 
     steps: int
-    """Since the last restart."""
+    """Steps since the last restart."""
     gravity: list[float]
     """The part of the effort that compensates gravity, where a drive has limits
     [N·m | N], shape (n_joints,)."""
     compensation: list[float]
-    """The same of the compensated drives; empty if it is to be computed."""
+    """Compensation of the drives that have one; empty if it is to be computed."""
     velocities: Mapping[int, float | None]
-    """What the speed limiters remember, by joint."""
+    """State of the speed limiters, by joint."""
     governor: GovernorState
     servos: list[ServoState]
 
@@ -180,9 +180,9 @@ class RobotHardware:
         self._is_stopped = False
         self._steps = 0
         self._masses: list[tuple[int, list[float]]] = []
-        """For each joint with a servo, its row of the mass matrix of these joints."""
+        """Rows of the mass matrix of the joints with a servo."""
         self._fastest: list[float] = []
-        """For each joint with a servo, the largest acceleration of its drive."""
+        """Largest acceleration of the drive of each joint with a servo."""
         self._servos: dict[int, Servo] = {}
         self._brakes: Mapping[int, float] = {}
         self._governable = [
@@ -195,7 +195,7 @@ class RobotHardware:
             for name, drive in self._drives.items()
             if not self._armatures[name] and name not in masters
         ]
-        """Drives that need to know what they move, to keep to their speed."""
+        """Drives that need the mass that they move, to keep to their speed."""
         self._governor = SpeedGovernor()
         self._compensated = [
             self.index[name]
@@ -265,7 +265,7 @@ class RobotHardware:
         self._claim(joints, interface, state)
 
     def claim_servos(self, joints: Sequence[str], state: JointState) -> None:
-        """Let ``joints`` follow positions, also if their drives offer efforts only.
+        """Claim ``joints`` by position, also if their drives offer efforts only.
 
         Raises:
             ControlError: If a joint has no drive.
@@ -279,7 +279,7 @@ class RobotHardware:
     def claim_efforts(
         self, joints: Sequence[str], law: EffortLaw, state: JointState
     ) -> None:
-        """Let a law drive ``joints`` in each step, whatever their drives offer.
+        """Claim ``joints`` for a law in each step, whatever their drives offer.
 
         Their commands do not count.  The kernel knows no such law.
 
@@ -326,7 +326,7 @@ class RobotHardware:
         self._select_servo(name, state.position[i])
 
     def compensates_gravity(self, joint: str) -> bool:
-        """Return whether a drive carries its load, besides what it is commanded."""
+        """Return whether a drive carries its load in addition to its command."""
         return self.index[joint] in self._compensated
 
     def release(self, joints: Sequence[str], state: JointState) -> None:
@@ -385,14 +385,14 @@ class RobotHardware:
         return self._dynamics.payloads
 
     def set_payload(self, flange: str, payload: Payload | None) -> None:
-        """Take this to be fixed to ``flange``, or what the description has there."""
+        """Set the payload at ``flange``; None is the tool of the description."""
         self._dynamics.set_payload(flange, payload)
         self._table = None
         self._masses, self._compensation = [], []
 
     @property
     def table(self) -> DriveTable:
-        """What changes only with a payload: the same table until then."""
+        """Data that change only with a payload: the same table until then."""
         if self._table is None:
             self._table = DriveTable(
                 self._dt,
@@ -406,7 +406,7 @@ class RobotHardware:
 
     @property
     def setup(self) -> DriveSetup:
-        """What changes in few steps only."""
+        """Data that change in few steps."""
         return DriveSetup(
             dict(self._limiter.drive_limits),
             self._brakes,
@@ -418,7 +418,7 @@ class RobotHardware:
 
     @property
     def state(self) -> DriveState:
-        """What changes in each step."""
+        """Data that change in each step."""
         return DriveState(
             self._steps,
             self._gravity_effort,
@@ -527,7 +527,7 @@ class RobotHardware:
             effort[i] = gravity[i] + reduce(add, map(mul, masses, wanted), 0.0)
 
     def _choose_governed(self) -> None:
-        """Let the speeds be governed of the joints that no brake holds."""
+        """Govern the speeds of the joints that no brake holds."""
         drives = [d for d in self._governable if d.joint not in self._brakes]
         joints = (self.index[name] for name in self.interfaces)
         free = [joint for joint in joints if joint not in self._brakes]

@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tool0.description.joint_tree import JointTree
 from tool0.description.model import JointType
 from tool0.description.transform import Vector3
-from tool0.hardware.bodies import STANDARD_GRAVITY, Matrix, MovingBody, turn_z_to
+from tool0.hardware.bodies import STANDARD_GRAVITY, Matrix, MovingBody
 
 
 class SampledDynamics(NamedTuple):
@@ -35,45 +36,23 @@ def sample_dynamics(
     No joint may mimic another.  ``gravity`` [m/s²] is in the axes of the root.
     """
     n, m = positions.shape
-    rotations = np.empty((m, n, 3, 3))  # of the bodies, in the root
-    origins = np.empty((m, n, 3))
-    axes = np.empty((m, n, 3))
     masses, loads = np.zeros((n, m, m)), np.zeros((n, m))
+    frames = JointTree([body.tree_joint for body in bodies]).forward(positions)
+    rotations, origins, axes = frames
     for k, body in enumerate(bodies):
-        up, at = body.placement[:3, :3], body.placement[:3, 3]
-        if body.parent >= 0:
-            before = rotations[body.parent]
-            up, at = before @ up, origins[body.parent] + before @ at
-        axes[k] = up @ np.asarray(body.joint.axis)
-        if body.joint.type is JointType.PRISMATIC:
-            rotations[k], origins[k] = up, at + positions[:, k, None] * axes[k]
-        else:
-            rotations[k], origins[k] = up @ _turns(body, positions[:, k]), at
         inertia = body.inertia
-        center = origins[k] + rotations[k] @ inertia.center
+        center = origins[:, k] + rotations[k] @ inertia.center
         tensor = rotations[k] @ inertia.tensor @ rotations[k].transpose(0, 2, 1)
         linear, angular = np.zeros((n, m, 3)), np.zeros((n, m, 3))
         joint = k
         while joint >= 0:  # the body's motion per joint velocity
             if bodies[joint].joint.type is JointType.PRISMATIC:
-                linear[:, joint] = axes[joint]
+                linear[:, joint] = axes[:, joint]
             else:
-                linear[:, joint] = np.cross(axes[joint], center - origins[joint])
-                angular[:, joint] = axes[joint]
+                linear[:, joint] = np.cross(axes[:, joint], center - origins[:, joint])
+                angular[:, joint] = axes[:, joint]
             joint = bodies[joint].parent
         masses += inertia.mass * linear @ linear.transpose(0, 2, 1)
         masses += angular @ tensor @ angular.transpose(0, 2, 1)
         loads -= inertia.mass * linear @ np.asarray(gravity)
     return SampledDynamics(masses, loads)
-
-
-def _turns(body: MovingBody, angles: Matrix) -> Matrix:
-    """Return the joint's rotations by ``angles`` [rad], shape (n, 3, 3)."""
-    turn = turn_z_to(body.joint.axis)
-    cos, sin = np.cos(angles), np.sin(angles)
-    about_z = np.zeros((len(angles), 3, 3))
-    about_z[:, 0, 0] = about_z[:, 1, 1] = cos
-    about_z[:, 0, 1], about_z[:, 1, 0] = -sin, sin
-    about_z[:, 2, 2] = 1.0
-    rotations: Matrix = turn @ about_z @ turn.T
-    return rotations

@@ -23,7 +23,7 @@ from tool0.hardware.bodies import STANDARD_GRAVITY, Matrix
 from tool0.hardware.servos import BANDWIDTH, DAMPING_RATIO, INTEGRAL_RATE
 
 _RATE: Final = 2.0 * DAMPING_RATIO * BANDWIDTH
-"""[1/s]"""
+"""Rate of the velocities' decay [1/s]."""
 _STEP_GAIN: Final = 0.8
 """Largest 2 ζ ω r dt, of the 2 at which a servo becomes unstable."""
 _INTEGRAL_SHARE: Final = 0.25

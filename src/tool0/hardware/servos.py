@@ -13,7 +13,7 @@ BANDWIDTH = 80.0
 """Natural frequency of a servo [rad/s]; steps of 1 ms are 12 times shorter."""
 DAMPING_RATIO = 1.0
 STIFF_BANDWIDTH = 200.0
-"""The same where a known rotor inertia dominates, whatever the load: a gripper grips
+"""Bandwidth where a known rotor inertia dominates, whatever the load: a gripper grips
 with its full force if it is stopped 5 mm or more from its target."""
 STOPPED = 0.005
 """Lag from which a stiff servo counts as blocked [rad | m]."""
@@ -27,12 +27,12 @@ STANDSTILL = 0.02
 
 
 class ServoKind(IntEnum):
-    """What a servo does."""
+    """Kind of a servo."""
 
     POSITION = 0
-    """It moves the joint to the controller's position."""
+    """Moves the joint to the controller's position."""
     VELOCITY = 1
-    """It moves the joint at the controller's velocity."""
+    """Moves the joint at the controller's velocity."""
 
 
 class ServoLaw(NamedTuple):
@@ -43,7 +43,7 @@ class ServoLaw(NamedTuple):
     soft: SafetyController | None
     is_stiff: bool = False
     integral_rate: float = INTEGRAL_RATE
-    """[1/s]"""
+    """Integral rate [1/s]."""
 
 
 class ServoState(NamedTuple):
@@ -53,7 +53,7 @@ class ServoState(NamedTuple):
     """Position that it moves to, within its speed limit [rad | m]; 0 if it controls the
     velocity."""
     integral: float
-    """[rad/s² | m/s²]"""
+    """Integral of the error, as an acceleration [rad/s² | m/s²]."""
     speed: float
     """Speed limit of a goal [rad/s | m/s]; infinite if it controls the velocity."""
 
@@ -84,7 +84,7 @@ class PositionServo:
 
     @property
     def state(self) -> ServoState:
-        """What it remembers."""
+        """State between steps."""
         return ServoState(self._target, self._integral, self.speed)
 
     def restore(self, state: ServoState) -> None:
@@ -137,7 +137,7 @@ class VelocityServo:
 
     @property
     def state(self) -> ServoState:
-        """What it remembers."""
+        """State between steps."""
         return ServoState(0.0, self._integral, math.inf)
 
     def restore(self, state: ServoState) -> None:

@@ -18,9 +18,9 @@ FAST: Final = 0.5
 """Part of its largest speed from which a joint is governed: below it, no drive but that
 of a light joint reaches its largest speed within a step of 1 ms."""
 SWEEPS: Final = 20
-"""At most, over all joints."""
+"""Most sweeps over all joints."""
 TOLERANCE: Final = 1e-6
-"""[rad/s | m/s]"""
+"""Excess of speed that ends the sweeps [rad/s | m/s]."""
 PERIOD: Final = 64
 """Steps for which a mobility is used: in 64 ms the fastest wrist turns 0.4 rad."""
 
@@ -38,7 +38,7 @@ class GovernedDrive(NamedTuple):
 
 
 class GovernorSetup(NamedTuple):
-    """What changes with claims and brakes, and while a joint is fast."""
+    """Data that change with claims and brakes, and while a joint is fast."""
 
     drives: tuple[GovernedDrive, ...] = ()
     free: tuple[int, ...] = ()
@@ -49,7 +49,7 @@ class GovernorSetup(NamedTuple):
 
 
 class GovernorState(NamedTuple):
-    """What changes in each step."""
+    """Data that change in each step."""
 
     due: int = 0
     """Step from which the mobility is computed again, if a joint is fast."""
@@ -66,7 +66,7 @@ class SpeedGovernor:
 
     @property
     def setup(self) -> GovernorSetup:
-        """What changes with claims and brakes, and while a joint is fast."""
+        """Data that change with claims and brakes, and while a joint is fast."""
         return self._setup
 
     @setup.setter
@@ -132,7 +132,7 @@ class SpeedGovernor:
             effort[drive.joint] = used[k]
 
     def _share_excess(self, coming: list[float], used: list[float]) -> None:
-        """Let all drives help a joint that its own drive cannot slow down enough.
+        """Share what a joint's own drive cannot brake among all drives.
 
         Each by its effect on that joint (Kaczmarz's method).
         """

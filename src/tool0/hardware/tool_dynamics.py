@@ -16,8 +16,17 @@ from typing import NamedTuple, final
 
 import numpy as np
 
+from tool0.description.flat_frames import (
+    ROOT,
+    Frame,
+    compose,
+    flat_frame,
+    rotate,
+    rotate_back,
+)
 from tool0.description.model import JointType, RobotModel
 from tool0.description.transform import Vector3
+from tool0.description.transform_arrays import turn_z_to
 from tool0.hardware.bodies import (
     STANDARD_GRAVITY,
     BodyInertia,
@@ -27,14 +36,9 @@ from tool0.hardware.bodies import (
     fixed_to_world,
     moving_bodies,
     total_inertia,
-    turn_z_to,
 )
 from tool0.protocol.state import Contact, Wrench
 
-Frame = tuple[float, ...]
-"""Axes x, y, z and origin, 12 floats."""
-
-_WORLD: Frame = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 _ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 
@@ -85,7 +89,8 @@ class ToolDynamics:
         turns.append(np.eye(3))  # the last, -1, is the world's
         self._turns = turns
         self._carrier, frame = _find_body(model, bodies, link)
-        self._flange = _as_frame(turns[self._carrier].T, frame)
+        back = turns[self._carrier].T
+        self._flange = flat_frame(back @ frame[:3, :3], back @ frame[:3, 3])
         self._parts = [
             _as_part(i, inertia, turns[i])
             for i, body in enumerate(bodies)
@@ -123,19 +128,19 @@ class ToolDynamics:
             acceleration: [rad/s² | m/s²]
             contacts: All contacts at that instant; those at other links are ignored.
         """
-        frames = [*self._dynamics.frames(position), _WORLD]
+        frames = [*self._dynamics.frames(position), ROOT]
         motions = self._motions(frames, velocity, acceleration)
-        flange = _compose(frames[self._carrier], self._flange)
+        flange = compose(frames[self._carrier], self._flange)
         px, py, pz = flange[9:]
         fx = fy = fz = tx = ty = tz = 0.0
         for i, mass, center, tensor in (*self._parts, *self._payloads):
             frame, motion = frames[i], motions[i]
-            rx, ry, rz = _rotate(frame, center)
+            rx, ry, rz = rotate(frame, center)
             ax, ay, az = _acceleration_at(motion, (rx, ry, rz))
             ax, ay, az = -mass * ax, -mass * ay, -mass * az
-            w = _rotate_back(frame, motion.angular_velocity)
-            dw = _rotate_back(frame, motion.angular_acceleration)
-            nx, ny, nz = _rotate(frame, _inertial_torque(tensor, w, dw))
+            w = rotate_back(frame, motion.angular_velocity)
+            dw = rotate_back(frame, motion.angular_acceleration)
+            nx, ny, nz = rotate(frame, _inertial_torque(tensor, w, dw))
             rx, ry, rz = rx + frame[9] - px, ry + frame[10] - py, rz + frame[11] - pz
             fx, fy, fz = fx + ax, fy + ay, fz + az
             tx += ry * az - rz * ay - nx
@@ -152,7 +157,7 @@ class ToolDynamics:
                 ty += sign * (rz * ax - rx * az + ny)
                 tz += sign * (rx * ay - ry * ax + nz)
         force, torque = (fx, fy, fz), (tx, ty, tz)
-        return (*_rotate_back(flange, force), *_rotate_back(flange, torque))
+        return (*rotate_back(flange, force), *rotate_back(flange, torque))
 
     def _inertia(
         self, model: RobotModel, links: Iterable[tuple[str, Matrix]]
@@ -230,33 +235,6 @@ def _inertial_torque(tensor: tuple[float, ...], w: Vector3, dw: Vector3) -> Vect
     )
 
 
-def _rotate(frame: Frame, vector: Vector3) -> Vector3:
-    """Return a vector given in ``frame`` in the axes of its parent."""
-    x, y, z = vector
-    a, b, c, d, e, f, g, h, i = frame[:9]
-    return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
-
-
-def _rotate_back(frame: Frame, vector: Vector3) -> Vector3:
-    """Return a vector in the axes of ``frame``: the inverse of ``_rotate``."""
-    x, y, z = vector
-    a, b, c, d, e, f, g, h, i = frame[:9]
-    return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
-
-
-def _compose(outer: Frame, inner: Frame) -> Frame:
-    """Return the frame ``inner``, given in ``outer``, in the parent of ``outer``."""
-    x, y, z = _rotate(outer, _vector3(inner[9:]))
-    return (
-        *_rotate(outer, _vector3(inner[0:3])),
-        *_rotate(outer, _vector3(inner[3:6])),
-        *_rotate(outer, _vector3(inner[6:9])),
-        x + outer[9],
-        y + outer[10],
-        z + outer[11],
-    )
-
-
 def _find_body(
     model: RobotModel, bodies: Sequence[MovingBody], link: str
 ) -> tuple[int, Matrix]:
@@ -272,12 +250,6 @@ def _as_part(body: int, inertia: BodyInertia, turn: Matrix) -> _Part:
     tensor = (turn.T @ inertia.tensor @ turn).ravel().tolist()
     center = _vector3((turn.T @ inertia.center).tolist())
     return _Part(body, inertia.mass, center, tuple(tensor))
-
-
-def _as_frame(rotation: Matrix, frame: Matrix) -> Frame:
-    """Return ``frame`` after ``rotation``, as 12 floats."""
-    turned, origin = rotation @ frame[:3, :3], rotation @ frame[:3, 3]
-    return (*turned.T.ravel().tolist(), *origin.tolist())
 
 
 def _vector3(values: Sequence[float]) -> Vector3:

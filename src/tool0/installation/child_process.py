@@ -209,7 +209,7 @@ def last_lines(text: str, n_lines: int = 6) -> str:
 
 
 def call_in_child(work: Callable[[], R], *, timeout: float, memory: int) -> R:
-    """Return what ``work`` returns, which must be picklable.
+    """Return the result of ``work``, which must be picklable.
 
     Where there is no fork (Windows), it runs here, without limits.
 

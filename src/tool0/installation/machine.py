@@ -52,6 +52,14 @@ class Machine:
                 return f"{command} {package}" if package else ""
         return ""
 
+    def has_desktop(self) -> bool:
+        """Return whether this user would see a window."""
+        if "SSH_CONNECTION" in self.environ and "DISPLAY" not in self.environ:
+            return False
+        if self.system in ("darwin", "win32"):
+            return True
+        return any(self.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+
     def read(self, name: str) -> str:
         """Return the text of a file, empty if there is none."""
         try:

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Final
 
-from tool0.description.catalogue import NO_GRIPPER, Part
+from tool0.description.catalogue import NO_GRIPPER, CataloguePart
 from tool0.description.packages import BUNDLED
 from tool0.description.robot import CatalogueRobot
 from tool0.errors import ConfigError
@@ -132,7 +132,7 @@ def _with_defaults(data: bytes, defaults: Mapping[str, str]) -> bytes:
     return data
 
 
-def _own_part(part: Part) -> Files:
+def _own_part(part: CataloguePart) -> Files:
     """Return the files of your own arm or gripper; none for a built-in one.
 
     Raises:
@@ -156,7 +156,7 @@ def _own_part(part: Part) -> Files:
     }
 
 
-def _for_gazebo(text: str, gripper: Part | None, kind: str) -> str:
+def _for_gazebo(text: str, gripper: CataloguePart | None, kind: str) -> str:
     """Return the YAML of controllers with the gripper's own part for native Gazebo.
 
     The file ``native_<kind>.yaml`` in the gripper's folder replaces the controllers of

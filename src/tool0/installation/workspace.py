@@ -32,11 +32,11 @@ _PROGRAMS: Final = "scripts"
 """The folder of programs."""
 _Files = Mapping[PurePosixPath, bytes]
 _Hashes = dict[PurePosixPath, frozenset[str]]
-"""File, below its package, → SHA-256 of what we may have written there."""
+"""File, below its package, → SHA-256 of the versions that tool0 has written."""
 
 
 class FileAction(Enum):
-    """What happens to one file."""
+    """The treatment of one file."""
 
     ADD = "new"
     UPDATE = "updated"
@@ -51,14 +51,14 @@ class FileAction(Enum):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorkspaceChanges:
-    """What changed in a workspace."""
+    """The changes that were made in a workspace."""
 
     source: Path
-    """The folder that the packages are in."""
+    """The folder of the packages."""
     packages: tuple[str, ...]
     """Their names."""
     actions: Mapping[Path, FileAction]
-    """What happened to each file."""
+    """File → how it was treated."""
     backups: Mapping[Path, Path]
     """Overwritten file → its edited version."""
 

@@ -11,14 +11,16 @@ import re
 import threading
 import time
 from collections import deque
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final, final
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeVar
 
 from tool0.errors import Tool0Error
-from tool0.installation.child_process import ChildProcess
+from tool0.installation.child_process import ChildProcess, last_lines
 
 if TYPE_CHECKING:
     from tool0.api.robot import Robot
+
+C = TypeVar("C", bound="Companion")
 
 START_TIMEOUT: Final = 60.0
 """Longest wait for the process to be up [wall s]."""
@@ -40,61 +42,58 @@ _LEVELS: Final = {
 _numbers = itertools.count(1)
 
 
-@final
 class Companion:
-    """Runs a program until it is closed; the program says in JSON when it is up.
+    """Presents a robot by a program that runs until this is closed.
 
-    A line ``{"ready": true, …}`` on its standard output is that report; other lines are
+    It is a context manager.  The program starts again when it dies.  A line
+    ``{"ready": true, …}`` on its standard output reports that it is up; other lines are
     its log, as ROS prints it: ``[WARN] [time] [name]: text``.
     """
 
+    title: ClassVar[str]
+    """Of the interface, for messages: ``ROS 2``."""
+    kind: ClassVar[str]
+    """Of the program, for messages: ``node``."""
+    unavailable: ClassVar[type[Tool0Error]]
+    """The error if the program does not start."""
+
     def __init__(
         self,
-        title: str,
-        kind: str,
-        command: Sequence[str],
+        robot: Robot | str,
+        command: Callable[[str], list[str]],
         environment: Mapping[str, str],
-        *,
-        logger: logging.Logger,
-        unavailable: type[Tool0Error],
     ) -> None:
-        """Start the program; ``wait`` waits until it is up.
+        """Start the program; ``_wait_for_report`` waits until it is up.
 
         Args:
-            title: Of the interface, for messages: ``ROS 2``.
-            kind: Of the program, for messages: ``node``.
-            command: The program and its arguments.
+            robot: A robot of this process or another one, which the caller closes
+                after this; or the name of a bring-up, which may start later.
+            command: Returns the program and its arguments for the name of a bring-up.
             environment: Its variables.
-            logger: Gets the lines of its log.
-            unavailable: What ``wait`` raises if it does not start.
         """
-        self._title, self._program = title, f"{title} {kind}"
-        self._logger, self._unavailable = logger, unavailable
-        self._command, self._environment = list(command), dict(environment)
+        self._program = f"{self.title} {self.kind}"
+        self._logger = logging.getLogger(type(self).__module__)
+        self._environment = {**environment, "PYTHONUNBUFFERED": "1"}
         self._lines: deque[str] = deque(maxlen=_LAST_LINES)
         self._is_closing = threading.Event()
         self._changed = threading.Condition()
         self._report: Mapping[str, Any] | None = None
         self._failure: str | None = None
         self._child: ChildProcess | None = None
+        with contextlib.ExitStack() as stack:
+            label = self.title.replace(" ", "").lower()
+            self._command = command(_served_name(robot, label, stack))
+            self._service = stack.pop_all()
         self._thread = threading.Thread(
-            target=self._supervise, name=f"tool0 {title}", daemon=True
+            target=self._supervise, name=f"tool0 {self.title}", daemon=True
         )
         self._thread.start()
 
-    def wait(self, timeout: float = START_TIMEOUT) -> Mapping[str, Any]:
-        """Wait until the program is up, and return its report.
+    def __enter__(self: C) -> C:
+        return self
 
-        Raises:
-            Tool0Error: ``unavailable``, if it could not start, or not within
-                ``timeout`` [wall s].
-        """
-        with self._changed:
-            self._changed.wait_for(lambda: self._report or self._failure, timeout)
-            if self._report is not None:
-                return self._report
-            why = self._failure or f"it is not up after {timeout:g} s"
-        raise self._unavailable(f"the {self._program} did not start: {why}")
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     @property
     def pid(self) -> int | None:
@@ -109,6 +108,21 @@ class Companion:
         if child is not None:
             child.close()
         self._thread.join()
+        self._service.close()
+
+    def _wait_for_report(self, timeout: float) -> Mapping[str, Any]:
+        """Wait until the program is up, and return its report.
+
+        Raises:
+            Tool0Error: ``unavailable``, if it could not start, or not within
+                ``timeout`` [wall s].
+        """
+        with self._changed:
+            self._changed.wait_for(lambda: self._report or self._failure, timeout)
+            if self._report is not None:
+                return self._report
+            why = self._failure or f"it is not up after {timeout:g} s"
+        raise self.unavailable(f"the {self._program} did not start: {why}")
 
     # ---- in its thread --------------------------------------------------------------
 
@@ -120,7 +134,7 @@ class Companion:
             status = self._run()
             if self._is_closing.is_set():
                 return
-            last = "\n".join(f"  {line}" for line in self._lines)
+            last = last_lines("\n".join(self._lines), _LAST_LINES)
             if self._report is None:
                 with self._changed:
                     self._failure = f"it ended with status {status}.\n{last}"
@@ -178,10 +192,10 @@ class Companion:
             self._logger.warning("%s: %s", self._program, line)
         else:
             level, text = found.groups()
-            self._logger.log(_LEVELS[level], "%s %s", self._title, text)
+            self._logger.log(_LEVELS[level], "%s %s", self.title, text)
 
 
-def served_name(robot: Robot | str, label: str, stack: contextlib.ExitStack) -> str:
+def _served_name(robot: Robot | str, label: str, stack: contextlib.ExitStack) -> str:
     """Return the name at which a robot is served, and serve it if it is ours.
 
     Args:

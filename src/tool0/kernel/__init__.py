@@ -1,1 +1,1 @@
-"""The control kernel: C sources, their compilation, and what packs their structs."""
+"""The control kernel: C sources, their compilation, and the memory of their structs."""

@@ -76,7 +76,7 @@ def open_library(folder: Path = FOLDER) -> ctypes.CDLL:
 
 
 def source_digest(folder: Path = FOLDER) -> str:
-    """Return what tells the sources, and the flags they are compiled with, from others.
+    """Return a digest of the sources and the flags they are compiled with.
 
     It detects accidents: importing hashlib would take ten times as long.
     """
@@ -196,7 +196,7 @@ def _compile(
 
 
 def _call(command: Sequence[str], folder: Path | None = None) -> str:
-    """Run a compiler, and return what it says."""
+    """Run a compiler, and return its output."""
     import subprocess
 
     try:
@@ -246,7 +246,7 @@ def _install_compiler() -> None:
 
 
 def main(words: Sequence[str], folder: Path = FOLDER) -> int:
-    """Do what the command line says, and return the exit status."""
+    """Run the command line, and return the exit status."""
     if words not in ([], ["--install-compiler"]):
         print(__doc__, file=sys.stderr)
         return 2

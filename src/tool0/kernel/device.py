@@ -38,7 +38,7 @@ class DeviceState(NamedTuple):
     """
 
     steps: Any
-    """Since the reset, shape (n,)."""
+    """Steps since the reset, shape (n,)."""
     position: Any
     velocity: Any
     motors: Any
@@ -64,7 +64,7 @@ class DeviceControl:
         period: float,
         device: str,
     ) -> None:
-        """Let every copy rest.
+        """Start with every copy at rest.
 
         Args:
             running: The running controllers by name, in load order, with their joints.
@@ -137,7 +137,7 @@ class DeviceControl:
     # ---- what a tick launches -------------------------------------------------------
 
     def upload(self) -> bool:
-        """Bring what commands changed to the device; return whether arrays moved.
+        """Copy the changes of commands to the device; return whether arrays moved.
 
         A recorded graph of launches then has to be recorded again.
         """
@@ -228,7 +228,7 @@ class DeviceControl:
     # ---- commands between ticks -----------------------------------------------------
 
     def restart(self, rows: Indices, position: Array) -> None:
-        """Let copies rest at ``position`` of all joints, (len(rows), n_joints)."""
+        """Put copies at rest at ``position`` of all joints, (len(rows), n_joints)."""
         is_chosen = np.zeros(len(self._grips), dtype=np.int32)
         is_chosen[rows] = 1
         self._motions.rest(rows, position[:, self._joints])

@@ -153,7 +153,7 @@ class NativeDrives:
     """
 
     struct: Drives
-    """For ``drives_efforts``."""
+    """The struct for ``drives_efforts``."""
 
     def __init__(self, hardware: RobotHardware) -> None:
         """Continue from the state of ``hardware``."""
@@ -213,7 +213,7 @@ class NativeDrives:
             servo.target, servo.integral, servo.speed = memory
 
     def store(self) -> None:
-        """Let the hardware continue from this state."""
+        """Give the hardware this state back."""
         struct, before = self.struct, self._before
         bounded = self._rotors | self._setup.drive_limits.keys()
         state = DriveState(

@@ -9,12 +9,12 @@ from tool0.control.manager import ControllerManager
 from tool0.hardware.engine import Engine, JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel import library
-from tool0.kernel.program import Program
+from tool0.kernel.program import TickProgram
 
 
 @final
 class Kernel:
-    """Chooses what the kernel executes of one robot's ticks.
+    """Decides which ticks of one robot the kernel executes.
 
     Only the thread that owns the tick may use it.
     """
@@ -30,10 +30,10 @@ class Kernel:
         self._engine, self._hardware, self._manager = engine, hardware, manager
         self._period = period
         self._compiled = None if engine.stepper is None else library.load()
-        self._program: Program | None = None
+        self._program: TickProgram | None = None
 
-    def load(self, state: JointState) -> Program | None:
-        """Let a program execute the ticks from ``state`` on, and return it.
+    def load(self, state: JointState) -> TickProgram | None:
+        """Return a program that executes the ticks from ``state`` on.
 
         None if only Python can: there is no compiled kernel, the engine cannot be
         stepped by it, or a controller has no law.
@@ -49,8 +49,10 @@ class Kernel:
                 return None
             laws.append(law)
         program = self._program
-        if program is None or not program.takes(running, self._manager.running_specs):
-            program = Program(
+        if program is None or not program.try_reuse(
+            running, self._manager.running_specs
+        ):
+            program = TickProgram(
                 compiled,
                 running,
                 self._manager.running_specs,

@@ -6,7 +6,7 @@
 #define PI 3.141592653589793
 #define TAU 6.283185307179586
 
-/* control/spline.shortest_turn(0, error) */
+/* description/model.shortest_turn(0, error) */
 static double wrapped(double error)
 {
     double turn = remainder(error, TAU);
@@ -85,7 +85,7 @@ static int allows(const Piece *piece, double error, double rate)
     return is_within(tolerance, error, rate);
 }
 
-/* Return whether a trajectory goes on: control/watch.TrajectoryWatch.check */
+/* Return whether a trajectory goes on: control/trajectory_monitor.TrajectoryMonitor.check */
 static int trajectory_continues(const Law *law, double time)
 {
     int is_moving = time + law->lead < law->end, are_all_within = 1;

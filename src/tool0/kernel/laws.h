@@ -44,7 +44,7 @@ typedef struct {
     int32_t max_pieces; /* per joint, in pieces */
     int32_t is_moving;
     int32_t is_moving_ahead; /* the same of the commanded motion, if that leads */
-    int32_t watches_all; /* the monitor is a TrajectoryWatch: of all joints together */
+    int32_t watches_all; /* the monitor is a TrajectoryMonitor: of all joints together */
     int32_t has_goal; /* then, too, whether it is for a goal */
     int32_t unused;
     const int32_t *joints; /* their numbers, shape (n) as all below */

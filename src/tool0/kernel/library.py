@@ -30,7 +30,7 @@ class KernelStatus:
     path: Path
     """The library, which may not exist."""
     library: ctypes.CDLL | None
-    """Its calls release the interpreter's lock."""
+    """The library; its calls release the interpreter's lock."""
     reason: str = ""
     """Why there is no library; empty if there is one."""
 

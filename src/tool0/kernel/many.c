@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <pthread.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "export.h"
@@ -11,8 +12,6 @@ int tool0_run(Robot *robot, int most, int *done);
 
 /* ---- ticks ----------------------------------------------------------------------- */
 
-enum { MOST_THREADS = 1024 };
-
 typedef struct {
     Robot *const *robots;
     int n;
@@ -21,32 +20,112 @@ typedef struct {
     int next; /* the copy that the next free thread takes */
 } Work;
 
-static void *take_copies(void *argument)
+/* Threads that wait for work: creating them costs more than many a call, and on a busy
+   machine a new thread is the last in the queue. */
+typedef struct {
+    pthread_mutex_t lock;
+    pthread_cond_t changed; /* there is work, or the pool closes */
+    pthread_cond_t finished; /* no thread is busy */
+    Work work;
+    int has_work, n_busy, n_threads, is_closed;
+} Pool;
+
+static void take_copies(Work *work)
 {
-    Work *work = argument;
     for (;;) {
         int i = __atomic_fetch_add(&work->next, 1, __ATOMIC_RELAXED);
         if (i >= work->n)
-            return NULL;
+            return;
         int done = 0;
         work->results[i] = tool0_run(work->robots[i], work->most[i], &done);
         work->done[i] = done;
     }
 }
 
-/* Execute up to most[i] ticks of each robot, as tool0_run, in so many threads. */
-TOOL0_EXPORT void tool0_run_many(Robot *const *robots, int n, const int32_t *most,
-                                 int threads, int32_t *done, int32_t *results)
+static void free_pool(Pool *pool)
 {
-    Work work = {robots, n, most, done, results, 0};
-    pthread_t others[MOST_THREADS];
-    int n_others = 0;
-    while (n_others < threads - 1 && n_others < n - 1 && n_others < MOST_THREADS
-           && !pthread_create(&others[n_others], NULL, take_copies, &work))
-        n_others++; /* with fewer threads than wanted, it takes longer */
-    take_copies(&work);
-    for (int i = 0; i < n_others; i++)
-        pthread_join(others[i], NULL);
+    pthread_mutex_destroy(&pool->lock);
+    pthread_cond_destroy(&pool->changed);
+    pthread_cond_destroy(&pool->finished);
+    free(pool);
+}
+
+static void *serve(void *argument)
+{
+    Pool *pool = argument;
+    pthread_mutex_lock(&pool->lock);
+    for (;;) {
+        while (!pool->has_work && !pool->is_closed)
+            pthread_cond_wait(&pool->changed, &pool->lock);
+        if (pool->is_closed)
+            break;
+        pool->n_busy++;
+        pthread_mutex_unlock(&pool->lock);
+        take_copies(&pool->work);
+        pthread_mutex_lock(&pool->lock);
+        pool->has_work = 0; /* every copy is taken */
+        if (!--pool->n_busy)
+            pthread_cond_signal(&pool->finished);
+    }
+    int is_last = !--pool->n_threads;
+    pthread_mutex_unlock(&pool->lock);
+    if (is_last)
+        free_pool(pool);
+    return NULL;
+}
+
+/* Return a pool of so many threads, the caller's included, or NULL without memory. */
+TOOL0_EXPORT void *tool0_open_pool(int threads)
+{
+    Pool *pool = calloc(1, sizeof(Pool));
+    if (!pool)
+        return NULL;
+    pthread_mutex_init(&pool->lock, NULL);
+    pthread_cond_init(&pool->changed, NULL);
+    pthread_cond_init(&pool->finished, NULL);
+    pthread_t thread;
+    pthread_mutex_lock(&pool->lock);
+    while (pool->n_threads < threads - 1 && !pthread_create(&thread, NULL, serve, pool)) {
+        pthread_detach(thread);
+        pool->n_threads++; /* with fewer threads than wanted, it takes longer */
+    }
+    pthread_mutex_unlock(&pool->lock);
+    return pool;
+}
+
+/* End the threads; the last one frees the pool. */
+TOOL0_EXPORT void tool0_close_pool(void *opened)
+{
+    Pool *pool = opened;
+    pthread_mutex_lock(&pool->lock);
+    pool->is_closed = 1;
+    pthread_cond_broadcast(&pool->changed);
+    int is_last = !pool->n_threads;
+    pthread_mutex_unlock(&pool->lock);
+    if (is_last)
+        free_pool(pool);
+}
+
+/* Execute up to most[i] ticks of each robot, as tool0_run, in the threads of a pool.
+
+   A thread that wakes up after the last copy was taken is not waited for.  That includes
+   the threads of a parent process, which a fork has not copied. */
+TOOL0_EXPORT void tool0_run_many(void *opened, Robot *const *robots, int n,
+                                 const int32_t *most, int32_t *done, int32_t *results)
+{
+    Pool *pool = opened;
+    pthread_mutex_lock(&pool->lock);
+    pool->work = (Work){robots, n, most, done, results, 0};
+    pool->has_work = 1;
+    for (int i = 1; i < n && i <= pool->n_threads; i++)
+        pthread_cond_signal(&pool->changed);
+    pthread_mutex_unlock(&pool->lock);
+    take_copies(&pool->work);
+    pthread_mutex_lock(&pool->lock);
+    pool->has_work = 0;
+    while (pool->n_busy)
+        pthread_cond_wait(&pool->finished, &pool->lock);
+    pthread_mutex_unlock(&pool->lock);
 }
 
 /* ---- motions: JointTrajectoryController.command with one point ------------------- */

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import weakref
 from collections.abc import Sequence
 from enum import IntEnum
 from typing import final
@@ -13,10 +14,10 @@ from numpy.typing import NDArray
 from tool0.kernel.memory import FloatArray, IntArray
 
 Addresses = NDArray[np.uintp]
-"""Of structs or of numbers, one per copy."""
+"""Addresses of structs or of numbers, one per copy."""
 
 
-class Started(IntEnum):
+class StartResult(IntEnum):
     """Whether motions have started."""
 
     YES = 0
@@ -27,16 +28,21 @@ class Started(IntEnum):
 
 
 @final
-class Many:
+class BatchKernel:
     """Runs robots that are loaded into the kernel, by the addresses of their structs.
 
     Every array has one row per robot.
     """
 
     def __init__(self, compiled: ctypes.CDLL, threads: int) -> None:
-        """Run ticks in so many threads."""
+        """Run ticks in so many threads, which end with this object."""
         self._compiled = compiled
-        self._threads = threads
+        compiled.tool0_open_pool.restype = ctypes.c_void_p
+        pool = compiled.tool0_open_pool(threads)
+        if pool is None:
+            raise MemoryError
+        self._pool = ctypes.c_void_p(pool)
+        weakref.finalize(self, compiled.tool0_close_pool, self._pool)
 
     def run(self, robots: Addresses, most: IntArray) -> tuple[IntArray, IntArray]:
         """Execute up to ``most`` ticks of each; return how many, and ``Ended``."""
@@ -44,7 +50,7 @@ class Many:
         robots, most = np.ascontiguousarray(robots), np.ascontiguousarray(most)
         done, results = np.zeros((2, n), dtype=np.int32)
         self._compiled.tool0_run_many(
-            _at(robots), n, _at(most), self._threads, _at(done), _at(results)
+            self._pool, _at(robots), n, _at(most), _at(done), _at(results)
         )
         return done, results
 
@@ -57,7 +63,7 @@ class Many:
         durations: FloatArray,
         positions: FloatArray,
         velocities: FloatArray | None,
-    ) -> tuple[Started, int]:
+    ) -> tuple[StartResult, int]:
         """Start motions to one point, as ``JointTrajectoryController.command``.
 
         Args:
@@ -84,7 +90,7 @@ class Many:
             None if speeds is None else _at(speeds),
             ctypes.byref(which),
         )
-        return Started(result), which.value
+        return StartResult(result), which.value
 
     def desired(
         self, laws: Addresses, joint: int, now: FloatArray
@@ -98,7 +104,7 @@ class Many:
         result = self._compiled.tool0_desired_many(
             _at(laws), len(laws), joint, _at(now), _at(found)
         )
-        return found if result == Started.YES else None
+        return found if result == StartResult.YES else None
 
 
 def _at(array: NDArray[np.generic]) -> ctypes.c_void_p:

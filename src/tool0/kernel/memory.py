@@ -20,7 +20,7 @@ from tool0.control.sampler import Check, GoalMonitor, Piece
 from tool0.control.spline import JointSpline, Segment, along
 
 MOST_PIECES = 16
-"""Of a motion, per joint; Python continues a longer one."""
+"""Pieces of a motion per joint; Python continues a longer one."""
 PIECE_SIZE = 16
 """Numbers of a piece."""
 
@@ -29,7 +29,7 @@ IntArray = NDArray[np.int32]
 
 
 class LawKind(IntEnum):
-    """What a law does."""
+    """Kind of a law."""
 
     TRAJECTORY = 0
     COMMAND = 1
@@ -206,7 +206,7 @@ class LawMemory:
 
 
 _UNTIL, _ORIGIN, _COEFFICIENTS = 0, 1, slice(2, 8)
-"""Where a piece has them."""
+"""Columns of a piece."""
 _ARRAYS = (
     "joints",
     "wraps",
@@ -226,7 +226,7 @@ _ARRAYS = (
 
 
 def packed(piece: Piece, monitor: GoalMonitor | None = None) -> tuple[float, ...]:
-    """Return a piece as the kernel reads it, with what an active goal checks."""
+    """Return a piece as the kernel reads it, with the checks of an active goal."""
     check, tolerance = Check.NOTHING, UNCHECKED
     if monitor is not None:
         check, tolerance = monitor.check_of(piece)

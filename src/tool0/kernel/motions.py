@@ -24,21 +24,21 @@ class Motions:
     """
 
     def __init__(self, position: Array, wraps: Sequence[bool]) -> None:
-        """Let every joint rest at ``position`` [rad | m], shape (n, k).
+        """Start with every joint at rest at ``position`` [rad | m], shape (n, k).
 
         ``wraps`` tells which joints turn endlessly.
         """
         self._wraps = tuple(wraps)
         self.until: Array = np.full((*position.shape, 1), math.inf)
-        """When the next piece begins [s], shape (n, k, n_pieces)."""
+        """Start of the next piece [s], shape (n, k, n_pieces)."""
         self.origin: Array = np.zeros_like(self.until)
-        """When a piece begins [s]."""
+        """Start of a piece [s]."""
         self.coefficients: Array = np.zeros((*self.until.shape, 4))
-        """Of the polynomial in the time since then, the constant first."""
+        """Coefficients of the polynomial in the time since then, the constant first."""
         self.coefficients[..., 0, 0] = position
 
     def rest(self, rows: Indices, position: Array) -> None:
-        """Let the joints of these robots rest at ``position``, (len(rows), k)."""
+        """Put the joints of these robots at rest at ``position``, (len(rows), k)."""
         self.until[rows] = math.inf
         self.coefficients[rows] = 0.0
         self.coefficients[rows, :, 0, 0] = position

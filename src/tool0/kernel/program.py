@@ -20,7 +20,7 @@ from tool0.control.law import (
     TrajectoryLaw,
 )
 from tool0.control.sampler import GoalMonitor, pieces_from
-from tool0.control.watch import TrajectoryWatch
+from tool0.control.trajectory_monitor import TrajectoryMonitor
 from tool0.hardware.engine import BRAKE_STANDSTILL, JointState, NativeStepper
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
@@ -135,22 +135,22 @@ class _LoadedLaw:
                 self._known_until = min(self._known_until, pieces[-1].until)
             memory.piece[:] = memory.piece_ahead[:] = 0
             struct.next_change = struct.next_change_ahead = -math.inf
-            if isinstance(monitor, TrajectoryWatch):
-                self._watch_all(monitor)
+            if isinstance(monitor, TrajectoryMonitor):
+                self._check_all(monitor)
         struct.is_monitored = monitor is not None
         if isinstance(monitor, GoalMonitor):
             struct.goal_time = monitor.goal_time
             memory.arrived[:] = 0
             memory.arrived[list(monitor.arrived)] = 1
 
-    def _watch_all(self, watch: TrajectoryWatch) -> None:
+    def _check_all(self, monitor: TrajectoryMonitor) -> None:
         struct = self._struct
-        struct.watches_all, struct.has_goal = True, watch.goal is not None
-        struct.end, struct.timeout = watch.end, watch.timeout
-        struct.goal_time = watch.goal_time
+        struct.watches_all, struct.has_goal = True, monitor.goal is not None
+        struct.end, struct.timeout = monitor.end, monitor.timeout
+        struct.goal_time = monitor.goal_time
         self._memory.tolerances[:] = [
             (*path[:2], *goal[:2])
-            for path, goal in zip(watch.path, watch.at_goal, strict=True)
+            for path, goal in zip(monitor.path, monitor.at_goal, strict=True)
         ]
 
     def _load_grip(self, law: GripperLaw) -> None:
@@ -172,7 +172,7 @@ class _LoadedLaw:
         """Give the controller its state back; ``time`` is that of the next tick [s]."""
         law, memory = self._law, self._memory
         if memory.started.any() and isinstance(controller, TrajectoryFollower):
-            controller.adopt(memory.started_splines(), time)
+            controller.resume_from_kernel(memory.started_splines(), time)
             memory.started[:] = 0
         if law.pid is not None:
             law.pid.integrals[:] = memory.integrals.tolist()
@@ -202,7 +202,7 @@ _ENDED = tuple(Ended)  # an index takes a tenth of the time of Ended(...)
 
 
 @final
-class Program:
+class TickProgram:
     """The running controllers and drives of one robot in the kernel's memory.
 
     From ``load`` to ``store``, their state is there, and the objects in Python are out
@@ -251,7 +251,7 @@ class Program:
         self._done = c_int()
         self._arguments = byref(struct), byref(self._done)
 
-    def takes(
+    def try_reuse(
         self,
         running: Sequence[tuple[Controller, Sequence[int]]],
         specs: Sequence[ControllerSpec],
@@ -295,7 +295,7 @@ class Program:
             self._robot.set_stepper(stepper)
 
     def note_steps(self, stepper: NativeStepper) -> bool:
-        """Tell the engine what was executed; return whether a step was."""
+        """Tell the engine the executed steps; return whether there were any."""
         before, steps = stepper.steps(), self.steps
         stepper.note_steps(steps, self._robot.effort.tolist())
         return steps > before
@@ -312,7 +312,7 @@ class Program:
 
     @property
     def robot_address(self) -> int:
-        """Of the struct, for ``Many``."""
+        """Address of the struct, for ``BatchKernel``."""
         return addressof(self._struct)
 
     @property
@@ -327,7 +327,7 @@ class Program:
         return self._robot.effort
 
     def law_address(self, controller: int) -> int:
-        """Of the law of a running controller, by its number."""
+        """Return the address of the law of a running controller, by its number."""
         laws = [law for law in self._laws[:controller] if law is not None]
         return addressof(self._robot.laws) + len(laws) * sizeof(LawStruct)
 

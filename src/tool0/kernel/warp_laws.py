@@ -261,7 +261,7 @@ def restart(
     before: wp.array2d[float],
     effort: wp.array2d[float],
 ) -> None:
-    """Forget what laws and drives of the chosen robots remember."""
+    """Reset the state of laws and drives of the chosen robots."""
     robot = wp.tid()
     if is_chosen[robot] == 0:
         return

@@ -1,1 +1,1 @@
-"""Kinematics of an arm: Jacobian, inverse kinematics, straight paths of its tool."""
+"""Kinematics of an arm: forward kinematics, Jacobian, inverse kinematics."""

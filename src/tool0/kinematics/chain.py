@@ -9,6 +9,7 @@ from typing import NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
+from tool0.description.joint_tree import JointTree, place_links
 from tool0.description.model import FLANGE, Joint, JointLimits, RobotModel
 from tool0.description.parts import ARM_JOINTS, find_arms
 from tool0.description.transform import Transform, to_transform
@@ -30,8 +31,17 @@ class Posture(NamedTuple):
     @property
     def jacobian(self) -> Array:
         """V_base_tip per joint velocity, linear above angular, shape (n, 6, 6)."""
-        lever = self.T_base_tip[:, None, :3, 3] - self.points
-        columns = np.concatenate([np.cross(self.axes, lever), self.axes], axis=2)
+        return self.jacobian_at(self.T_base_tip[:, :3, 3])
+
+    def jacobian_at(self, point: Array) -> Array:
+        """Return that of a ``point`` fixed to the tip, in the base [m], (n, 3)."""
+        x, y, z = self.axes.transpose(2, 0, 1)
+        rx, ry, rz = (point[:, None] - self.points).transpose(2, 0, 1)
+        columns = np.empty((len(point), ARM_JOINTS, 6))
+        columns[..., 0] = y * rz - z * ry
+        columns[..., 1] = z * rx - x * rz
+        columns[..., 2] = x * ry - y * rx
+        columns[..., 3:] = self.axes
         return columns.swapaxes(1, 2)
 
 
@@ -46,61 +56,22 @@ class ArmChain:
         self.base = joints[0].parent
         """The link that carries the arm."""
         self.tip = tip
-        steps = []
-        link = self.base
-        for joint in self.joints:
-            step = fixed_transform(model, link, joint.parent)
-            steps.append((step @ to_transform(joint.origin)).matrix)
-            link = joint.child
-        self._steps = np.array(steps)
-        self._last = fixed_transform(model, link, tip).matrix
-        self._axes = np.array([joint.axis for joint in joints])
-        self._crosses = np.array([cross_matrix(*axis) for axis in self._axes])
-        self._squares = self._crosses @ self._crosses
-
-    @property
-    def fixed_parts(self) -> tuple[Array, Array, Array]:
-        """What does not turn.
-
-        The pose of each joint in the link before it, shape (6, 4, 4), of the tip in the
-        last link, shape (4, 4), and the axes in the joints' frames, shape (6, 3).
-        """
-        return self._steps, self._last, self._axes
+        placed = place_links(model, [tip], self.base)
+        self.tree = placed.tree
+        """The joints in ``base``."""
+        self.T_last_tip: Transform = placed.placements[tip][1]
+        """The tip in the frame of the last joint."""
+        self._forward = JointTree(self.tree)
+        self._last = self.T_last_tip.matrix
 
     def forward(self, q: Array) -> Posture:
         """Return the pose of the flange at positions ``q`` [rad], shape (n, 6)."""
-        turns = rodrigues(self._crosses, self._squares, q)
-        axes = np.empty((len(q), ARM_JOINTS, 3))
-        points = np.empty_like(axes)
-        R = np.broadcast_to(np.eye(3), (len(q), 3, 3))
-        p = np.zeros((len(q), 3))
-        for k, step in enumerate(self._steps):
-            p = p + R @ step[:3, 3]
-            R = R @ step[:3, :3]
-            points[:, k] = p
-            axes[:, k] = R @ self._axes[k]
-            R = R @ turns[:, k]
+        rotations, points, axes = self._forward.forward(q)
         T = np.zeros((len(q), 4, 4))
-        T[:, :3, :3] = R @ self._last[:3, :3]
-        T[:, :3, 3] = p + R @ self._last[:3, 3]
+        T[:, :3, :3] = rotations[-1] @ self._last[:3, :3]
+        T[:, :3, 3] = points[:, -1] + rotations[-1] @ self._last[:3, 3]
         T[:, 3, 3] = 1.0
         return Posture(T, axes, points)
-
-
-def cross_matrix(x: float, y: float, z: float) -> Array:
-    """Return the matrix K of a vector, such that K @ v is its cross product with v."""
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
-
-def rodrigues(K: Array, K_squared: Array, angle: Array) -> Array:
-    """Return rotations by ``angle`` [rad], shape (…), about unit axes.
-
-    Rodrigues' formula with the axes' cross-product matrices ``K``, of shape (3, 3) or
-    that of the result, (…, 3, 3).
-    """
-    sin, versine = np.sin(angle), 1.0 - np.cos(angle)
-    turn = sin[..., None, None] * K
-    return np.asarray(np.eye(3) + turn + versine[..., None, None] * K_squared)
 
 
 def find_chains(

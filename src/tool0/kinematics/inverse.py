@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from tool0.description.model import JointType
+from tool0.description.transform_arrays import sine_vectors
 from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import SINGULAR, ArmGeometry, wrapped
@@ -188,10 +189,7 @@ class InverseKinematics:
 def _twist(T: Array, T_wanted: Array) -> Array:
     """Return the twist from ``T`` to ``T_wanted``, for small ones, shape (n, 6)."""
     R = T_wanted[..., :3, :3] @ T[:, :3, :3].swapaxes(1, 2)
-    turn = np.stack(
-        [R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]],
-        axis=1,
-    )
+    turn = sine_vectors(R)
     # Beyond 90 degrees the sine shrinks again: use a large value there.
     far = np.trace(R, axis1=1, axis2=2) < 1.0
     turn[far] = np.where(turn[far] >= 0.0, 2.0, -2.0)

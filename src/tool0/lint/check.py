@@ -36,14 +36,14 @@ _Expansion = tuple[Path, tuple[tuple[str, str], ...]]
 @final
 @dataclass(frozen=True, slots=True)
 class CheckReport:
-    """The findings of one run, and what was checked."""
+    """The findings of one run, and the checked files."""
 
     findings: tuple[Finding, ...]
-    """By file and line."""
+    """The findings, sorted by file and line."""
     files: tuple[Path, ...]
-    """What was checked."""
+    """The checked files."""
     notes: tuple[str, ...]
-    """What could not be checked, and why: no fault of the files."""
+    """Checks that were not possible, and why; the files are not at fault."""
 
     @property
     def n_errors(self) -> int:
@@ -236,7 +236,7 @@ class _Check:
         *arguments: P.args,
         **keywords: P.kwargs,
     ) -> R | None:
-        """Return what ``work`` returns, or None and add a finding if it fails."""
+        """Return the result of ``work``; if it fails, add a finding and return None."""
         try:
             return run_limited(work, *arguments, **keywords)
         except RecursionError:

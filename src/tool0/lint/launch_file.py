@@ -53,11 +53,11 @@ class ParsedLaunch:
     """Whether the robot is spawned in Gazebo."""
     launch: LaunchFile | None = field(default=None, repr=False)
     notes: tuple[str, ...] = ()
-    """What could not be analysed."""
+    """Parts of the file that could not be analysed."""
 
 
 def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
-    """Return what a launch file loads, and its own faults."""
+    """Return the robot and parameters that a launch file loads, and its findings."""
     if is_xml_of_ros2(file):
         note = f"{file}: launch files of ROS 2 in XML are not read"
         return ParsedLaunch(findings=(), notes=(note,))

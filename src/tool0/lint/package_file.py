@@ -84,7 +84,7 @@ def package_findings(
 def _reached(
     declared: Iterable[str], packages: PackageIndex
 ) -> tuple[dict[str, str], bool]:
-    """Return what is installed indirectly, by which dependency, and if all is known."""
+    """Return indirect package → its dependency, and whether all packages are known."""
     by: dict[str, str] = {}
     waiting, is_whole = [(name, name) for name in sorted(declared)], True
     while waiting:

@@ -21,7 +21,7 @@ P = ParamSpec("P")
 TIMEOUT = 10.0
 """[wall s]; the largest robots take a tenth of it."""
 MEMORY = 2 << 30
-"""[bytes] beyond what this process holds."""
+"""Memory beyond that of this process [bytes]."""
 
 
 class ResourceLimitError(Tool0Error):

@@ -81,7 +81,7 @@ def read_robot(
     *,
     spawned: bool | None = None,
 ) -> ParsedRobot:
-    """Return the robot of a file, and what is wrong with it.
+    """Return the robot of a file, and its findings.
 
     Args:
         file: URDF or xacro.
@@ -143,7 +143,7 @@ def _unused(file: Path, given: Iterable[str], known: set[str]) -> Iterator[Findi
 
 
 def read_xacro_source(file: Path, packages: Packages) -> XacroSource:
-    """Return what a xacro file holds before any expansion."""
+    """Return the content of a xacro file before any expansion."""
     nothing = XacroSource((), makes_a_robot=False, includes=(), needs=())
     with preferring(packages):
         try:
@@ -172,7 +172,7 @@ def read_xacro_source(file: Path, packages: Packages) -> XacroSource:
 def robot_findings(
     root: LocatedElement, packages: Packages = _NONE, *, spawned: bool | None = None
 ) -> Iterator[Finding]:
-    """Yield what is wrong in a <robot> of URDF, or of expanded xacro."""
+    """Yield the findings in a <robot> of URDF, or of expanded xacro."""
     facts = facts_of(Tag(root))
     robot = Robot(Tag(root), facts, facts.bodies(), PackageIndex(packages), spawned)
     for rules in _ROBOT_RULES:
@@ -182,7 +182,7 @@ def robot_findings(
 def xacro_findings(
     root: LocatedElement, packages: Packages = _NONE
 ) -> Iterator[Finding]:
-    """Yield what is wrong in a xacro file as it is written, before any expansion."""
+    """Yield the findings in a xacro file as it is written, before any expansion."""
     for rules in _XACRO_RULES:
         yield from _at_most(rules(Tag(root), PackageIndex(packages)))
 

@@ -23,7 +23,7 @@ _ROOT = re.compile(r"<\s*([A-Za-z_][\w.-]*)(?=[\s/>])")
 
 
 class FileKind(Enum):
-    """What a file is."""
+    """The kinds of files."""
 
     URDF = "URDF"
     XACRO = "xacro"
@@ -52,14 +52,14 @@ class Sources:
     packages: dict[str, Path] = field(default_factory=dict)
     """Name → folder, of the packages below the folders that were named."""
     skipped: list[tuple[Path, str]] = field(default_factory=list)
-    """What was not read, and why."""
+    """The files that were not read, and why."""
 
     def of(self, *kinds: FileKind) -> Iterator[Source]:
         return (source for source in self.files if source.kind in kinds)
 
 
 def collect(paths: Iterable[Path]) -> Sources:
-    """Return what ``paths``, files and folders, hold.
+    """Return the sources in ``paths``, which are files or folders.
 
     Raises:
         ConfigError: If a path does not exist, or a file that was named cannot be read
@@ -115,7 +115,7 @@ def _add(sources: Sources, file: Path, was_named: bool) -> None:
 
 
 def read_text(file: Path) -> str:
-    """Return what a file holds.
+    """Return the text of a file.
 
     Raises:
         ConfigError: If it is not UTF-8.
@@ -138,7 +138,7 @@ def finding_of(error: Exception, rule: str, file: Path) -> Finding:
 
 
 def kind_of(file: Path) -> FileKind | None:
-    """Return what a file is, by its name and, for XML, by its outermost element."""
+    """Return the kind of a file, by its name and, for XML, by its outermost element."""
     name, suffix = file.name, file.suffix.lower()
     if name == "package.xml":
         return FileKind.PACKAGE

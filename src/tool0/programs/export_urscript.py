@@ -8,11 +8,11 @@ from typing import final
 
 import numpy as np
 
-from tool0.description.model import FLANGE
+from tool0.description.model import FLANGE, ROBOTIQ
+from tool0.description.transform_arrays import matrix_of, rotation_vector
 from tool0.errors import ProgramError
 from tool0.kinematics.chain import Array, fixed_transform
-from tool0.kinematics.moves import Move
-from tool0.kinematics.pose import matrix_of, rotation_vector
+from tool0.motion.moves import Move
 from tool0.programs.planning import moves_from, problems_text, static_problems
 from tool0.programs.robot_context import RobotContext
 from tool0.protocol.program import (
@@ -126,6 +126,11 @@ class _Writer:
         geometry = self._context.geometry
         opening = self._context.opening(step)
         assert geometry is not None  # the opening is known
+        if geometry.protocol != ROBOTIQ:
+            raise ProgramError(
+                f"step {path_text(path)}: URScript has functions for Robotiq's "
+                "grippers, and this one does not name their protocol"
+            )
         speed = _percent(geometry.speed, step.speed)
         yield f"rq_set_speed_norm({speed:.6g})"
         yield f"rq_set_force_norm({_percent(geometry.force, step.force):.6g})"

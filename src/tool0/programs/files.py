@@ -33,7 +33,7 @@ class ProgramFile:
     program: Program
     file: Path | None
     lines: Mapping[StepPath, int]
-    """Of each step, from 1 on."""
+    """Step → its line, from 1 on."""
 
     def located(self, problem: ProgramProblem) -> ProgramProblem:
         """Return a problem with the line of its step."""

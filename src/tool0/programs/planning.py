@@ -15,8 +15,7 @@ import numpy as np
 
 from tool0.errors import ControlError, ModelError, did_you_mean
 from tool0.kinematics.chain import Array
-from tool0.kinematics.moves import Move, MoveError, MovePlan
-from tool0.kinematics.segments import sampled
+from tool0.motion.moves import Move, MoveError, MovePlan
 from tool0.programs.robot_context import RobotContext
 from tool0.protocol.program import (
     MOST_NESTED,
@@ -74,12 +73,12 @@ class ProgramPath:
     """A path of a program's arm, from rest to rest."""
 
     steps: tuple[StepPath, ...]
-    """Of its moves."""
+    """The steps of its moves."""
     plan: MovePlan
 
     def is_from(self, step: StepPath, q: Sequence[float] | Array) -> bool:
         """Return whether it begins with a step, at ``q`` [rad]."""
-        start = self.plan.knots.q[0]
+        start = self.plan.path.positions[0]
         return self.steps[0] == step and bool(np.abs(start - q).max() < _SAME)
 
 
@@ -98,7 +97,7 @@ class ProgramPlan:
 
     program: Program
     paths: tuple[ProgramPath, ...] = ()
-    """In the order in which they are executed first."""
+    """The paths, in the order of their first execution."""
     problems: tuple[ProgramProblem, ...] = ()
     warnings: tuple[ProgramProblem, ...] = ()
 
@@ -318,7 +317,7 @@ def preview(paths: Sequence[ProgramPath], context: RobotContext) -> PlannedMotio
         n = max(2, round(plan.duration / spacing) + 1)
         grid = np.linspace(0.0, plan.duration, n)
         times += (start + grid).tolist()
-        rows += sampled(plan.knots, grid).q.tolist()
+        rows += plan.path.at(grid).positions.tolist()
         steps += [path.steps[plan.move_at(time)] for time in grid.tolist()]
         start += plan.duration
     tools = context.tool(np.array(rows).reshape(-1, 6))[:, :3, 3]

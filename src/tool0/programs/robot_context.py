@@ -1,4 +1,4 @@
-"""What a program finds: the arm, its surroundings, and the named poses."""
+"""The context of a program: the arm, its surroundings, and the named poses."""
 
 from __future__ import annotations
 
@@ -16,9 +16,8 @@ from tool0.errors import ControlError, did_you_mean
 from tool0.hardware.limits import DriveLimits
 from tool0.kinematics.chain import ArmChain, Array, fixed_transform
 from tool0.kinematics.inverse import InverseKinematics
-from tool0.kinematics.move_planner import MovePlanner
-from tool0.kinematics.moves import Move
-from tool0.kinematics.pose import rotation_vector
+from tool0.motion.moves import Move, pose_numbers
+from tool0.motion.planner import MovePlanner
 from tool0.protocol.program import (
     GripperStep,
     MoveLinearStep,
@@ -40,15 +39,15 @@ class RobotContext:
     tip: str
     """The link at the end of the arm."""
     joints: tuple[Joint, ...]
-    """Of the arm, with the limits that apply; from base to flange."""
+    """Joints of the arm from base to flange, with the limits that apply."""
     positions: Mapping[str, float]
-    """Of all joints of the robot now [rad | m]."""
+    """Present position of every joint of the robot [rad | m]."""
     find_pose: Callable[[str], Mapping[str, float]]
     """Returns the positions of a named pose, or raises ControlError."""
     gripper: str | None
     """The name of the gripper that the arm uses, if it has one."""
     geometry: ParallelGripper | None
-    """Of that gripper."""
+    """Geometry of the arm's gripper."""
     objects: Collection[str]
     """The names of the scene's objects."""
 
@@ -84,7 +83,7 @@ class RobotContext:
             ControlError: If the arm is not built like a UR.
         """
         T_base_root = np.linalg.inv(self.T_root_base)
-        tcp = _six(self.T_tip_tool)
+        tcp = pose_numbers(self.T_tip_tool)
         return MovePlanner(InverseKinematics(self.chain), tcp, np.asarray(T_base_root))
 
     def tool(self, q: Array) -> Array:
@@ -127,7 +126,7 @@ class RobotContext:
         T = self.tool(start[None])[0]
         T[:3, 3] += step.distance * self.direction(step, T)
         a, v = step.acceleration, step.speed
-        return Move(kind="linear", pose=_six(T), a=a, v=v)
+        return Move(kind="linear", pose=pose_numbers(T), a=a, v=v)
 
     def direction(self, step: UntilStep, T_root_tool: Array) -> Array:
         """Return the direction of a search in the root's axes, a unit vector."""
@@ -173,7 +172,7 @@ class RobotContext:
                     f"a target cannot be relative to '{link}', which the arm moves"
                 )
             T = link_poses(self.model, self.positions)[link].matrix @ T
-        return _six(T)
+        return pose_numbers(T)
 
     # ---- the gripper ----------------------------------------------------------------
 
@@ -193,8 +192,3 @@ class RobotContext:
 
 def _transform(pose: ToolPose) -> Array:
     return np.asarray(to_transform(Pose(xyz=pose.xyz, rpy=pose.rpy)).matrix)
-
-
-def _six(T: Array) -> tuple[float, ...]:
-    """Return a pose as UR writes it: position and rotation vector [m, rad]."""
-    return (*T[:3, 3].tolist(), *rotation_vector(T[:3, :3]).tolist())

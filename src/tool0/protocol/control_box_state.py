@@ -21,7 +21,7 @@ N_ANALOG: Final = 2
 
 
 class AnalogDomain(IntEnum):
-    """What an analogue pin measures or controls."""
+    """The quantity that an analogue pin measures or controls."""
 
     CURRENT = 0
     """4 … 20 mA, given in [A]."""
@@ -67,7 +67,7 @@ UNSTOPPED: Final = (SafetyMode.NORMAL, SafetyMode.REDUCED)
 
 
 class ProgramState(Enum):
-    """What the program that controls the arm does.
+    """State of the program that controls the arm.
 
     It is the one that lets clients use the controllers, or, while the arm is taken, the
     one that took it.
@@ -100,28 +100,28 @@ Pose6 = tuple[float, float, float, float, float, float]
 
 @final
 class SafetyLimits(Struct, frozen=True, kw_only=True):
-    """What stops an arm by itself."""
+    """Limits that stop an arm automatically."""
 
     is_enabled: bool = False
     """Whether anything does; without it, only requests stop the arm."""
     force: float = 150.0
-    """Of contacts with the tool or a link but the base [N]; a UR's default preset."""
+    """Largest contact force, but at the base [N]; a UR's default preset."""
 
 
 @final
 class UrReport(Struct, frozen=True, kw_only=True):
-    """What the interface of UR's protocols shows of itself."""
+    """State of the interface of UR's protocols."""
 
     program: str = ""
     """The name of its program; empty if there is none."""
     program_state: str = "STOPPED"
-    """As RTDE names ``runtime_state``: STOPPED, PLAYING, PAUSED, …"""
+    """RTDE's ``runtime_state``: STOPPED, PLAYING, PAUSED, …"""
     popup: str | None = None
     """The text that waits for an answer."""
     clients: int = 0
     """Connections to all of its ports."""
     registers: Mapping[str, bool | int | float] = field(default_factory=dict)
-    """Those that are not zero, by their names in RTDE: ``output_int_register_0``."""
+    """Registers that are not zero, by name in RTDE: ``output_int_register_0``."""
 
 
 _UNUSED: Final = (AnalogPin(),) * N_ANALOG
@@ -133,13 +133,13 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     """The control box of one arm; the same object until something changes."""
 
     arm: str
-    """As ``list_arms`` names it."""
+    """Name of the arm in ``list_arms``."""
     prefix: str
-    """Of the names of its links and joints."""
+    """Prefix of the names of its links and joints."""
     digital_inputs: tuple[bool, ...] = _OFF
     """Standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
     digital_outputs: tuple[bool, ...] = _OFF
-    """In the same order."""
+    """Digital outputs, in the same order."""
     analog_inputs: tuple[AnalogPin, ...] = _UNUSED
     """0 and 1"""
     analog_outputs: tuple[AnalogPin, ...] = _UNUSED
@@ -149,15 +149,15 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     tool_voltage: int = 0
     """Supplied by the tool's connector [V]: 0, 12 or 24."""
     tool_current: float = 0.0
-    """[A]; nothing in the simulation draws any."""
+    """Current of the tool [A]; nothing in the simulation draws any."""
     tool_temperature: float = 25.0
-    """[°C]; a constant, room temperature."""
+    """Temperature of the tool [°C]; a constant, room temperature."""
     speed_slider: float = 1.0
     """Fraction of the programmed speed, 0.01 … 1."""
     speed_scaling: float = 1.0
     """The factor that scaled trajectories follow now: the slider's, 0 when paused."""
     payload: Payload
-    """What the drives take to be at the flange."""
+    """Payload that the drives assume at the flange."""
     tcp: Pose6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     """The tool centre point, in the frame of the flange; stored for clients."""
     robot_mode: RobotMode = RobotMode.RUNNING
@@ -167,16 +167,16 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     protective_stop: str = ""
     """Why the arm is in a protective stop; empty if it is not."""
     safety_limits: SafetyLimits = SafetyLimits()
-    """What stops it by itself."""
+    """Limits that stop the arm automatically."""
     program: ProgramState = ProgramState.PLAYING
-    """What the program that controls the arm does."""
+    """State of the program that controls the arm."""
     taken_by: str = ""
     """The program that moves the arm in place of controllers; empty without one."""
     motion_failure: str = ""
     """Why the motion of that program failed: nothing moves the arm until the program
     takes it again.  Empty if it did not."""
     ur: UrReport | None = None
-    """Of UR's protocols; None unless they are served."""
+    """State of UR's protocols; None unless they are served."""
 
     @property
     def may_move(self) -> bool:
@@ -194,6 +194,6 @@ class Payload(Struct, frozen=True):
     """Mass and centre of gravity of all that is fixed to an arm's flange."""
 
     mass: Annotated[float, Meta(ge=0.0, le=1000.0)]
-    """[kg]"""
+    """Mass [kg]."""
     center_of_gravity: Vector3 = (0.0, 0.0, 0.0)
-    """In the flange's frame [m]."""
+    """Center of gravity in the flange's frame [m]."""

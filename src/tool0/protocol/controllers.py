@@ -17,18 +17,18 @@ from tool0.protocol.trajectories import JointsMotion, TrajectoryState
 
 
 class Role(enum.Enum):
-    """What a controller is for: which requests it takes."""
+    """The purpose of a controller: which requests it takes."""
 
     TRAJECTORY = "trajectory"
-    """It follows trajectories: ``TrajectoryFollower``."""
+    """Follows trajectories: ``TrajectoryFollower``."""
     GRIPPER = "gripper"
-    """It moves one joint and squeezes: ``GripperDriver``."""
+    """Moves one joint and squeezes: ``GripperDriver``."""
     COMMAND = "command"
-    """It takes a number for each joint: ``CommandTaker``."""
+    """Takes a number for each joint: ``CommandTaker``."""
     MOTION = "motion"
-    """It is tool0's own, and moves an arm: ``requests/arm_motion.py``."""
+    """Moves an arm; tool0's own controller: ``requests/arm_motion.py``."""
     READER = "reader"
-    """It moves nothing."""
+    """Moves nothing."""
 
 
 KIND_OF: Final = {
@@ -45,11 +45,11 @@ class ControllerStatus:
     """A loaded controller: controller_manager_msgs/ControllerState."""
 
     name: str
-    """Its name in the YAML."""
+    """Name in the YAML."""
     type: str
-    """As in the YAML: ``effort_controllers/JointTrajectoryController``."""
+    """Type in the YAML: ``effort_controllers/JointTrajectoryController``."""
     role: Role
-    """What it is for."""
+    """Role of the controller."""
     state: str
     """ROS 1: ``initialized`` after loading, then ``running`` or ``stopped``.  ROS 2:
     ``unconfigured`` after loading, then ``inactive`` or ``active``."""
@@ -58,9 +58,9 @@ class ControllerStatus:
     claimed: tuple[tuple[str, tuple[str, ...]], ...]
     """Each command interface with the joints; claims count while it is running."""
     command_interfaces: tuple[str, ...] = ()
-    """What it requires to command: ``elbow_joint/position``."""
+    """Required command interfaces: ``elbow_joint/position``."""
     state_interfaces: tuple[str, ...] = ()
-    """What it requires to read, as ROS 2 names it."""
+    """Required state interfaces, as ROS 2 names them."""
     blocked: str = ""
     """Why it cannot be started: its arm is in a protective stop, powered off, or taken
     by another program; empty if it can."""
@@ -112,11 +112,11 @@ def start_command(name: str) -> str:
 
 
 UNLIMITED: Final = sys.float_info.max
-"""As a limit of gains: they are sent as JSON, which has no infinity."""
+"""Unlimited, as a limit of gains: these are sent as JSON, which has no infinity."""
 
 
 class Unwinding(enum.Enum):
-    """What keeps the integral of a PID from growing while its command is limited."""
+    """Protection of a PID's integral from growing while its command is limited."""
 
     NONE = 0
     CONDITIONAL_INTEGRATION = 1
@@ -154,9 +154,9 @@ class Gains:
     error_deadband: float = 0.0
     """Errors up to this are not integrated [rad | m]."""
     unwinding: Unwinding = Unwinding.NONE
-    """How the integral gives way while the command is at a limit."""
+    """Behaviour of the integral while the command is at a limit."""
     tracking_time: float = 1.0
-    """Of BACK_CALCULATION: the shorter, the faster the integral shrinks [s]."""
+    """Time constant of BACK_CALCULATION [s]: shorter shrinks the integral faster."""
 
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, (self.p, self.i, self.d))):

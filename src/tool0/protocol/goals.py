@@ -34,7 +34,7 @@ class GoalStatus(enum.Enum):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GoalResult:
-    """How a trajectory goal ended: control_msgs/FollowJointTrajectoryResult."""
+    """Result of a trajectory goal: control_msgs/FollowJointTrajectoryResult."""
 
     INVALID_GOAL = -1
     PATH_TOLERANCE_VIOLATED = -4
@@ -43,9 +43,9 @@ class GoalResult:
     status: GoalStatus
     """SUCCEEDED, ABORTED or PREEMPTED."""
     error_code: int = 0
-    """0, or ROS's code of what went wrong, such as ``PATH_TOLERANCE_VIOLATED``."""
+    """0, or ROS's code of the error, such as ``PATH_TOLERANCE_VIOLATED``."""
     error_string: str = ""
-    """What went wrong: which joint, by how much."""
+    """Cause of an abort: which joint, by how much."""
 
     @property
     def is_violation(self) -> bool:
@@ -57,22 +57,22 @@ class GoalResult:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GripperResult:
-    """How a gripper goal ended: control_msgs/GripperCommandResult, joint units."""
+    """Result of a gripper goal: control_msgs/GripperCommandResult, joint units."""
 
     status: GoalStatus
     """SUCCEEDED, ABORTED or PREEMPTED."""
     position: float
-    """Of the driven joint [rad | m]."""
+    """Position of the driven joint [rad | m]."""
     effort: float
-    """That the drive exerts [N·m | N]."""
+    """Effort of the drive [N·m | N]."""
     stalled: bool
     """Whether the joint stood still before it arrived."""
     reached_goal: bool
     """Whether the joint arrived within the goal tolerance."""
     holds: bool = False
-    """Whether something presses on both fingers: what stopped the joint is held."""
+    """Whether something presses on both fingers: an object is held."""
     error_string: str = ""
-    """What stopped the joint before it arrived; empty if it arrived."""
+    """Cause of a stop before arrival; empty if the joint arrived."""
 
 
 Result = GoalResult | GripperResult
@@ -92,7 +92,7 @@ class Goal:
         self._callbacks: list[Callable[[Goal], None]] = []
         self._lock = threading.Lock()
         self.explain: Callable[[Result], Result] = lambda result: result
-        """Adds to the outcome what the controller does not know, such as contacts."""
+        """Adds to the outcome facts beyond the controller, such as contacts."""
 
     @property
     def status(self) -> GoalStatus:
@@ -100,7 +100,7 @@ class Goal:
 
     @property
     def result(self) -> Result | None:
-        """How it ended; None while it is active."""
+        """The outcome; None while the goal is active."""
         return self._result
 
     def finish(self, result: Result) -> None:
@@ -131,9 +131,9 @@ class Tolerance(NamedTuple):
     """Largest allowed errors of one joint; 0 is not checked."""
 
     position: float = 0.0
-    """[rad | m]"""
+    """Position error [rad | m]."""
     velocity: float = 0.0
-    """[rad/s | m/s]"""
+    """Velocity error [rad/s | m/s]."""
     acceleration: float = 0.0
     """Never violated: no acceleration is measured, in ROS as here."""
 

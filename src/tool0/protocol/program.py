@@ -27,7 +27,7 @@ Acceleration = Annotated[float, Meta(gt=0.0, le=1000.0)]
 Duration = Annotated[float, Meta(ge=0.0, le=1e6)]
 """[s]"""
 Pin = Annotated[int, Meta(ge=0, le=17)]
-"""Of the arm's control box: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
+"""Number at the control box: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
 StepPath = tuple[int, ...]
 """The numbers of a step and of the loops around it, from the outermost on."""
 
@@ -54,7 +54,7 @@ class ToolPose(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class _Step(
     Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind"
 ):
-    """What every step is made of."""
+    """The base of every step."""
 
 
 class _Move(_Step, frozen=True, kw_only=True):
@@ -65,7 +65,8 @@ class _Move(_Step, frozen=True, kw_only=True):
     may be left out."""
     pose: ToolPose | None = None
     named_pose: Name | None = None
-    """Of the robot, such as ``home``, or a saved one; only the arm moves."""
+    """Name of a pose of the robot, such as ``home``, or of a saved one; only the arm
+    moves."""
     blend: Blend = 0.0
     """Radius around the target within which the next move may begin [m]."""
 
@@ -74,18 +75,18 @@ class MoveJointStep(_Move, frozen=True, kw_only=True, tag="move_joint"):
     """Turn all joints in proportion, as URScript's ``movej``."""
 
     speed: Speed = 1.05
-    """Of the joint that turns most [rad/s]."""
+    """Speed of the joint that turns most [rad/s]."""
     acceleration: Acceleration = 1.4
-    """Of the joint that turns most [rad/s²]."""
+    """Acceleration of the joint that turns most [rad/s²]."""
 
 
 class MoveLinearStep(_Move, frozen=True, kw_only=True, tag="move_linear"):
     """Move the tool on a straight line, as URScript's ``movel``."""
 
     speed: Speed = 0.25
-    """Of the tool [m/s]."""
+    """Speed of the tool [m/s]."""
     acceleration: Acceleration = 1.2
-    """Of the tool [m/s²]."""
+    """Acceleration of the tool [m/s²]."""
 
 
 class GripperStep(_Step, frozen=True, kw_only=True, tag="gripper"):
@@ -94,7 +95,7 @@ class GripperStep(_Step, frozen=True, kw_only=True, tag="gripper"):
     opening: float | Literal["open", "closed"]
     """Distance between the pads [m]."""
     speed: Speed | None = None
-    """Of the pads relative to each other [m/s]; the fastest, if left out."""
+    """Speed of the pads relative to each other [m/s]; the fastest, if left out."""
     force: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
     """Largest force at each pad [N]; the strongest, if left out."""
     must_hold: bool = False
@@ -107,24 +108,24 @@ class WaitStep(_Step, frozen=True, kw_only=True, tag="wait"):
     duration: Duration | None = None
     """[s]; with an input, the longest wait: the program ends with an error after it."""
     input: Pin | None = None
-    """Of the arm's control box."""
+    """Number of an input of the arm's control box."""
     level: bool = True
-    """That the input must have; high is true."""
+    """Level that the input must have; high is true."""
 
 
 class UntilStep(_Step, frozen=True, kw_only=True, tag="until"):
     """Move the tool on a line until it touches something."""
 
     direction: tuple[float, float, float]
-    """Of the move, of any length but zero."""
+    """Direction of the move; its length must not be zero."""
     frame: Literal["root", "tool"] = "root"
-    """Whose axes the direction is in."""
+    """Frame whose axes the direction has."""
     distance: Annotated[float, Meta(gt=0.0, le=10.0)]
     """The longest way [m]."""
     speed: Speed = 0.02
-    """Of the tool [m/s]."""
+    """Speed of the tool [m/s]."""
     acceleration: Acceleration = 1.2
-    """Of the tool [m/s²], also to stop."""
+    """Acceleration and deceleration of the tool [m/s²]."""
     force: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
     """Stop at this force on the tool against the direction [N], above that at the
     start; at any contact of the tool, if left out."""
@@ -136,9 +137,9 @@ class PlaceObjectStep(_Step, frozen=True, kw_only=True, tag="place_object"):
     """Place an object of the scene at once, at rest: to let a scene begin again."""
 
     name: Name
-    """Of the object."""
+    """Name of the object."""
     xyz: Place
-    """Of its origin, in the robot's root [m]."""
+    """Position of the object's origin, in the robot's root [m]."""
     rpy: Angles = (0.0, 0.0, 0.0)
     """Fixed-axis roll, pitch, yaw [rad]."""
 
@@ -147,7 +148,7 @@ class SetOutputStep(_Step, frozen=True, kw_only=True, tag="set_output"):
     """Set a digital output of the arm's control box."""
 
     output: Pin
-    """Of the arm's control box."""
+    """Number of an output of the arm's control box."""
     level: bool = True
     """High is true."""
 
@@ -163,13 +164,13 @@ class LoopStep(_Step, frozen=True, kw_only=True, tag="loop"):
     """Repeat steps: a number of times, while an input has a level, or forever."""
 
     steps: tuple[Step, ...] = ()
-    """What is repeated."""
+    """The repeated steps."""
     times: Annotated[int, Meta(ge=1, le=1_000_000)] | None = None
     """How often; forever, without it and an input."""
     while_input: Pin | None = None
     """Instead of a number: before each time, this digital input must have the level."""
     level: bool = True
-    """Of the input."""
+    """Level of the input for which the loop repeats; high is true."""
 
 
 Step = (
@@ -190,11 +191,11 @@ class Program(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Steps for one arm and its gripper."""
 
     format: Literal[1] = 1
-    """Of the file."""
+    """Version of the file's format."""
     name: Name
-    """What people call it, and what it is saved under."""
+    """Name of the program, also when it is saved."""
     arm: Name | None = None
-    """As ``list_arms`` names it; the robot's only one, if left out."""
+    """Name of the arm, as in ``list_arms``; the only arm of the robot if left out."""
     gripper: Name | None = None
     """The one that the arm carries, if left out."""
     tool: ToolPose = field(default_factory=lambda: ToolPose(xyz=(0.0, 0.0, 0.0)))

@@ -22,33 +22,33 @@ class ProgramProblem(Struct, frozen=True, kw_only=True):
     """The numbers of the step and of the loops around it, from 1 on; empty if it is the
     program as a whole."""
     text: str
-    """What is wrong, and what would be right."""
+    """The problem and its remedy."""
     line: int | None = None
-    """Of the file, from 1 on."""
+    """Line in the file, from 1 on."""
 
 
 class PlannedMotion(Struct, frozen=True, kw_only=True):
     """The motion of a program's arm, for a preview."""
 
     joint_names: tuple[str, ...]
-    """From base to flange."""
+    """Names of the arm's joints, from base to flange."""
     times: tuple[float, ...]
-    """Since the first motion [s], without what waits and grips take."""
+    """Times since the first motion [s], without the durations of waits and grips."""
     positions: tuple[tuple[float, ...], ...]
-    """Of the joints at these times [rad]."""
+    """Positions of the joints at these times [rad]."""
     points: tuple[tuple[float, float, float], ...]
-    """Of the program's tool at these times, in the robot's root [m]."""
+    """Positions of the program's tool at these times, in the robot's root [m]."""
     steps: tuple[StepPath, ...]
     """The step that moves the arm up to each of these times."""
 
 
 class ProgramCheck(Struct, frozen=True, kw_only=True):
-    """What a check of a program found; nothing moved."""
+    """The result of checking a program; nothing moved."""
 
     problems: tuple[ProgramProblem, ...]
     """Empty if the program can be executed from the present posture."""
     warnings: tuple[ProgramProblem, ...]
-    """What will be other than asked: a blend that is smaller, a slower move."""
+    """Differences from the request: a smaller blend, a slower move."""
     motion: PlannedMotion
     """Up to the first problem.  Each loop is planned once; a move until contact goes
     all its way."""
@@ -62,13 +62,13 @@ class ProgramRun(Struct, frozen=True, kw_only=True):
     program: str
     """Its name."""
     arm: str
-    """That it moves."""
+    """Name of the arm that the program moves."""
     state: RunState
     """``stopped`` is ended by something else, ``failed`` by a step."""
     step: StepPath = ()
     """The one that is executed, or was the last; empty before the first."""
     text: str = ""
-    """That step in words."""
+    """Description of that step."""
     error: str = ""
     """Why it failed or was stopped."""
     time: float = 0.0
@@ -79,9 +79,9 @@ class SavedProgram(Struct, frozen=True, kw_only=True):
     """A program that was saved with the robot."""
 
     name: str
-    """What it is saved under."""
+    """Name under which the program is saved."""
     n_steps: int
-    """Those within loops included; 0 if it cannot be read."""
+    """Number of steps, including those in loops; 0 if it cannot be read."""
     error: str = ""
     """Why it cannot be read."""
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct, structs
 
-from tool0.description.catalogue import Part
+from tool0.description.catalogue import CataloguePart
 from tool0.description.model import JointLimits
 from tool0.description.packages import BUNDLED
 from tool0.description.robot import CatalogueRobot, RobotDescription, load_description
@@ -163,10 +163,10 @@ def described_by(info: DescriptionInfo, document: Document) -> RobotDescription:
     robots = tuple(
         CatalogueRobot(
             name=robot.name,
-            arm=Part(kind="arm", folder=Path(robot.arm)),
+            arm=CataloguePart(kind="arm", folder=Path(robot.arm)),
             gripper=None
             if robot.gripper is None
-            else Part(kind="gripper", folder=Path(robot.gripper)),
+            else CataloguePart(kind="gripper", folder=Path(robot.gripper)),
             prefix=robot.prefix,
         )
         for robot in info.robots

@@ -187,11 +187,11 @@ class ArmSetpoint(NamedTuple):
     """The commanded motion of an arm's joints at an instant, base to flange."""
 
     positions: Sequence[float]
-    """[rad]"""
+    """Positions [rad]."""
     velocities: Sequence[float]
-    """In simulated time [rad/s]."""
+    """Velocities in simulated time [rad/s]."""
     accelerations: Sequence[float]
-    """[rad/s²]"""
+    """Accelerations [rad/s²]."""
 
     @property
     def is_at_rest(self) -> bool:
@@ -211,11 +211,11 @@ class ObjectState:
     """Pose and velocity of a scene object, in the robot's root."""
 
     name: str
-    """Of the object."""
+    """Name of the object."""
     position: tuple[float, float, float]
-    """Of its origin [m]."""
+    """Position of its origin [m]."""
     quat_wxyz: tuple[float, float, float, float]
-    """Its orientation, a unit quaternion."""
+    """Orientation, a unit quaternion."""
     linear: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Velocity of its origin [m/s]."""
     angular: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -234,7 +234,7 @@ class Contact:
     first: str
     """A link or an object."""
     second: str
-    """What it touches."""
+    """The touched body."""
     point: tuple[float, float, float]
     """Mean of the contact points, weighted by their normal forces, in the root [m]."""
     force: tuple[float, float, float]

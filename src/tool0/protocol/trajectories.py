@@ -23,13 +23,13 @@ class TrajectoryPoint:
     """
 
     positions: Sequence[float]
-    """[rad | m]"""
+    """Positions [rad | m]."""
     velocities: Sequence[float] | None = None
-    """[rad/s | m/s]; None leaves them open: the motion to and from this point is
-    linear."""
+    """Velocities [rad/s | m/s]; None leaves them open: the motion to and from this
+    point is linear."""
     accelerations: Sequence[float] | None = None
-    """[rad/s² | m/s²]; None leaves them open: the motion to and from this point is
-    cubic at most."""
+    """Accelerations [rad/s² | m/s²]; None leaves them open: the motion to and from
+    this point is cubic at most."""
     time_from_start: float = 0.0
     """Simulated time after the start of the trajectory [s]."""
 
@@ -46,16 +46,16 @@ class TrajectoryPoint:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointsMotion:
-    """How several joints move: trajectory_msgs/JointTrajectoryPoint."""
+    """Motion of several joints: trajectory_msgs/JointTrajectoryPoint."""
 
     positions: tuple[float, ...]
-    """[rad | m], shape (n_joints,)."""
+    """Positions [rad | m], shape (n_joints,)."""
     velocities: tuple[float, ...]
-    """[rad/s | m/s], shape (n_joints,)."""
+    """Velocities [rad/s | m/s], shape (n_joints,)."""
     accelerations: tuple[float, ...] = ()
-    """[rad/s² | m/s²], shape (n_joints,); empty where they are not known."""
+    """Accelerations [rad/s² | m/s²], shape (n_joints,); empty if unknown."""
     time_from_start: float = 0.0
-    """[s]"""
+    """Time after the start of the trajectory [s]."""
 
 
 @final

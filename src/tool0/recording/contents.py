@@ -11,7 +11,7 @@ import msgspec
 from msgspec import Struct
 
 from tool0.description.scene import SceneObject
-from tool0.description.shapes import Geometry, Mesh, parts_of
+from tool0.description.shapes import Geometry, Mesh, placed_geometries
 from tool0.protocol.robot import (
     DescriptionInfo,
     ReadDescription,
@@ -160,7 +160,7 @@ def read_bringup(data: bytes) -> Reproduction:
 
 def object_meshes(objects: Iterable[SceneObject]) -> dict[str, Path]:
     """Return the mesh files of objects, as their shapes name them when sent."""
-    parts = (part for item in objects for part, _ in parts_of(item.geometry))
+    parts = (part for item in objects for part, _ in placed_geometries(item.geometry))
     return {str(path): path for path in _meshes(parts).values()}
 
 

@@ -22,16 +22,19 @@ from tool0.recording.comparison import DivergedError, Divergence, Frames
 from tool0.recording.entries import RecordedRequest
 from tool0.recording.reading import RecordingFile, open_recording
 from tool0.requests.journal_codec import request_of
-from tool0.requests.reproduction import current_platform, current_versions, restarted
+from tool0.requests.reproduction import restarted
 from tool0.requests.table import answer
+from tool0.runtime.provenance import (
+    current_platform,
+    current_versions,
+    is_deterministic,
+)
 from tool0.runtime.simulation import Simulation
 
 _ABOUT_TIME: Final = (Pause, Resume, SetSpeed, Step)
 """Requests that only decide when ticks are executed."""
 _CHECKED: Final = (AddModel, AddObject, PlaceObject, Reset)
 """Requests that earlier versions carried out without looking for penetration."""
-_DETERMINISTIC: Final = ("mujoco",)
-"""Engines whose results depend on nothing but their input."""
 
 
 @final
@@ -208,7 +211,7 @@ class _Repetition:
 def _reasons(recording: RecordingFile) -> Iterator[str]:
     """Yield why a repetition may differ."""
     start, requests = recording.bringup, recording.requests
-    if start.engine not in _DETERMINISTIC:
+    if not is_deterministic(start.engine):
         yield f"the engine {start.engine} is not deterministic"
     for name, here in current_versions(start.engine).items():
         there = start.versions.get(name, "an unknown version")

@@ -8,17 +8,14 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tool0.description.forward_kinematics import joint_transform
-from tool0.description.model import JointType, RobotModel
+from tool0.description.joint_tree import LinkFrames
 from tool0.description.parts import find_arms
+from tool0.description.transform_arrays import Array, from_quats, to_rpy
 from tool0.errors import RecordingError, did_you_mean
 
 if TYPE_CHECKING:
     from tool0.recording.reading import RecordingFile
-
-Array = NDArray[np.float64]
 
 _POSE: Final = ("x", "y", "z", "roll", "pitch", "yaw")
 _WRENCH: Final = ("fx", "fy", "fz", "tx", "ty", "tz")
@@ -75,15 +72,19 @@ class Signals(Mapping[str, Array]):
                 yield f"object/{name}/{part}", partial(self._object, name, i)
 
     def _tool(self, link: str, part: int) -> Array:
-        model, recording = self._recording.description.model, self._recording
-        R, p = link_frames(model, link, recording.joint_names, recording.position)
-        return p[:, part] if part < 3 else _rpy(R)[:, part - 3]
+        recording = self._recording
+        given = dict(zip(recording.joint_names, recording.position.T, strict=True))
+        frames = LinkFrames(recording.description.model, [link])
+        found = frames.poses(given, len(recording.position))[link]
+        if part < 3:
+            return found.position[:, part]
+        return to_rpy(found.rotation)[:, part - 3]
 
     def _object(self, name: str, part: int) -> Array:
         poses = self._recording.objects[name]
         if part < 3:
             return poses[:, part]
-        return _rpy(_matrices(poses[:, 3:]))[:, part - 3]
+        return to_rpy(from_quats(poses[:, 3:]))[:, part - 3]
 
 
 _JOINT: Final[Mapping[str, Callable[[RecordingFile, int], Array]]] = {
@@ -99,68 +100,6 @@ _JOINT: Final[Mapping[str, Callable[[RecordingFile, int], Array]]] = {
 
 def _column(table: Mapping[str, Array], name: str, i: int) -> Array:
     return table[name][:, i]
-
-
-def link_frames(
-    model: RobotModel, link: str, joint_names: Sequence[str], position: Array
-) -> tuple[Array, Array]:
-    """Return the poses of a link in the root, for many joint positions at once.
-
-    Args:
-        model: The robot.
-        link: A link of it.
-        joint_names: The columns of ``position``.
-        position: [rad | m], shape (n, n_joints).
-
-    Returns:
-        Rotation matrices (n, 3, 3) and positions [m] (n, 3).
-    """
-    n = len(position)
-    R = np.broadcast_to(np.eye(3), (n, 3, 3))
-    p = np.zeros((n, 3))
-    while link != model.root:  # upwards: the poses so far are in `link`
-        joint = model.parent_joint[link]
-        if joint.name in joint_names:
-            q = position[:, joint_names.index(joint.name)]
-            axis = np.array(joint.axis)
-            if joint.type is JointType.PRISMATIC:
-                p = p + q[:, None] * axis
-            else:
-                turn = _turn(axis, q)
-                R, p = turn @ R, np.einsum("nij,nj->ni", turn, p)
-        fixed = joint_transform(joint, {joint.name: 0.0})
-        F = np.array(fixed.rotation)
-        R, p = F @ R, p @ F.T + np.array(fixed.position)
-        link = joint.parent
-    return R, p
-
-
-def _turn(axis: Array, angle: Array) -> Array:
-    """Return rotations about a unit vector [rad], shape (n, 3, 3): Rodrigues."""
-    x, y, z = axis
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    s, c = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
-    turn: Array = np.eye(3) + s * K + (1.0 - c) * (K @ K)
-    return turn
-
-
-def _matrices(quat_wxyz: Array) -> Array:
-    """Return rotation matrices, shape (n, 3, 3)."""
-    w, x, y, z = (quat_wxyz / np.linalg.norm(quat_wxyz, axis=1, keepdims=True)).T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), 2, 0)
-
-
-def _rpy(R: Array) -> Array:
-    """Return roll, pitch and yaw about fixed axes [rad], shape (n, 3)."""
-    pitch = np.arctan2(-R[:, 2, 0], np.hypot(R[:, 2, 1], R[:, 2, 2]))
-    roll = np.arctan2(R[:, 2, 1], R[:, 2, 2])
-    yaw = np.arctan2(R[:, 1, 0], R[:, 0, 0])
-    return np.stack([roll, pitch, yaw], axis=1)
 
 
 def thinned(

@@ -21,8 +21,9 @@ from tool0.protocol.arm import (
 from tool0.protocol.controllers import Role, why_not_driven
 from tool0.protocol.goals import GoalStarted
 from tool0.protocol.motion import MoveJoints
-from tool0.protocol.trajectories import FollowTrajectory, TrajectoryPoint
+from tool0.protocol.trajectories import FollowTrajectory
 from tool0.requests.table import answer, handles
+from tool0.runtime.controller_paths import trajectory_points
 from tool0.runtime.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -102,32 +103,27 @@ def _move_to(simulation: Simulation, request: MoveTo) -> GoalStarted:
 def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
     import numpy as np
 
-    from tool0.kinematics.line import LinePath
-    from tool0.runtime.linear_motion import LinearLimits, LinearMotion
+    from tool0.motion.linear import plan_line
 
-    limits = LinearLimits(
+    chain, model = simulation.arm(request.arm), simulation.description.model
+    controller = _controller(simulation, chain)
+    standing = _at_rest(simulation, controller)
+    positions = {**simulation.snapshot.positions, **standing}
+    path = plan_line(
+        _kinematics(chain),
+        np.array([standing[name] for name in chain.joint_names]),
+        _in_base(simulation, chain, request, positions),
+        _tool(simulation, chain, request),
+        T_root_base=link_poses(model, positions)[chain.base].matrix,
         speed=request.speed,
         acceleration=request.acceleration,
         angular_speed=request.angular_speed,
     )
-    chain, model = simulation.arm(request.arm), simulation.description.model
-    controller = _controller(simulation, chain)
-    standing = _at_rest(simulation, controller)
-    start = np.array([standing[name] for name in chain.joint_names])
-    T_tip_tool = _tool(simulation, chain, request)
-    T_base_tip = chain.forward(start[None]).T_base_tip[0]
-    positions = {**simulation.snapshot.positions, **standing}
-    end = _in_base(simulation, chain, request, positions)
-    T_root_base = link_poses(model, positions)[chain.base].matrix
-    line = LinePath(T_base_tip @ T_tip_tool, end, T_tip_tool, T_root_base)
-    accelerations = [joint.max_acceleration for joint in chain.joints]
-    motion = LinearMotion(_kinematics(chain), line, start, limits, accelerations)
-    points = motion.points()
     if _at_rest(simulation, controller) != standing:
         raise ControlError("the arm was moved while its line was planned")
     trajectory = FollowTrajectory(
         controller=controller,
-        points=tuple(_with_other_joints(point, chain, standing) for point in points),
+        points=tuple(trajectory_points(path.beside(standing))),
         joint_names=tuple(standing),
     )
     return answer(simulation, trajectory)
@@ -186,26 +182,6 @@ def _at_rest(simulation: Simulation, name: str) -> Mapping[str, float]:
             "or cancel that"
         )
     return dict(zip(state.joint_names, now.positions, strict=True))
-
-
-def _with_other_joints(
-    point: TrajectoryPoint, chain: ArmChain, standing: Mapping[str, float]
-) -> TrajectoryPoint:
-    """Return a point of the arm's joints as one of all that ``standing`` names."""
-    names = chain.joint_names
-    if tuple(standing) == names:
-        return point
-    positions = {**standing, **dict(zip(names, point.positions, strict=True))}
-    columns = [
-        dict(zip(names, values or (), strict=True))
-        for values in (point.velocities, point.accelerations)
-    ]
-    velocities, accelerations = (
-        [column.get(name, 0.0) for name in standing] for column in columns
-    )
-    return TrajectoryPoint(
-        list(positions.values()), velocities, accelerations, point.time_from_start
-    )
 
 
 def _tool(simulation: Simulation, chain: ArmChain, request: Any) -> Array:

@@ -155,7 +155,7 @@ def _start_force_mode(simulation: Simulation, request: StartForceMode) -> None:
     import numpy as np
 
     from tool0.control.arm_compliance import ComplianceTask, force_damping
-    from tool0.kinematics.pose import matrix_of
+    from tool0.description.transform_arrays import matrix_of
 
     core = simulation.core
     task = ComplianceTask(
@@ -175,7 +175,7 @@ def _start_freedrive(simulation: Simulation, request: StartFreedrive) -> None:
     import numpy as np
 
     from tool0.control.arm_compliance import FREEDRIVE_DAMPING, ComplianceTask
-    from tool0.kinematics.pose import matrix_of
+    from tool0.description.transform_arrays import matrix_of
 
     core = simulation.core
     task = ComplianceTask(

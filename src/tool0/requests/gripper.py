@@ -7,6 +7,7 @@ from dataclasses import replace
 from tool0.description.model import ParallelGripper
 from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, ModelError, did_you_mean
+from tool0.motion.gripper import opening_path
 from tool0.protocol.controllers import Role, start_command, why_not_driven
 from tool0.protocol.goals import GoalStarted
 from tool0.protocol.gripper import Grip, ReactivateGripper, ReadGripper
@@ -14,7 +15,7 @@ from tool0.protocol.motion import CommandGripper, GripLimits
 from tool0.protocol.trajectories import FollowTrajectory, TrajectoryPoint
 from tool0.requests.motion import drive_limits
 from tool0.requests.table import answer, handles
-from tool0.runtime.gripper_motion import opening_motion
+from tool0.runtime.controller_paths import trajectory_points
 from tool0.runtime.simulation import Simulation
 from tool0.sensing.grasp import judge, wanted_openings
 
@@ -121,8 +122,8 @@ def _plan(
     ahead = 0.0 if wanted is None else wanted[0] - now
     if ahead * (end - now) > 0.0:
         start = end if abs(ahead) > abs(end - now) else now + ahead
-        return opening_motion(gripper, start, end, speed)
-    motion = opening_motion(gripper, now, end, speed)
+        return trajectory_points(opening_path(gripper, start, end, speed))
+    motion = trajectory_points(opening_path(gripper, now, end, speed))
     if abs(ahead) <= SQUEEZED:
         return motion
     at_once = simulation.loop.control_period

@@ -52,7 +52,6 @@ from tool0.protocol.trajectories import (
     ScaleTrajectory,
 )
 from tool0.requests.table import answer, handles
-from tool0.runtime.joint_motion import import_planner
 from tool0.runtime.simulation import Simulation
 
 
@@ -113,6 +112,8 @@ def _scale(simulation: Simulation, request: ScaleTrajectory) -> None:
 
 def _import_planner(simulation: Simulation, request: Request[Any]) -> None:
     """Import the planner: slow the first time, so not in the thread of the tick."""
+    from tool0.motion.joint import import_planner
+
     import_planner()
 
 

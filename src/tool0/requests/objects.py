@@ -8,7 +8,7 @@ from dataclasses import replace
 from tool0.description.rigid_model import read_rigid_model
 from tool0.description.scene import PALETTE, STILL_RGBA, SceneObject
 from tool0.description.shapes import (
-    parts_of,
+    placed_geometries,
 )
 from tool0.description.transform import Pose, from_quaternion, to_transform
 from tool0.errors import ConfigError
@@ -111,7 +111,7 @@ def _spawn(
     """Add an object, unless there would be too many shapes, or it is in a link."""
     scene = simulation.core.scene
     solids = [*(known.geometry for known in scene.objects), item.geometry]
-    count = sum(len(parts_of(solid)) for solid in solids)
+    count = sum(len(placed_geometries(solid)) for solid in solids)
     if count > MOST_SHAPES:
         raise ConfigError(
             f"the objects would have {count} shapes; {MOST_SHAPES} is the most; "

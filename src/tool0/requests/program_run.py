@@ -25,8 +25,8 @@ from tool0.programs.planning import (
     plan_path,
     plan_search,
 )
-from tool0.programs.words import step_text
-from tool0.protocol.arm_motion import ExecutePath, ReturnArm, StopArm, TakeArm
+from tool0.programs.step_descriptions import step_text
+from tool0.protocol.arm_motion import ReturnArm, StopArm, TakeArm
 from tool0.protocol.bus import WasReset
 from tool0.protocol.control_box import PauseProgram, SetIO
 from tool0.protocol.control_box_state import ControlBoxState, ProgramState
@@ -50,6 +50,7 @@ from tool0.protocol.program import (
 from tool0.protocol.programs import ProgramRun, RunState
 from tool0.protocol.request import Request, Response
 from tool0.protocol.state import Snapshot
+from tool0.requests.paths import path_request
 from tool0.requests.program_touch import Touch
 from tool0.requests.table import answer
 from tool0.runtime.simulation import Simulation
@@ -333,16 +334,8 @@ class ProgramExecution:
 
     def _start_path(self, path: ProgramPath) -> Waiting[None]:
         """Let the arm begin a path, and wait for the next snapshot."""
-        times, q, qd = (values.tolist() for values in path.plan.knots)
         if path.plan.duration > 0.0:
-            self._path_number = self._call(
-                ExecutePath(
-                    arm=self.arm,
-                    times=tuple(times),
-                    positions=tuple(map(tuple, q)),
-                    velocities=tuple(map(tuple, qd)),
-                )
-            )
+            self._path_number = self._call(path_request(self.arm, path.plan.path))
             yield
 
     def _require_whole(self, path: ProgramPath) -> None:

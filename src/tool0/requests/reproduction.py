@@ -7,12 +7,9 @@ same robot up again.
 from __future__ import annotations
 
 import hashlib
-import platform
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
-from typing import Final
 
 import msgspec
 from msgspec import Struct
@@ -22,17 +19,17 @@ from tool0.description.config import DescriptionConfig
 from tool0.description.model import RobotModel
 from tool0.description.robot import load_description
 from tool0.description.scene import Scene
-from tool0.description.shapes import Mesh, parts_of
+from tool0.description.shapes import Mesh, placed_geometries
 from tool0.errors import Tool0Error
-from tool0.installation.machine import python_package_version
-from tool0.kernel.library import kernel_status
 from tool0.protocol.objects import ObjectInfo, info_of, object_of, with_meshes
 from tool0.runtime.bringup import start_simulation
 from tool0.runtime.config import ControlConfig, SimulationConfig
+from tool0.runtime.provenance import (
+    current_platform,
+    current_versions,
+    is_kernel_compiled,
+)
 from tool0.runtime.simulation import Simulation
-
-_ENGINE_PACKAGES: Final = {"mujoco": "mujoco"}
-"""The Python package whose version decides what an engine computes."""
 
 
 class MeshFile(Struct, frozen=True, kw_only=True):
@@ -97,7 +94,7 @@ def reproduction(simulation: Simulation) -> Reproduction:
     return Reproduction(
         versions=current_versions(options.engine),
         platform=current_platform(),
-        kernel=kernel_status().library is not None,
+        kernel=is_kernel_compiled(),
         name=model.name,
         source=str(description.source),
         urdf=description.urdf,
@@ -172,20 +169,6 @@ def restarted(
     )
 
 
-def current_versions(engine: str) -> dict[str, str]:
-    """Return the versions on which the results of an engine depend, of this machine."""
-    found = {"tool0": version("tool0"), "python": platform.python_version()}
-    package = _ENGINE_PACKAGES.get(engine)
-    if package is not None:
-        found[package] = python_package_version(package) or "not installed"
-    return found
-
-
-def current_platform() -> str:
-    """Return operating system and processor of this machine."""
-    return f"{platform.system()} {platform.machine()}"
-
-
 def digest(path: Path) -> str:
     """Return the SHA-256 of a file."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
@@ -199,7 +182,7 @@ def _mesh_files(model: RobotModel, scene: Scene) -> Iterator[MeshFile]:
         shapes += [collision.geometry for collision in link.collisions]
         files |= {mesh.uri: mesh.path for mesh in shapes if isinstance(mesh, Mesh)}
     for item in scene.objects:
-        for part, _ in parts_of(item.geometry):
+        for part, _ in placed_geometries(item.geometry):
             if isinstance(part, Mesh):
                 files[str(part.path)] = part.path
     for uri, path in files.items():

@@ -293,7 +293,7 @@ class ArmMotions:
             raise ControlError(
                 f"the arm '{name}' is in freedrive; end that before force mode"
             )
-        law = controller.comply(task, now)
+        law = controller.start_compliance(task, now)
         self._manager.drive_efforts(self.specs[name].name, law, now)
         self._modes.set_freedrive(name, task.is_freedrive, now)
 
@@ -342,14 +342,14 @@ class ArmMotions:
         return None
 
     def _stiffen(self, arm: str, now: JointState) -> None:
-        if self._controller(arm).gives_way:
+        if self._controller(arm).is_compliant:
             self._rest(arm, now)
             self._modes.set_freedrive(arm, False, now)
 
     def _rest(self, arm: str, now: JointState) -> None:
         """Ramp to rest from the measured motion, with servos that have no past."""
         self._manager.drive_efforts(self.specs[arm].name, None, now)
-        self._controller(arm).stiffen(now, STIFFENING)
+        self._controller(arm).end_compliance(now, STIFFENING)
 
     def _refuse(self, arm: str, reason: str) -> None:
         box = self._boxes.find(arm)
@@ -383,4 +383,4 @@ class ArmMotions:
                     continue
                 if not self._hardware.compensates_gravity(name):
                     effort = now.effort[self._index[name]]
-                    controller.pid.carry(k, effort)
+                    controller.pid.set_contribution(k, effort)

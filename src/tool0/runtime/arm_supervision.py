@@ -75,7 +75,7 @@ class _Arm:
         command: list[float],
     ) -> str:
         """Return why the motion has failed; empty if it has not."""
-        if controller.gives_way:
+        if controller.is_compliant:
             return ""
         errors = map(sub, self._select(command), self._select(state.position))
         largest = max(map(abs, errors))

@@ -20,26 +20,27 @@ from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
-from tool0.errors import ConfigError, ControlError, did_you_mean
+from tool0.errors import ConfigError, ControlError
 from tool0.hardware.engine import Engine, JointState, joint_selector
 from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.kernel import Kernel
-from tool0.kernel.program import Ended, Program
+from tool0.kernel.program import Ended, TickProgram
 from tool0.protocol.control_box_state import Payload
 from tool0.protocol.controllers import KIND_OF, Role
 from tool0.protocol.goals import Goal, GripperResult, Result
 from tool0.protocol.state import ArmSample, Contact, contacts_text
-from tool0.protocol.trajectories import TrajectoryPoint
 from tool0.runtime.arm_modes import ArmModes
 from tool0.runtime.arm_motions import ArmMotions
 from tool0.runtime.arm_samples import ArmSamples
 from tool0.runtime.arm_supervision import ArmSupervision
 from tool0.runtime.control_boxes import ControlBoxes
-from tool0.runtime.joint_motion import (
+from tool0.runtime.controller_paths import (
     joints_by_controller,
-    planned_motion,
-    require_velocities,
+    motion_plan,
+    planned_path,
+    timed_path,
+    trajectory_points,
 )
 from tool0.runtime.protective_stops import ProtectiveStops, wanted_positions
 from tool0.runtime.pull_springs import PullSprings
@@ -92,7 +93,7 @@ class Core:
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
         hardware.set_steps_per_command(self._steps_per_tick)
         self._kernel = Kernel(engine, hardware, manager, self.control_period)
-        self._program: Program | None = None
+        self._program: TickProgram | None = None
         """What executes the ticks, while it has the state of controllers and drives."""
         self._brakes: Mapping[int, float] = {}
         """Those that the engine has."""
@@ -134,7 +135,7 @@ class Core:
 
     def tick(self) -> None:
         """Update the controllers once and advance by one control period."""
-        self.settle()
+        self.sync_from_kernel()
         self._set_brakes()
         state = self.state
         if not self.pulls.is_idle:
@@ -179,9 +180,9 @@ class Core:
             return 1
         for sensor in self._sensors:
             most = min(most, sensor.ticks_left)
-        return self.ran(*program.run(most, stepper))
+        return self.apply_kernel_result(*program.run(most, stepper))
 
-    def program(self) -> Program | None:
+    def program(self) -> TickProgram | None:
         """Let the kernel execute the coming ticks; None if only Python can."""
         if (
             self._program is None
@@ -194,7 +195,7 @@ class Core:
             self._program = self._kernel.load(self.state)
         return self._program
 
-    def ran(self, result: Ended, done: int) -> int:
+    def apply_kernel_result(self, result: Ended, done: int) -> int:
         """Follow a run of the program by ``done`` ticks; return how many they are now.
 
         After an event, Python executes one tick more.
@@ -217,7 +218,7 @@ class Core:
             return done
         for sensor in self._sensors:
             sensor.skip(done)
-        self.settle()
+        self.sync_from_kernel()
         if result is Ended.EVENT and not left:
             self.state = state
             self.tick()
@@ -225,7 +226,7 @@ class Core:
             self._finish_tick(state, left)
         return done + 1
 
-    def settle(self) -> None:
+    def sync_from_kernel(self) -> None:
         """Give controllers and drives their state back, if the kernel has it.
 
         Whatever reads or changes them between two ticks needs this first.
@@ -235,25 +236,25 @@ class Core:
             self._before = program.step_start()
             program.store()
 
-    def look_at_contacts(self) -> None:
+    def check_contacts(self) -> None:
         """Find joints that push without moving, and grips, between two ticks."""
         contacts = self.engine.world.contacts
         self.stall_monitor.look(self.state, contacts, self._wanted)
         self.grip_contacts.look(self.state, contacts)
 
-    def look_at_limits(self) -> None:
+    def check_safety_limits(self) -> None:
         """Stop arms whose safety limits are exceeded, between two ticks."""
         boxes, command = self.control_boxes.states, self._newest_command()
         found = self.protective_stops.look(boxes, self.state, command)
         for arm, reason in found:
-            self.settle()
+            self.sync_from_kernel()
             self.arm_modes.stop_protectively(arm, reason, self.state)
 
-    def look_at_motions(self) -> None:
+    def check_motions(self) -> None:
         """End the motions of taken arms that fail, between two ticks."""
         command = self._newest_command()
         for arm, reason in self.arm_supervision.look(self.state, command):
-            self.settle()
+            self.sync_from_kernel()
             self.arm_motions.fail(arm, reason, self.state)
 
     # ---- controllers ----------------------------------------------------------------
@@ -309,8 +310,8 @@ class Core:
         planned = []
         for name, targets in moves.items():
             trajectory = self._follower(name)
-            plan = planned_motion(trajectory, targets, speed=speed, now=self.time)
-            planned.append((trajectory, plan))
+            path = planned_path(trajectory, targets, speed=speed, now=self.time)
+            planned.append((trajectory, motion_plan(path)))
         for name, targets in moves.items():
             self._note_command(name, targets)
         return tuple(
@@ -335,32 +336,24 @@ class Core:
                     "move them one after another"
                 )
             name = next(iter(moves))
-        trajectory = self._follower(name)
-        joints = trajectory.spec.joints
-        for joint in positions:
-            if joint not in joints:
-                raise ControlError(
-                    f"joint '{joint}' is not one of '{name}'"
-                    + did_you_mean(joint, joints)
-                )
-        now = trajectory.query_state(self.time)
-        duration = max(duration, self.control_period)
-        require_velocities(trajectory.spec.joint_models, now, positions, duration)
-        held = now.positions
-        point = TrajectoryPoint(
-            [positions.get(j, q) for j, q in zip(joints, held, strict=True)],
-            [0.0] * len(joints),
-            time_from_start=duration,
+        path = timed_path(
+            self._follower(name),
+            positions,
+            duration=max(duration, self.control_period),
+            now=self.time,
         )
-        return self.follow(name, TrajectoryGoal(points=[point], joint_names=joints))
+        goal = TrajectoryGoal(
+            points=trajectory_points(path), joint_names=path.joint_names
+        )
+        return self.follow(name, goal)
 
     def steer(
         self, controller: str, positions: Mapping[str, float], speed: float
     ) -> None:
         """Replace a controller's motion by a smooth one, without a goal."""
         trajectory = self._follower(controller)
-        plan = planned_motion(trajectory, positions, speed=speed, now=self.time)
-        trajectory.command(plan, self.time)
+        path = planned_path(trajectory, positions, speed=speed, now=self.time)
+        trajectory.command(motion_plan(path), self.time)
         self._note_command(controller, positions)
 
     def command_gripper(

@@ -280,7 +280,7 @@ class Loop:
             self._thread.join()
         with self._owner:
             self._drain()
-            self._core.settle()
+            self._core.sync_from_kernel()
             self._core.manager.stop_all(self._core.state)
             self._core.engine.close()
 
@@ -344,10 +344,10 @@ class Loop:
             self._publish()
             return
         if core.control_boxes.has_limits:
-            self._attempt(core.look_at_limits)
+            self._attempt(core.check_safety_limits)
         if core.arm_motions.has_taken:
-            self._attempt(core.look_at_motions)
-        self._attempt(core.look_at_contacts)
+            self._attempt(core.check_motions)
+        self._attempt(core.check_contacts)
         self._publish()
         snapshot, grasp_assist = self._bus.latest, core.grasp_assist
         if grasp_assist is not None and snapshot is not None:
@@ -391,7 +391,7 @@ class Loop:
 
     def _carry_out(self, operation: _Operation) -> None:
         run, future, publishes = operation
-        self._core.settle()
+        self._core.sync_from_kernel()
         if not future.set_running_or_notify_cancel():
             return
         if self._closing:

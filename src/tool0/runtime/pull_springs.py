@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple, final
 
-from tool0.description.forward_kinematics import joint_transform
+from tool0.description.forward_kinematics import link_pose
 from tool0.description.model import RobotModel
 from tool0.description.transform import Vector3
 from tool0.hardware.engine import JointState
@@ -62,7 +62,6 @@ class PullSprings:
     ) -> None:
         self._model, self._wrenches = model, wrenches
         self._joint_names = tuple(joint_names)
-        self._parents = {joint.child: joint for joint in model.joints}
         self._pulls: dict[str, _Pull] = {}
 
     @property
@@ -128,8 +127,4 @@ class PullSprings:
     def _place(self, spring: PullSpring, state: JointState) -> Vector3:
         """Return where the spring's point of its link is, in the robot's root [m]."""
         position = dict(zip(self._joint_names, state.position, strict=True))
-        point, link = spring.point, spring.link
-        while (joint := self._parents.get(link)) is not None:
-            point = joint_transform(joint, position).apply(point)
-            link = joint.parent
-        return point
+        return link_pose(self._model, position, spring.link).apply(spring.point)

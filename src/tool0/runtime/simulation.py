@@ -16,7 +16,7 @@ from tool0.description.model import JointLimits, ParallelGripper
 from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, did_you_mean
 from tool0.kinematics.only_part import only_part
-from tool0.programs.book import ProgramBook
+from tool0.programs.store import ProgramStore
 from tool0.protocol.bus import Bus, Subscription
 from tool0.protocol.fork_guard import OwnProcess
 from tool0.protocol.goal_registry import GoalRegistry
@@ -103,7 +103,7 @@ class Simulation:
             ),
         )
         self.goals = GoalRegistry()
-        self.programs = ProgramBook(description.model.name)
+        self.programs = ProgramStore(description.model.name)
         self.program_runs = ProgramRuns()
         """Only for the thread of the tick."""
         loop.when_observed = self.program_runs.look

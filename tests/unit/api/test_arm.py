@@ -13,8 +13,8 @@ import tool0
 from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ControlError, ModelError, UnreachableError
 from tool0.kinematics.posture import Branch
-from tool0.runtime import linear_motion
-from tool0.runtime.linear_motion import LinearMotion
+from tool0.motion import linear
+from tool0.motion.path import Path as JointPath
 
 pytestmark = pytest.mark.slow
 
@@ -120,12 +120,14 @@ def test_a_line_begins_at_rest(robot: tool0.Robot) -> None:
 def test_a_line_is_not_followed_by_an_arm_that_was_moved_meanwhile(
     robot: tool0.Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def plan(*arguments: object) -> LinearMotion:
+    plan_line = linear.plan_line
+
+    def plan(*arguments: object, **options: object) -> JointPath:
         robot.controller(ARM).steer({"elbow_joint": 1.2})
         robot.run(0.1)
-        return LinearMotion(*arguments)  # type: ignore[arg-type]
+        return plan_line(*arguments, **options)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(linear_motion, "LinearMotion", plan)
+    monkeypatch.setattr(linear, "plan_line", plan)
     with pytest.raises(ControlError):
         robot.arm.move_linear(AHEAD)
 

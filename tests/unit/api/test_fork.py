@@ -28,6 +28,7 @@ with contextlib.ExitStack() as exits:
     exits.enter_context(serving(robot))
     if sys.argv[1] == "remote":
         robot = exits.enter_context(tool0.connect())
+    robot.pause()  # else the goal might end before the child asks for it
     goal = robot.move_joints({"elbow_joint": 1.4})[0]
     stream = robot.subscribe()
     calls = {
@@ -53,6 +54,7 @@ with contextlib.ExitStack() as exits:
     with os.fdopen(read) as pipe:
         print(pipe.read())
     os.wait()
+    robot.resume()
     assert goal.wait(30.0).status is tool0.GoalStatus.SUCCEEDED
     assert tool0.connect().snapshot is not None
 """
@@ -64,8 +66,8 @@ def test_every_call_in_a_forked_child_is_refused_and_the_parent_goes_on(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     use_folder(monkeypatch, tmp_path)
-    fakes = str(Path(fresh_python.__file__).parent)
-    outcomes = json.loads(fresh_python.run(PROGRAM, kind, fakes))
+    rigs = str(Path(fresh_python.__file__).parent)
+    outcomes = json.loads(fresh_python.run(PROGRAM, kind, rigs))
     parent = outcomes.pop("pid")
     for name, outcome in outcomes.items():
         assert outcome.startswith("ControlError"), (name, outcome)

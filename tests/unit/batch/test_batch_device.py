@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from batch_rig import block_between
+from batch_rig import block_between, device_under_test, has_warp, needs_warp
 from numpy.typing import NDArray
-from warp_rig import device_under_test, has_warp, needs_warp
 
 import tool0
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+import os
+import time
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +14,7 @@ from numpy.typing import NDArray
 from promised import require_gl
 
 import tool0
+from tool0.hardware.engine import JointState
 from tool0.kernel import library
 from tool0.runtime.core import Core
 
@@ -35,13 +39,13 @@ needs_kernel = pytest.mark.skipif(
 def python_ticks(monkeypatch: pytest.MonkeyPatch) -> list[Core]:
     """The cores whose ticks Python executed, in order."""
     found: list[Core] = []
-    tick = Core.tick
+    finish = Core._finish_tick  # also of a tick that the kernel began
 
-    def counted(core: Core) -> None:
+    def counted(core: Core, state: JointState, n_steps: int) -> None:
         found.append(core)
-        tick(core)
+        finish(core, state, n_steps)
 
-    monkeypatch.setattr(Core, "tick", counted)
+    monkeypatch.setattr(Core, "_finish_tick", counted)
     return found
 
 
@@ -165,3 +169,42 @@ def test_images_show_the_present_state() -> None:
         assert one.time == other.time == batch.time[0]
         assert one.rgb.shape == other.rgb.shape
         assert np.abs(one.rgb.astype(int) - other.rgb).max() > 50
+
+
+def native_threads() -> int:
+    return len(list(Path("/proc/self/task").iterdir()))
+
+
+def settled_threads() -> int:
+    """Return the number of threads once those of closed batches have ended."""
+    gc.collect()
+    found = [-1]
+    while len(found) < 5 or len(set(found[-5:])) > 1:
+        time.sleep(0.05)  # they are detached
+        found.append(native_threads())
+    return found[-1]
+
+
+@needs_kernel
+def test_threads_end_with_the_batch() -> None:
+    before = settled_threads()
+    with tool0.Batch(3, threads=3) as batch:
+        batch.step(2)
+        assert native_threads() == before + 2
+        del batch
+    assert settled_threads() == before
+
+
+@needs_kernel
+@pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork:DeprecationWarning")
+def test_a_forked_process_steps_without_the_threads_of_its_parent() -> None:
+    with tool0.Batch(4, threads=3) as batch:
+        batch.step(5)
+        child = os.fork()
+        if child == 0:
+            batch.step(5)
+            os._exit(0 if bool((batch.time == 0.01).all()) else 1)
+        _, status = os.waitpid(child, 0)
+        assert status == 0
+        batch.step(5)
+        assert (batch.time == 0.01).all()

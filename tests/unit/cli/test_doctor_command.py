@@ -11,7 +11,7 @@ import pytest
 
 import tool0
 from tool0.cli import FAILED, OK, main
-from tool0.installation.doctor.report import PROBES
+from tool0.cli.probes import PROBES
 
 pytestmark = pytest.mark.slow
 
@@ -36,7 +36,7 @@ def test_this_machine_can_run_the_main_job(capfd: pytest.CaptureFixture[str]) ->
     assert sys.prefix in lines["python"]["found"]
     assert lines["ros2"]["state"] == "ready" or lines["ros2"]["remedy"]
     told_apart = {"workspace": "catkin"}
-    assert {told_apart.get(name, name) for name in PROBES} <= lines.keys()
+    assert {told_apart.get(probe.name, probe.name) for probe in PROBES} <= lines.keys()
 
 
 def test_people_read_a_table(capfd: pytest.CaptureFixture[str]) -> None:

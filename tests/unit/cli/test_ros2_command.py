@@ -7,8 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from machine import add_program
-from ros2_machine import add_own_ros2, add_ros2
+from machine import add_own_ros2, add_program, add_ros2
 
 from tool0.cli import FAILED, OK, main
 from tool0.installation.ros2 import install, installation

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from data_sets import FAKES, collecting, content, kill_one, rows, wait_for_rows
+from data_sets import RIGS, collecting, content, kill_one, rows, wait_for_rows
 from fake_tasks import WALK, Homeward
 from processes import Watch, descendants, listening
 from raises_naming import raises_naming
@@ -27,7 +27,7 @@ TIMEOUT = 30.0
 def cluster() -> Iterator[str]:
     """Start a Ray, whose episodes take a while; return its address."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PYTHONPATH", str(FAKES))
+        patch.setenv("PYTHONPATH", str(RIGS))
         patch.setenv("TOOL0_TEST_PACE", "0.1")
         with ray_workers.own_cluster(2) as address:
             patch.undo()

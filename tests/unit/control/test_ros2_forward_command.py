@@ -6,7 +6,7 @@ import pytest
 from raises_naming import raises_naming
 from toy_robot import ToyRobot
 
-from tool0.control.ros2.forward_command import ForwardCommandController
+from tool0.control.forward_command import ForwardCommandController
 from tool0.description.model import Interface
 from tool0.errors import ConfigError, ControlError
 

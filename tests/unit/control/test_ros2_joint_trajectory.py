@@ -7,7 +7,7 @@ from ros2_arm import NAMES, REST, Point, arm, goal
 from toy_robot import DT
 
 from tool0.control.spline import Motion, hold
-from tool0.control.watch import REACHED
+from tool0.control.trajectory_monitor import REACHED
 from tool0.description.model import Interface
 from tool0.errors import ControlError
 from tool0.protocol.goals import GoalResult, GoalStatus, Tolerance
@@ -468,7 +468,7 @@ def test_a_plan_starts_with_the_desired_motion() -> None:
 
 def test_motions_that_the_kernel_started_end_the_goal() -> None:
     robot, controller, old = moving({})
-    controller.adopt({0: hold(robot.time, 0.25)}, robot.time)
+    controller.resume_from_kernel({0: hold(robot.time, 0.25)}, robot.time)
     assert old.result == REPLACED
     robot.run(2.0)
     assert robot.position[1:] == [0.25, 1.0, 1.0]

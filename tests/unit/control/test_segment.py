@@ -1,6 +1,5 @@
 import math
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,10 +8,10 @@ from tool0.control.spline import (
     Motion,
     Sample,
     Segment,
-    shortest_turn,
     stop_ramp,
     wrap_offset,
 )
+from tool0.description.model import shortest_turn
 from tool0.errors import GoalRejectedError
 
 values = st.floats(-5.0, 5.0)
@@ -115,15 +114,3 @@ def test_half_a_turn_goes_the_way_of_the_numbers() -> None:
     assert wrap_offset(0.0, math.pi) == 0.0
     assert wrap_offset(0.0, -math.pi) == 0.0
     assert wrap_offset(0.0, math.pi - 1e-12) == pytest.approx(0.0)
-
-
-@pytest.mark.parametrize("duration", [0.2, 3.0])
-def test_the_peak_velocity_is_that_of_dense_samples(duration: float) -> None:
-    rng = np.random.default_rng(5)
-    for _ in range(50):
-        q0, qd0, q1, qd1 = rng.uniform(-2.0, 2.0, 4)
-        segment = Segment(1.0, Motion(q0, qd0), 1.0 + duration, Motion(q1, qd1))
-        times = np.linspace(segment.start, segment.end, 2001)
-        densest = max(abs(segment.sample(time).velocity) for time in times)
-        assert segment.peak_velocity() == pytest.approx(densest, rel=1e-5)
-        assert segment.peak_velocity() >= densest - 1e-12

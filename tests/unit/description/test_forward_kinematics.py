@@ -209,15 +209,15 @@ def test_placing_in_a_frame_and_looking_from_it_undo_each_other() -> None:
     rng = np.random.default_rng(seed=3)
     for _ in range(20):
         motion, frame = random_motion(rng), random_transform(rng)
-        back = motion.placed_in(frame).seen_from(FrameMotion(pose=frame))
+        back = motion.placed_in(frame).relative_to(FrameMotion(pose=frame))
         np.testing.assert_allclose(back.pose.matrix, motion.pose.matrix, atol=1e-12)
         np.testing.assert_allclose(back.linear, motion.linear, atol=1e-12)
         np.testing.assert_allclose(back.angular, motion.angular, atol=1e-12)
 
 
-def test_a_motion_stands_still_seen_from_itself() -> None:
+def test_a_motion_stands_still_relative_to_itself() -> None:
     motion = random_motion(np.random.default_rng(seed=4))
-    still = motion.seen_from(motion)
+    still = motion.relative_to(motion)
     np.testing.assert_allclose(still.pose.matrix, np.eye(4), atol=1e-12)
     assert (still.linear, still.angular) == ((0, 0, 0), (0, 0, 0))
 

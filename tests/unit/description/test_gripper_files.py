@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import re
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from tool0.description.catalogue import find_part, grippers
 from tool0.description.gripper_files import GRIPPER_FILES, check_gripper_files
-from tool0.description.model import LinearOpening, RotaryOpening
+from tool0.description.model import ROBOTIQ, LinearOpening, RotaryOpening
 from tool0.description.robot import assemble, named_poses, part_names
 from tool0.errors import DescriptionError, LimitsError, ModelError, Tool0Error
 
 MASSES = {"2f85": 0.92086, "2f140": 1.025, "hande": 0.93995}
 """[kg]"""
 LINKAGES = ("2f85", "2f140")
+PAGE = Path(__file__).parents[3] / "docs" / "robots.md"
 
 
 @pytest.fixture
@@ -110,6 +113,51 @@ def test_a_folder_of_your_own_is_a_gripper(folder: Path) -> None:
     assert named_poses(description) == named_poses(assemble(gripper="hande"))
 
 
+def page_rows() -> Iterator[tuple[list[str], str]]:
+    """Yield the files and the last cell of each row of the page's table."""
+    section = PAGE.read_text(encoding="utf-8").partition("## Your own gripper\n")[2]
+    for line in section.partition("\n## ")[0].splitlines():
+        if line.startswith("| `"):
+            files, _, condition = line.strip("|").split(" | ")
+            yield re.findall(r"`([\w.]+)`", files), condition.strip()
+
+
+def test_the_page_names_every_file_and_those_that_a_gripper_needs(
+    folder: Path,
+) -> None:
+    built_in = {
+        file.name
+        for name in grippers()
+        for file in find_part("gripper", name).folder.iterdir()
+        if file.is_file()
+    }
+    assert {file for files, _ in page_rows() for file in files} == built_in
+    for files, condition in page_rows():
+        for file in files:
+            if condition != "required":
+                (folder / file).unlink(missing_ok=True)
+                continue
+            assert assemble(gripper=str(folder)).model.grippers
+            hidden = (folder / file).rename(folder / "hidden")
+            with pytest.raises(Tool0Error):
+                assemble(gripper=str(folder))
+            hidden.rename(folder / file)
+    assert assemble(gripper=str(folder)).model.grippers
+
+
+def test_a_gripper_speaks_the_protocol_that_its_folder_names(folder: Path) -> None:
+    def protocol(gripper: str) -> str | None:
+        return assemble(gripper=gripper).model.grippers[0].protocol
+
+    assert {protocol(name) for name in grippers()} == {ROBOTIQ}
+    assert protocol(str(folder)) == ROBOTIQ
+    file = folder / "joint_limits.yaml"
+    named = file.read_text(encoding="utf-8")
+    for key in ("", "protocol: ", "protocol: null"):
+        file.write_text(named.replace("protocol: robotiq", key), encoding="utf-8")
+        assert protocol(str(folder)) is None
+
+
 MISTAKES: dict[str, tuple[str, str, str, type[Tool0Error], str]] = {
     "a negative mass": (
         "physical_parameters", "mass: 0.03804", "mass: -0.03804",
@@ -139,6 +187,14 @@ MISTAKES: dict[str, tuple[str, str, str, type[Tool0Error], str]] = {
     "forces the wrong way round": (
         "joint_limits", "min_force: 60.0", "min_force: 160.0",
         ModelError, "'grip.min_force' must be at most max_force, 130, got 160.0",
+    ),
+    "an unknown protocol": (
+        "joint_limits", "protocol: robotiq", "protocol: robotik",
+        DescriptionError, "unknown gripper protocol 'robotik'; tool0 has robotiq",
+    ),
+    "a protocol that is no name": (
+        "joint_limits", "protocol: robotiq", "protocol: [robotiq]",
+        DescriptionError, "'grip.protocol' must be the name of a protocol, got a list",
     ),
     "no stroke": (
         "joint_limits", "max_opening: 0.050", "max_openig: 0.050",

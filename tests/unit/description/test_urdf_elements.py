@@ -9,7 +9,14 @@ from pathlib import Path
 import pytest
 
 from tool0.description.forward_kinematics import link_poses
-from tool0.description.model import Interface, JointType, RobotModel, Spring, Surface
+from tool0.description.model import (
+    ROBOTIQ,
+    Interface,
+    JointType,
+    RobotModel,
+    Spring,
+    Surface,
+)
 from tool0.description.robot import assemble
 from tool0.description.units import LENGTH
 from tool0.description.urdf import read_model
@@ -291,6 +298,18 @@ def test_reads_a_parallel_gripper() -> None:
     (gripper,) = read_inside(GRIPPER).grippers
     assert gripper.position(gripper.opening(0.3)) == pytest.approx(0.3)
     assert (gripper.speed, gripper.force) == ((0.02, 0.15), (20, 235))
+
+
+def test_a_gripper_may_name_its_protocol() -> None:
+    (gripper,) = read_inside(GRIPPER).grippers
+    assert gripper.protocol is None
+    (gripper,) = read_inside(GRIPPER.replace("/>", ' protocol="robotiq"/>')).grippers
+    assert gripper.protocol == ROBOTIQ
+    wrong = GRIPPER.replace("/>", ' protocol="onrobot"/>')
+    with pytest.raises(DescriptionError) as caught:
+        read_inside(wrong)
+    assert "unknown gripper protocol 'onrobot'; tool0 has robotiq" in str(caught.value)
+    assert "r.urdf:4" in str(caught.value)
 
 
 def test_reads_a_gripper_whose_fingers_slide() -> None:

@@ -3,10 +3,8 @@ import struct
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from tool0.description.transform import Pose, pose_matrix
 from tool0.engines.gazebo.connection import (
     VERSION,
     BridgeConnection,
@@ -14,7 +12,6 @@ from tool0.engines.gazebo.connection import (
     RequestKind,
     pack_floats,
     pack_text,
-    quat_wxyz,
 )
 from tool0.errors import EngineError, EngineUnavailableError
 
@@ -173,16 +170,3 @@ def test_a_bridge_that_is_silent_is_lost(
 def test_a_name_that_would_end_early_is_refused() -> None:
     with pytest.raises(EngineError):
         pack_text("a\0b")
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_quaternions_turn_as_their_matrices_do(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    # Half turns, too: there the largest component is another one each time.
-    rpy = np.pi * rng.integers(-2, 3, 3) / 2 if seed % 2 else rng.uniform(-4, 4, 3)
-    T = pose_matrix(Pose(rpy=(rpy[0], rpy[1], rpy[2])))
-    w, *v = quat_wxyz(T)
-    assert np.hypot(w, np.linalg.norm(v)) == pytest.approx(1.0)
-    p = rng.normal(size=3)
-    turned = p + 2.0 * np.cross(v, np.cross(v, p) + w * p)
-    np.testing.assert_allclose(turned, T[:3, :3] @ p, atol=1e-12)

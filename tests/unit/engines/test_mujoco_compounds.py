@@ -8,8 +8,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from objects_rig import REST, engine_with, item
-from shapes_rig import tetrahedron
+from objects_rig import REST, engine_with, item, tetrahedron
 
 from tool0.description.model import RobotModel
 from tool0.description.shapes import Box, Compound, Cylinder, Sphere

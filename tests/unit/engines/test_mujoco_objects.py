@@ -10,8 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from objects_rig import EDGE, REST, cube, engine_with, item, run
-from shapes_rig import tetrahedron
+from objects_rig import EDGE, REST, cube, engine_with, item, run, tetrahedron
 
 from tool0.description.model import RobotModel
 from tool0.description.robot import assemble, named_poses

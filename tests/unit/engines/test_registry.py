@@ -18,8 +18,8 @@ from tool0.engines import registry
 from tool0.engines.registry import (
     EngineDefinition,
     EngineSettings,
+    engine_definition,
     engine_names,
-    engine_options,
     make_engine,
     register_engine,
 )
@@ -151,7 +151,7 @@ def test_a_robot_is_brought_up_on_a_registered_engine(toy: str) -> None:
 
 
 def test_options_reach_the_engine_or_keep_their_defaults(toy: str) -> None:
-    assert engine_options(toy) is ToyOptions
+    assert engine_definition(toy).options is ToyOptions
     for options, mass in (({}, 1.0), ({"mass": 3.0}, 3.0)):
         engine = make_engine(toy, assemble("ur5", None), options=options)
         assert isinstance(engine, ToyEngine)
@@ -188,8 +188,8 @@ def test_gazebo_refuses_loops() -> None:
 def test_listing_options_imports_no_simulator() -> None:
     program = """
 import sys
-from tool0.engines.registry import engine_names, engine_options
-assert [engine_options(name).__name__ for name in engine_names()]
+from tool0.engines.registry import engine_definition, engine_names
+assert [engine_definition(name).options.__name__ for name in engine_names()]
 assert not sys.modules.keys() & {"mujoco", "tool0.engines.gazebo.engine"}
 """
     subprocess.run([sys.executable, "-c", program], check=True, timeout=60.0)

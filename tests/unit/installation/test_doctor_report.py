@@ -3,12 +3,15 @@ import signal
 from pathlib import Path
 
 import fresh_python
+import odd_probes
 import pytest
+from odd_probes import OddProbe, crashes, fine, hangs, leaves, leaves_one_behind, raises
 from processes import Watch, has_ended
 
+from tool0.cli.probes import mujoco
 from tool0.installation.doctor.report import (
-    PROBES,
     DoctorReport,
+    Probe,
     ProbeResult,
     ProbeState,
     examine,
@@ -18,67 +21,34 @@ pytestmark = pytest.mark.slow
 
 LONG = 60.0  # [wall s]; only a failing test waits so long
 
-PROBE_MODULE = """
-import os, signal, subprocess, sys, time
-from tool0.installation.doctor.report import ProbeResult
-
-def fine(machine):
-    print("what a library prints is not part of the answer")
-    os.write(1, b"nor is this")
-    return [ProbeResult("fine", "ready", "\\N{SNOWMAN}")]
-
-def raises(machine):
-    raise RuntimeError("no such thing")
-
-def crashes(machine):
-    os.kill(os.getpid(), signal.SIGSEGV)
-
-def leaves(machine):
-    os._exit(7)
-
-def hangs(machine):
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
-    other = subprocess.Popen(["sleep", "1000"])
-    with open(os.environ["PIDS"], "w") as told:
-        print(os.getpid(), other.pid, file=told)
-    time.sleep(1000)
-
-def leaves_one_behind(machine):
-    other = subprocess.Popen(["sleep", "1000"])  # it holds our output open
-    with open(os.environ["PIDS"], "w") as told:
-        print(other.pid, file=told)
-    return [ProbeResult("left", "ready", "")]
-"""
-
 
 @pytest.fixture(autouse=True)
 def pids(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Make the probes importable; return where they write whom they started."""
-    (tmp_path / "odd_probes.py").write_text(PROBE_MODULE)
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    folder = str(Path(odd_probes.__file__).parent)
+    monkeypatch.setenv("PYTHONPATH", folder, prepend=os.pathsep)
     told = tmp_path / "pids"
     monkeypatch.setenv("PIDS", str(told))
     return told
 
 
-def look(*names: str, timeout: float = LONG) -> dict[str, ProbeResult]:
-    report = examine(dict.fromkeys(names, "odd_probes"), timeout=timeout)
+def look(*functions: OddProbe, timeout: float = LONG) -> dict[str, ProbeResult]:
+    report = examine([Probe(one) for one in functions], timeout=timeout)
     return {line.what: line for line in report.lines}
 
 
 def test_a_probe_that_fails_is_unknown_and_the_others_run() -> None:
-    found = look("raises", "crashes", "leaves", "absent", "fine")
-    assert [line.state for line in found.values()] == ["unknown"] * 4 + ["ready"]
+    found = look(raises, crashes, leaves, fine)
+    assert [line.state for line in found.values()] == ["unknown"] * 3 + ["ready"]
     assert "RuntimeError: no such thing" in found["raises"].found
     assert "SIGSEGV" in found["crashes"].found
     assert "exit status 7" in found["leaves"].found
-    assert "no attribute 'absent'" in found["absent"].found
     assert found["fine"].found == "\N{SNOWMAN}"
 
 
 def test_a_probe_that_hangs_is_unknown_and_ended(pids: Path) -> None:
     for timeout in (2.0, 10.0, 60.0):  # a busy machine needs more to start them
-        found = look("hangs", "fine", timeout=timeout)
+        found = look(hangs, fine, timeout=timeout)
         if found["fine"].state == "ready" and pids.exists():
             break
     assert (found["hangs"].state, found["fine"].state) == ("unknown", "ready")
@@ -86,7 +56,7 @@ def test_a_probe_that_hangs_is_unknown_and_ended(pids: Path) -> None:
 
 
 def test_a_process_that_a_probe_leaves_behind_is_ended(pids: Path) -> None:
-    assert look("leaves_one_behind")["left"].state == "ready"
+    assert look(leaves_one_behind)["left"].state == "ready"
     assert has_ended(int(pids.read_text()), LONG)
 
 
@@ -94,8 +64,9 @@ def test_a_process_that_a_probe_leaves_behind_is_ended(pids: Path) -> None:
 def test_every_probe_ends_with_the_doctor(pids: Path, number: signal.Signals) -> None:
     os.mkfifo(pids)
     program = (
-        "from tool0.installation.doctor.report import examine\n"
-        "examine({'hangs': 'odd_probes'}, timeout=600.0)"
+        "from odd_probes import hangs\n"
+        "from tool0.installation.doctor.report import Probe, examine\n"
+        "examine([Probe(hangs)], timeout=600.0)"
     )
     with fresh_python.start(program) as doctor:
         watch = Watch(map(int, pids.read_text().split()))  # waits until they start
@@ -113,7 +84,7 @@ def test_modules_of_the_folder_one_stands_in_are_not_taken(
     (folder / "json.py").write_text("raise RuntimeError('not this one')")
     (folder / "mujoco.py").write_text("raise RuntimeError('not this one')")
     monkeypatch.chdir(folder)
-    found = examine({"mujoco": PROBES["mujoco"]})
+    found = examine([Probe(mujoco)])
     assert [line.state for line in found.lines] == ["ready"], found.lines
 
 
@@ -130,7 +101,7 @@ def test_mujoco_is_what_has_to_run(
 ) -> None:
     names = ("python", "mujoco", "gazebo")
     lines = [ProbeResult(*row, "") for row in zip(names, states, strict=True)]
-    report = DoctorReport(tuple(lines))
+    report = DoctorReport(tuple(lines), needed=("python", "mujoco"))
     assert report.can_run is can_run
     assert report.as_json()["can_run"] is can_run
     assert ("runs here" in report.rows()[-1]) is can_run
@@ -138,4 +109,4 @@ def test_mujoco_is_what_has_to_run(
 
 def test_a_remedy_has_a_line_of_its_own_to_copy() -> None:
     line = ProbeResult("rviz", "missing", "none", "apt install rviz")
-    assert ("", "", "-> apt install rviz") in DoctorReport((line,)).rows()
+    assert ("", "", "-> apt install rviz") in DoctorReport((line,), needed=()).rows()

@@ -119,8 +119,6 @@ def cell() -> RobotModel:
 
 MODELS: dict[str, Callable[[], RobotModel]] = {
     "ur5+2f85": lambda: assemble("ur5", "2f85").model,
-    "ur5e+hande": lambda: assemble("ur5e", "hande").model,
-    "ur3+2f140": lambda: assemble("ur3", "2f140").model,
     "cell": cell,
     "linkage": lambda: assemble("ur5", "2f85", gripper_model="linkage").model,
     "skew": lambda: build_model(Interface.EFFORT),

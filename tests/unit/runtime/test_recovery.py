@@ -9,8 +9,8 @@ import pytest
 import tool0
 from tool0.description.model import RECOVERABLE
 from tool0.errors import ControlError
-from tool0.kinematics.move_planner import MovePlanner
-from tool0.kinematics.moves import Move
+from tool0.motion.moves import Move
+from tool0.motion.planner import MovePlanner
 from tool0.protocol.arm_motion import (
     ExecutePath,
     ReadArmMotion,
@@ -21,6 +21,7 @@ from tool0.protocol.arm_motion import (
 )
 from tool0.protocol.motion import MoveJoints, SteerJoints
 from tool0.protocol.trajectories import TrajectoryPoint
+from tool0.requests.paths import path_request
 
 PAN = "shoulder_pan_joint"
 LIMIT = 6.283185307179586
@@ -75,9 +76,8 @@ def setpoint(robot: tool0.Robot) -> tuple[float, ...]:
 
 
 def path(robot: tool0.Robot, target: Move) -> None:
-    knots = MovePlanner(robot.arm.kinematics).plan(setpoint(robot), [target]).knots
-    times, q, qd = (values.tolist() for values in knots)
-    robot.channel.call(ExecutePath(times=times, positions=q, velocities=qd))
+    plan = MovePlanner(robot.arm.kinematics).plan(setpoint(robot), [target])
+    robot.channel.call(path_request(None, plan.path))
 
 
 def movej(robot: tool0.Robot) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 import tool0
 from tool0 import GoalStatus, TrajectoryPoint
-from tool0.control.watch import REACHED
+from tool0.control.trajectory_monitor import REACHED
 from tool0.protocol.goals import GoalResult
 
 CONTROLLER = "joint_trajectory_controller"

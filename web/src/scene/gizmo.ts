@@ -1,15 +1,14 @@
 /** Arrows and rings at the tool: they drag it to another pose. */
 import {
   type Camera,
-  Matrix4,
   Object3D,
   type PerspectiveCamera,
   Quaternion,
   Vector3,
 } from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
-import { toQuaternion } from "../kinematics";
 import type { Pose, Rotation } from "../kinematics";
+import { quaternionOf, rotationOf } from "./orientation";
 import type { Colours } from "./stage";
 
 const ARROWS = 0.62;
@@ -19,11 +18,6 @@ interface Listener {
   changed: () => void;
   dragged: (is: boolean) => void;
   moved: (pose: Pose) => void;
-}
-
-function setRotation(to: Quaternion, R: Rotation): void {
-  const [w, x, y, z] = toQuaternion(R);
-  to.set(x, y, z, w);
 }
 
 /** Its handle has the axes of the chosen frame; what it turns by, the tool turns by. */
@@ -113,8 +107,8 @@ export class ToolGizmo {
       this.listener.changed();
       return;
     }
-    setRotation(this.tool, pose.R);
-    setRotation(this.axes, axes);
+    this.tool.copy(quaternionOf(pose.R));
+    this.axes.copy(quaternionOf(axes));
     this.handle.position.set(...pose.p);
     this.handle.quaternion.copy(this.axes);
     if (this.isShown) return;
@@ -128,16 +122,7 @@ export class ToolGizmo {
   private pose(): Pose {
     const { x, y, z } = this.handle.position;
     this.tool.copy(this.handle.quaternion).multiply(this.grip).normalize();
-    const e = new Matrix4().makeRotationFromQuaternion(this.tool).elements;
-    const at = (i: number) => e[i] ?? 0;
-    return {
-      p: [x, y, z],
-      R: [
-        [at(0), at(4), at(8)],
-        [at(1), at(5), at(9)],
-        [at(2), at(6), at(10)],
-      ],
-    };
+    return { p: [x, y, z], R: rotationOf(this.tool) };
   }
 
   dispose(): void {

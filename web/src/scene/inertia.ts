@@ -5,7 +5,6 @@ import {
   Group,
   LineBasicMaterial,
   LineSegments,
-  Matrix4,
   Mesh,
   MeshBasicMaterial,
   type Object3D,
@@ -13,6 +12,7 @@ import {
 } from "three";
 import { fromRpy } from "../kinematics";
 import type { Inertial, UrdfModel } from "../urdf";
+import { quaternionOf } from "./orientation";
 import { principalAxes } from "./principal-axes";
 
 const DOT = 0.009;
@@ -91,11 +91,11 @@ export class Inertias {
     const faces = new Mesh(box, this.faces);
     const edges = new LineSegments(new EdgesGeometry(box), this.edges);
     const turned = new Group();
-    turned.setRotationFromMatrix(matrixOf(axes));
+    turned.quaternion.copy(quaternionOf(axes));
     turned.add(faces, edges);
     const dot = new Mesh(new SphereGeometry(DOT, 20, 14), this.dot);
     group.position.set(...origin.xyz);
-    group.setRotationFromMatrix(matrixOf(fromRpy(origin.rpy)));
+    group.quaternion.copy(quaternionOf(fromRpy(origin.rpy)));
     group.add(turned, dot);
     group.traverse((one) => {
       one.renderOrder = one === dot ? 8 : 7;
@@ -103,8 +103,4 @@ export class Inertias {
     });
     return group;
   }
-}
-
-function matrixOf([a, b, c]: ReturnType<typeof fromRpy>): Matrix4 {
-  return new Matrix4().set(...a, 0, ...b, 0, ...c, 0, 0, 0, 0, 1);
 }

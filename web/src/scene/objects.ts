@@ -8,11 +8,13 @@ import {
   MeshPhongMaterial,
   SphereGeometry,
 } from "three";
+import { fromRpy } from "../kinematics";
 import type { ShapeInfo, ViewObject, ViewScene } from "../protocol";
 import type { Pose } from "./interpolation";
 import { MODEL_LAYER } from "./layers";
 import type { Materials } from "./materials";
 import type { Meshes } from "./meshes";
+import { quaternionOf } from "./orientation";
 import { meshesOf, type SolidMesh } from "./robot";
 
 /** Return the geometry of a shape without parts. */
@@ -118,8 +120,7 @@ export class Objects {
     const drawn = (shape.parts ?? []).map(async (part) => {
       const group = new Group();
       group.position.set(...part.xyz);
-      // rpy turns about fixed axes: about x first, which three calls ZYX
-      group.rotation.set(...part.rpy, "ZYX");
+      group.quaternion.copy(quaternionOf(fromRpy(part.rpy)));
       holder.add(group);
       await this.draw(group, part.shape, info);
     });

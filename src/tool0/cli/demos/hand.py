@@ -11,8 +11,8 @@ from tool0.cli.demos.monitor import GraspMonitor
 from tool0.description.transform import Transform, Vector3
 from tool0.errors import ModelError, Tool0Error
 from tool0.hardware.limits import DriveLimits
+from tool0.motion.joint import require_speed
 from tool0.protocol.goals import GoalResult, GoalStatus
-from tool0.runtime.joint_motion import require_speed
 from tool0.sensing.grasp import grasp_frame
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ MOTION_TIMEOUT = 20.0
 SETTLE_TIMEOUT = 1.0
 """Longest time for an object in the bin to come to rest [s]."""
 RELEASE = 0.04
-"""By how much the pads open beyond the width of what they release [m]."""
+"""Opening beyond the width of the released object [m]."""
 
 
 @final
@@ -38,13 +38,13 @@ class PickOptions:
     """The parameters of a pick."""
 
     force: float = 60.0
-    """At each pad [N]."""
+    """Gripping force at each pad [N]."""
     speed: float = 0.7
-    """Of joints between two poses, part of the fastest."""
+    """Speed of the joints between two poses, as a fraction of the maximum."""
     linear_speed: float = 0.25
-    """On the straight lines down and up [m/s]."""
+    """Speed of the tool on the straight lines down and up [m/s]."""
     pad_speed: float = 0.15
-    """Of the pads towards each other [m/s]."""
+    """Speed of the pads towards each other [m/s]."""
     lift: float = 0.15
     """Height at which the object is carried, above its pick and place position [m]."""
 

@@ -171,7 +171,7 @@ class _Way(NamedTuple):
 
 @final
 class _Handover:
-    """From the giver's gripper to the taker's."""
+    """The transfer of an object from the giver's gripper to the taker's."""
 
     def __init__(
         self,

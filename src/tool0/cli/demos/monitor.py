@@ -87,7 +87,7 @@ class GraspMonitor:
         return self._phase
 
     def until(self, done: Callable[[], bool], timeout: float) -> bool:
-        """Let time pass until ``done()``; return False on a timeout.
+        """Wait until ``done()``; return False on a timeout.
 
         Args:
             done: Called after each snapshot.
@@ -106,7 +106,7 @@ class GraspMonitor:
         return True
 
     def wait(self, duration: float) -> None:
-        """Let ``duration`` simulated seconds pass."""
+        """Wait for ``duration`` [simulated s]."""
         self.until(lambda: False, duration)
 
     def start_slip(self, gripper: Gripper) -> None:
@@ -187,7 +187,7 @@ class FrameRecorder:
         self._rate = rate
         self._due: float | None = None  # simulated time of the next frame [s]
         self.frames: list[Snapshot] = []
-        """In order."""
+        """The frames, in order."""
 
     def record(self, snapshot: Snapshot) -> None:
         """Keep a snapshot if the next frame is due."""

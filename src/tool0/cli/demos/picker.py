@@ -64,12 +64,12 @@ class Picker:
         self._height = max(
             pose.position[2], top - reach, self._floor + reach + CLEARANCE
         )
-        """Of the middle of the pads, when they take it [m]."""
+        """Height of the middle of the pads when they grip the object [m]."""
         self._grasp = self._grasps[0]
         self.width: float | None = None
         """Width of the gripped object, from the gripper's joint [m]."""
         self.force: float | None = None
-        """That a pad exerts on it when it is lifted [N]."""
+        """Force of a pad on the object when it is lifted [N]."""
 
     @property
     def width_between_pads(self) -> float:
@@ -140,7 +140,7 @@ def pick_and_place(
 def measured(
     robot: Robot, picker: Picker, monitor: GraspMonitor, task: Callable[[], None]
 ) -> PickReport:
-    """Do a task with an object, and return what ``monitor`` measured.
+    """Perform a task with an object, and return the measurements of ``monitor``.
 
     Args:
         robot: The robot.

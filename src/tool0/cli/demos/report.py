@@ -1,4 +1,4 @@
-"""What became of a task, and what was measured."""
+"""The outcome of a task, and its measurements."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class PickReport:
     success: bool
     """Whether the object is in the bin."""
     failure: str | None = None
-    """In which phase it failed, and why."""
+    """The phase in which the task failed, and why; None if it succeeded."""
     item: str
     """The object."""
     start: tuple[float, float, float]

@@ -1,4 +1,4 @@
-"""The demos: a robot, what is around it, and its task."""
+"""The demos: a robot, its surroundings, and its task."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ OnSnapshot = Callable[[Snapshot], None]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cube:
-    """What is picked."""
+    """The cube that is picked."""
 
     edge: float = 0.045
     """[m]"""
@@ -48,7 +48,7 @@ class Cube:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Demo:
-    """A robot, what is around it, and its task."""
+    """A robot, its surroundings, and its task."""
 
     description: DescriptionConfig
     scene: Scene

@@ -1,4 +1,4 @@
-"""From a trajectory goal to motion: its checks, and the splines that follow it.
+"""Checks of a trajectory goal, and the splines that follow it.
 
 Wordings and codes are those of ROS's joint_trajectory_controller where it has any.
 Beyond ROS, which accepts them, these are rejected: numbers that are not finite,
@@ -16,7 +16,7 @@ from bisect import bisect_right
 from collections.abc import Collection, Sequence
 from typing import final
 
-from tool0.control.goal import TrajectoryTolerances
+from tool0.control.goal import JointTolerances, TrajectoryTolerances, as_tolerance
 from tool0.control.goal_motion import (
     Splines,
     check_finite,
@@ -30,7 +30,7 @@ from tool0.control.spline import JointSpline, Knots, Sample, hold, stop
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.model import Joint, JointType
 from tool0.errors import GoalRejectedError, did_you_mean
-from tool0.protocol.goals import Goal, Tolerance
+from tool0.protocol.goals import Goal, Tolerance, ToleranceOverride
 from tool0.protocol.trajectories import TrajectoryPoint
 
 logger = logging.getLogger(__name__)
@@ -63,8 +63,7 @@ def check_names(
                 raise _invalid_joints(
                     f"tolerance for unknown joint '{name}'", name, joints
                 )
-            numbers = override if isinstance(override, Tolerance) else (override,)
-            if not all(map(math.isfinite, numbers)):
+            if not all(map(math.isfinite, as_tolerance(override))):
                 raise GoalRejectedError(f"tolerance {override} of '{name}'")
     if not math.isfinite(goal.goal_time_tolerance or 0.0):
         raise GoalRejectedError(f"goal_time_tolerance {goal.goal_time_tolerance}")
@@ -135,6 +134,24 @@ def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
     return n_dropped
 
 
+def goal_time_with(default: float, override: float | None) -> float:
+    """Return the grace [s] for a goal with its own ``goal_time_tolerance``.
+
+    As for tolerances: > 0 replaces, 0 keeps; < 0 means no limit, so that the goal waits
+    until it arrives (ROS would take that for no grace at all).
+    """
+    if override is None or override == 0.0:
+        return default
+    return override if override > 0.0 else math.inf
+
+
+def _override(default: Tolerance, override: ToleranceOverride | None) -> Tolerance:
+    if override is None:
+        return default
+    pairs = zip(default, as_tolerance(override), strict=True)
+    return Tolerance(*(max(new, 0.0) if new else old for old, new in pairs))
+
+
 def _invalid_joints(
     text: str, name: str = "", valid: tuple[str, ...] = ()
 ) -> GoalRejectedError:
@@ -200,8 +217,10 @@ class TrajectoryReplacement:
                 continue
             column = names.index(name)
             motion = motion_at(goal.points, column, offsets[column])
-            tolerances = self._tolerances.of(
-                name, goal.path_tolerance.get(name), goal.goal_tolerance.get(name)
+            default = self._tolerances.of(name)
+            tolerances = JointTolerances(
+                path=_override(default.path, goal.path_tolerance.get(name)),
+                goal=_override(default.goal, goal.goal_tolerance.get(name)),
             )
             splines.append(
                 old.spliced(

@@ -48,7 +48,7 @@ class JointStateSpec:
     joints: tuple[str, ...]
     """The joints that are read, in the order of the messages."""
     publish_rate: float
-    """[Hz]; 0 or less is never."""
+    """Rate of the published state [Hz]; 0 or less is never."""
     extra_joints: tuple[ExtraJoint, ...] = ()
 
     interface: ClassVar[Interface | None] = None

@@ -9,22 +9,26 @@ from typing import ClassVar, final
 
 from tool0.control.goal import DEFAULT_GOAL_TIME, TrajectoryTolerances
 from tool0.control.goal_motion import splines_by_plan
+from tool0.control.joint_tracking import JointTracking
 from tool0.control.law import TrajectoryLaw
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
-    Pid,
     RobotJoints,
     controlled_joints,
     read_gains,
     read_tolerances,
 )
-from tool0.control.ros1.goal_check import TrajectoryReplacement, check_names
-from tool0.control.sampler import GoalMonitor, TrajectorySampler
-from tool0.control.spline import JointSpline, MotionPlan, hold, shortest_turn
+from tool0.control.ros1.goal_check import (
+    TrajectoryReplacement,
+    check_names,
+    goal_time_with,
+)
+from tool0.control.sampler import GoalMonitor
+from tool0.control.spline import JointSpline, MotionPlan
 from tool0.control.trajectory import Setpoint, TrajectoryGoal, joints_motion
-from tool0.description.model import Interface, Joint, JointType
+from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace
-from tool0.hardware.engine import JointState, joint_selector
+from tool0.hardware.engine import JointState
 from tool0.hardware.limits import PUSHING
 from tool0.protocol.controllers import Gains
 from tool0.protocol.goals import Goal, GoalResult, GoalStatus
@@ -47,7 +51,7 @@ class JointTrajectorySpec:
     joint_models: tuple[Joint, ...]
     interface: Interface
     gains: tuple[Gains, ...] = ()
-    """One per joint; none for the position interface."""
+    """Gains of each joint; none for the position interface."""
     velocity_ff: tuple[float, ...] = ()
     """Command per desired velocity, one per joint; none for the position interface."""
     tolerances: TrajectoryTolerances
@@ -55,9 +59,9 @@ class JointTrajectorySpec:
     """Length of the ramp to rest [s]; 0 holds the measured position at once."""
     allow_partial_joints_goal: bool = False
     state_publish_rate: float = 50.0
-    """[Hz], for interfaces that publish the state; 0 is never."""
+    """Rate of the published state in ROS [Hz]; 0 is never."""
     action_monitor_rate: float = 20.0
-    """[Hz], for interfaces that publish feedback."""
+    """Rate of feedback in ROS [Hz]."""
 
     further_interfaces: ClassVar[tuple[str, ...]] = ()
     state_interfaces: ClassVar[tuple[str, ...]] = ()
@@ -101,31 +105,22 @@ class JointTrajectoryController:
         self, spec: JointTrajectorySpec, indices: Sequence[int], state: JointState
     ) -> None:
         self.spec = spec
-        self._select = joint_selector(indices)
-        self._wrapping = [
-            k
-            for k, joint in enumerate(spec.joint_models)
-            if joint.type is JointType.CONTINUOUS
-        ]
+        self._tracking = JointTracking(
+            spec.joint_models, spec.gains, spec.velocity_ff, indices, state
+        )
+        self.pid = self._tracking.pid
         self._replacement = TrajectoryReplacement(
             spec.joint_models, spec.tolerances, spec.stop_trajectory_duration
         )
-        self.pid = Pid(spec.gains) if spec.gains else None
-        self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
         self._monitor: GoalMonitor | None = None
-        self._state = state
-        position = self._select(state.position)
-        self._sampler = TrajectorySampler(
-            [hold(state.time, q) for q in position], state.time
-        )
 
     # ---- the tick -----------------------------------------------------------------
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return the commands: desired positions, or velocities or efforts to them."""
-        self._state = state
-        time, position, velocity, _ = state
-        sampler, monitor = self._sampler, self._monitor
+        tracking, monitor, time = self._tracking, self._monitor, state.time
+        tracking.state = state
+        sampler = tracking.sampler
         if time >= sampler.next_change:
             sampler.advance(time)
             if monitor is not None:
@@ -133,10 +128,7 @@ class JointTrajectoryController:
         pid = self.pid
         if pid is None and monitor is None:
             return sampler.desired(time)[0]
-        speeds = self._select(velocity)
-        errors, rates = sampler.errors(time, self._select(position), speeds)
-        for k in self._wrapping:
-            errors[k] = shortest_turn(0.0, errors[k])
+        errors, rates = tracking.errors(time)
         if monitor is not None:
             result = monitor.check(time, errors, rates)
             if result is not None:
@@ -144,31 +136,31 @@ class JointTrajectoryController:
         if pid is None:
             return sampler.desired(time)[0]
         commands = pid.update(errors, rates, period)
-        if self._feed_forward:
-            for k, scale in enumerate(self._feed_forward):
+        if tracking.feed_forward:
+            speeds = tracking.select(state.velocity)
+            for k, scale in enumerate(tracking.feed_forward):
                 commands[k] += scale * (rates[k] + speeds[k])
         return commands
 
     def law(self) -> TrajectoryLaw:
-        return TrajectoryLaw(
-            self._sampler, self._monitor, self.pid, self._feed_forward, self._wrapping
-        )
+        return self._tracking.law(self._monitor)
 
     def observe(self, state: JointState) -> None:
-        self._state = state
+        self._tracking.state = state
 
-    def adopt(self, splines: Mapping[int, JointSpline], now: float) -> None:
+    def resume_from_kernel(
+        self, splines: Mapping[int, JointSpline], now: float
+    ) -> None:
         """Continue with the motions of joints, by number, that the kernel started."""
         self._end_goal(PREEMPTED)
-        merged = [splines.get(k, old) for k, old in enumerate(self._sampler.splines)]
-        self._sampler = TrajectorySampler(merged, now)
+        self._tracking.follow(self._tracking.merged(splines), now)
 
     def _end_goal(self, result: GoalResult) -> None:
         """End the active goal, if there is one; if it is aborted, stop."""
         monitor, self._monitor = self._monitor, None
         if result.status is GoalStatus.ABORTED:
-            now = self._state.time
-            self._sampler = TrajectorySampler(self._stop_splines(now, None), now)
+            now = self._tracking.state.time
+            self._tracking.follow(self._stop_splines(now, None), now)
         if monitor is not None:
             monitor.goal.finish(result)
 
@@ -196,7 +188,7 @@ class JointTrajectoryController:
     def cancel(self, goal: Goal, now: float) -> None:
         """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
         if self._monitor is not None and goal is self._monitor.goal:
-            self._sampler = TrajectorySampler(self._stop_splines(now, None), now)
+            self._tracking.follow(self._stop_splines(now, None), now)
             self._end_goal(PREEMPTED)
 
     def stop(self) -> None:
@@ -205,7 +197,8 @@ class JointTrajectoryController:
     def _accept(
         self, goal: TrajectoryGoal | MotionPlan, now: float, handle: Goal | None
     ) -> None:
-        spec, running, goal_time = self.spec, self._sampler.splines, None
+        spec, tracking, goal_time = self.spec, self._tracking, None
+        running = tracking.sampler.splines
         if isinstance(goal, TrajectoryGoal):
             names = check_names(
                 goal, spec.joints, allow_partial=spec.allow_partial_joints_goal
@@ -225,15 +218,15 @@ class JointTrajectoryController:
                 tolerances=spec.tolerances,
             )
         self._end_goal(PREEMPTED)
-        self._sampler = TrajectorySampler(splines, now)
+        tracking.follow(splines, now)
         if handle is not None:
-            grace = spec.tolerances.goal_time_with(goal_time)
+            grace = goal_time_with(spec.tolerances.goal_time, goal_time)
             self._monitor = GoalMonitor(handle, spec.joints, grace)
-            self._monitor.watch(self._sampler)
+            self._monitor.watch(tracking.sampler)
 
     def _stop_splines(self, now: float, handle: Goal | None) -> list[JointSpline]:
         """Return the splines to rest; drives that push at their limit release."""
-        state, select = self._state, self._select
+        state, select = self._tracking.state, self._tracking.select
         positions = list(select(state.position))
         for k, effort in enumerate(select(state.effort)):
             limit = self.spec.joint_models[k].limits.effort
@@ -242,7 +235,11 @@ class JointTrajectoryController:
                 if self.pid is not None:
                     self.pid.reset(k)
         return self._replacement.by_stop(
-            self._sampler.splines, positions, select(state.velocity), now, handle
+            self._tracking.sampler.splines,
+            positions,
+            select(state.velocity),
+            now,
+            handle,
         )
 
     # ---- desired and measured motion ----------------------------------------------
@@ -253,12 +250,10 @@ class JointTrajectoryController:
         Raises:
             ControlError: If the trajectory at that time is no longer known.
         """
-        return joints_motion(self._sampler.samples(time))
+        return joints_motion(self._tracking.sampler.samples(time))
 
     def setpoint(self) -> Setpoint:
-        return Setpoint(
-            self.spec.joint_models, self._sampler.splines, self._select, self._state
-        )
+        return self._tracking.setpoint()
 
 
 def parse(

@@ -39,23 +39,23 @@ _STARTED_FILE: Final = "started_controllers_ros2.yaml"
 _RATE: Final = 500
 """Updates per second of an arm whose folder does not state them [Hz]."""
 _ROTARY: Final = {"$tolerance": "0.02"}
-"""Of a gripper whose driven joint turns [rad]."""
+"""Settings of a gripper whose driven joint turns [rad]."""
 _LINEAR: Final = {"$tolerance": "0.0005"}
-"""Of one whose driven joint slides [m]: 1 mm of opening."""
+"""Settings of one whose driven joint slides [m]: 1 mm of opening."""
 
 
-class Started(NamedTuple):
+class StartedControllers(NamedTuple):
     """The controllers that a bring-up starts, if the YAML defines them."""
 
     always: tuple[str, ...]
     built_in: tuple[str, ...]
-    """Those besides, if the controllers are the built-in ones."""
+    """Further controllers that are started if they are the built-in ones."""
 
 
-def started() -> Started:
+def started() -> StartedControllers:
     """Return the controllers that a bring-up starts unless options name others."""
     file = Namespace(read_verbatim(_config(_STARTED_FILE)).root)
-    return Started(file.texts("started"), file.texts("started_built_in"))
+    return StartedControllers(file.texts("started"), file.texts("started_built_in"))
 
 
 def _config(name: str) -> Path:
@@ -91,7 +91,7 @@ def built_in_yaml(description: RobotDescription, period: float) -> str:
 
 
 def built_in_tree(description: RobotDescription, period: float) -> Tree:
-    """Return the same, with locations in the files that they come from."""
+    """Return the built-in controllers with locations in their files."""
     tree = Tree()
     pieces = _pieces(description, period)
     if pieces:

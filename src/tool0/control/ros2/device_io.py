@@ -1,4 +1,4 @@
-"""Controllers of what a device has besides joints: services that the node offers."""
+"""Controllers of a device's inputs and outputs: services that the node offers."""
 
 from __future__ import annotations
 

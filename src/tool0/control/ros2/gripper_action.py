@@ -7,24 +7,26 @@ command interfaces of their own.
 
 from __future__ import annotations
 
-import math
-
-from tool0.control.gripper_action import DriveSettings, GripperActionSpec
+from tool0.control.gripper_action import (
+    DriveSettings,
+    GripperActionSpec,
+    read_gripper_action,
+)
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     RobotJoints,
-    read_gains,
+    read_at_least,
     single_joint,
 )
 from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean
-from tool0.protocol.controllers import Gains
 
 _ADJUSTABLE = (
     *("goal_tolerance", "allow_stalling", "stall_velocity_threshold"),
     *("stall_timeout", "max_effort", "max_velocity"),
 )
+_GAINS = ("p", "i", "d", "i_clamp")
 
 
 def parse(
@@ -34,7 +36,6 @@ def parse(
     package = type_name.partition("/")[0]
     interface = INTERFACE_OF_PACKAGE.get(package, Interface.POSITION)
     joint = single_joint(robot, parameters, interface)
-    gains: tuple[Gains, ...] = ()
     settings: DriveSettings | None = None
     states: tuple[str, ...] = ("position", "velocity")
     if package == "parallel_gripper_action_controller":
@@ -43,39 +44,23 @@ def parse(
         max_effort = joint.limits.effort
     else:
         max_effort = parameters.not_negative("max_effort", 0.0) or joint.limits.effort
-    if interface is Interface.EFFORT:
-        path = f"gains/{joint.name}"
-        gains = (read_gains(parameters, path, f"{type_name} needs"),)
-        adjustable = (f"{path}/{gain}" for gain in ("p", "i", "d", "i_clamp"))
-        parameters.mark_adjustable(*adjustable)
-    parameters.mark_adjustable(*_ADJUSTABLE)
-    return GripperActionSpec(
-        name=name,
-        type=type_name,
-        joint=joint,
-        interface=interface,
-        gains=gains,
+    spec = read_gripper_action(
+        name,
+        type_name,
+        parameters,
+        joint,
+        interface,
         goal_tolerance=parameters.not_negative("goal_tolerance", 0.01),
         max_effort=max_effort,
-        stall_velocity_threshold=parameters.not_negative(
-            "stall_velocity_threshold", 0.001
-        ),
-        stall_timeout=parameters.not_negative("stall_timeout", 1.0),
-        allow_stalling=parameters.boolean("allow_stalling", default=False),
-        action_monitor_rate=_monitor_rate(parameters),
+        action_monitor_rate=read_at_least(parameters, "action_monitor_rate", 20.0, 0.1),
         state_interfaces=tuple(f"{joint.name}/{state}" for state in states),
         settings=settings,
     )
-
-
-def _monitor_rate(parameters: Namespace) -> float:
-    rate = parameters.number("action_monitor_rate", 20.0)
-    entry = parameters.find("action_monitor_rate")
-    if entry is not None and not 0.1 <= rate < math.inf:
-        raise ConfigError(
-            f"'{entry.key}' must be at least 0.1 [Hz], got {rate}", entry.location
-        )
-    return rate
+    if spec.gains:
+        adjustable = (f"gains/{joint.name}/{gain}" for gain in _GAINS)
+        parameters.mark_adjustable(*adjustable)
+    parameters.mark_adjustable(*_ADJUSTABLE)
+    return spec
 
 
 def _settings(parameters: Namespace, robot: RobotJoints, joint: Joint) -> DriveSettings:

@@ -9,15 +9,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, NamedTuple, final
 
+from tool0.control.goal import TrajectoryTolerances
 from tool0.control.goal_motion import check_limits, splines_by_plan
+from tool0.control.joint_tracking import JointTracking
 from tool0.control.law import TrajectoryClock, TrajectoryLaw
-from tool0.control.parameters import Pid
 from tool0.control.ros2.trajectory_check import (
     Acceptance,
-    ActiveTolerances,
+    active_tolerances,
     check_goal,
-    judged,
-    with_those_of,
+    override_tolerances,
 )
 from tool0.control.ros2.trajectory_motion import (
     Course,
@@ -28,12 +28,12 @@ from tool0.control.ros2.trajectory_motion import (
 )
 from tool0.control.ros2.trajectory_settings import Replacement, SpeedSource
 from tool0.control.sampler import TrajectorySampler
-from tool0.control.spline import JointSpline, Motion, MotionPlan, hold, shortest_turn
+from tool0.control.spline import JointSpline, Motion, MotionPlan, hold
 from tool0.control.trajectory import Setpoint, TrajectoryGoal, joints_motion
-from tool0.control.watch import TrajectoryWatch
-from tool0.description.model import Interface, Joint, JointType
+from tool0.control.trajectory_monitor import TrajectoryMonitor
+from tool0.description.model import Interface, Joint
 from tool0.errors import GoalRejectedError
-from tool0.hardware.engine import JointState, joint_selector
+from tool0.hardware.engine import JointState
 from tool0.protocol.controllers import Gains
 from tool0.protocol.goals import Goal, GoalResult, GoalStatus
 from tool0.protocol.trajectories import JointsMotion
@@ -65,7 +65,7 @@ class JointTrajectorySpec:
     further_interfaces: tuple[str, ...] = ()
     state_interfaces: tuple[str, ...] = ()
     gains: tuple[Gains, ...] = ()
-    """One per joint; none if positions are commanded."""
+    """Gains of each joint; none if positions are commanded."""
     velocity_ff: tuple[float, ...] = ()
     """Command per desired velocity, one per joint; none if positions are."""
     judges_velocity: bool = False
@@ -73,17 +73,17 @@ class JointTrajectorySpec:
     reads_velocity: bool = True
     """Whether trajectories start with the measured velocity; otherwise with 0."""
     acceptance: Acceptance
-    tolerances: ActiveTolerances
+    tolerances: TrajectoryTolerances
     deceleration: tuple[float, ...] = ()
-    """Of a stop, one per joint [rad/s² | m/s²]; none holds the measured position."""
+    """Deceleration of a stop by joint [rad/s² | m/s²]; none holds still at once."""
     command_timeout: float = math.inf
-    """After the end of a trajectory [s]; then the measured position is held."""
+    """Time after a trajectory until the measured position is held [s]."""
     replacement: Replacement
     speed: SpeedSource
     state_publish_rate: float = 50.0
-    """[Hz]; only Humble has it."""
+    """Rate of the published state [Hz]; only Humble has it."""
     action_monitor_rate: float = 20.0
-    """[Hz], for interfaces that publish feedback."""
+    """Rate of feedback in ROS [Hz]."""
 
     waits_for_command: ClassVar[bool] = False
 
@@ -101,12 +101,12 @@ class JointTrajectorySpec:
         return JointTrajectoryController(self, indices, state)
 
 
-class _Coming(NamedTuple):
+class _PendingTrajectory(NamedTuple):
     """A trajectory that ends everything before it."""
 
     course: Course
     held: Mapping[str, float]
-    """Where the joints stay that it does not name [rad | m]."""
+    """Positions at which the joints that it does not name stay [rad | m]."""
 
 
 @final
@@ -133,57 +133,49 @@ class JointTrajectoryController:
         self, spec: JointTrajectorySpec, indices: Sequence[int], state: JointState
     ) -> None:
         self.spec = spec
-        self._select = joint_selector(indices)
-        self._wrapping = [
-            k
-            for k, joint in enumerate(spec.joint_models)
-            if joint.type is JointType.CONTINUOUS
-        ]
-        self.pid = Pid(spec.gains) if spec.gains else None
-        self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
+        self._tracking = JointTracking(
+            spec.joint_models, spec.gains, spec.velocity_ff, indices, state
+        )
+        self.pid = self._tracking.pid
         self._tolerances = spec.tolerances
-        self._watch: TrajectoryWatch | None = None
-        """None while the joints are to rest where they are."""
+        self._monitor: TrajectoryMonitor | None = None
+        """Monitor of the trajectory; None while the joints hold still."""
         self._factor = spec.speed.initial
-        """What the topic set last."""
+        """The factor that the topic set last."""
         self._factor_used = 1.0
         self._clock = TrajectoryClock()
         self._period = 0.0
-        self._coming: _Coming | None = None
-        """A trajectory that starts with the coming tick, from what is measured then."""
+        self._pending: _PendingTrajectory | None = None
+        """A trajectory that starts with the next tick, from the measured motion."""
         self._is_first = True
         """Whether the coming tick is the first one of a trajectory."""
         self._has_points = False
         """Whether the motion has several points, so that another one can follow it."""
-        self._state = state
-        self._execute([hold(state.time, q) for q in self._select(state.position)])
+        self._execute(self._tracking.sampler.splines)
 
     # ---- the tick -----------------------------------------------------------------
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return the commands: desired positions, or velocities or efforts to them."""
-        self._state, self._period = state, period
+        tracking, self._period = self._tracking, period
+        tracking.state = state
         factor = self.speed_scaling
         if factor != self._factor_used:
             self._factor_used = factor
             self._clock = self._clock.scaled(factor, state.time)
         time, is_first = self._clock.at(state.time), self._is_first
         if is_first:
-            self._depart(time)
+            self._start_pending(time)
         ahead = time + period
-        watch, pid = self._watch, self.pid
+        monitor, pid = self._monitor, self.pid
         errors: list[float] = []
         rates: list[float] = []
-        if watch is not None or pid is not None:
-            sampler = self._sampler
-            if time >= sampler.next_change:
-                sampler.advance(time)
-            speeds = self._select(state.velocity)
-            errors, rates = sampler.errors(time, self._select(state.position), speeds)
-            for k in self._wrapping:
-                errors[k] = shortest_turn(0.0, errors[k])
-            if watch is not None:
-                result = watch.check(time, ahead, errors, rates, is_first=is_first)
+        if monitor is not None or pid is not None:
+            if time >= tracking.sampler.next_change:
+                tracking.sampler.advance(time)
+            errors, rates = tracking.errors(time)
+            if monitor is not None:
+                result = monitor.check(time, ahead, errors, rates, is_first=is_first)
                 if result is not None:
                     self._end(result, time, errors)
         commanded = self._ahead
@@ -193,60 +185,53 @@ class JointTrajectoryController:
         if pid is None:
             return desired
         commands = pid.update(errors, rates, period)
-        for k, scale in enumerate(self._feed_forward):
+        for k, scale in enumerate(tracking.feed_forward):
             commands[k] += scale * velocities[k]
         return commands
 
-    def _depart(self, time: float) -> None:
-        """Start the trajectory that came, from the measured motion."""
+    def _start_pending(self, time: float) -> None:
+        """Start the trajectory that was accepted, from the measured motion."""
         self._is_first = False
-        coming, self._coming = self._coming, None
-        if coming is not None:
+        pending, self._pending = self._pending, None
+        if pending is not None:
             # Rounding apart, it is as plausible as when it was accepted.
             joints, origins = self.spec.joint_models, self._measured()
             with contextlib.suppress(GoalRejectedError):
-                splines = splines_at_once(joints, coming[0], time, origins, coming[1])
+                splines = splines_at_once(joints, pending[0], time, origins, pending[1])
                 self._execute(splines)
 
     def law(self) -> TrajectoryLaw | None:
         if self._is_first or self.speed_scaling != self._factor_used:
             return None
-        return TrajectoryLaw(
-            self._sampler,
-            self._watch,
-            self.pid,
-            self._feed_forward,
-            self._wrapping,
-            lead=self._period,
-            clock=self._clock,
-        )
+        return self._tracking.law(self._monitor, lead=self._period, clock=self._clock)
 
     def observe(self, state: JointState) -> None:
-        self._state = state
+        self._tracking.state = state
 
     def adjust(self, spec: JointTrajectorySpec) -> None:
         """Continue with other parameters; tolerances hold from the next goal on."""
         self.spec = spec
-        self._feed_forward = spec.velocity_ff if any(spec.velocity_ff) else ()
+        self._tracking.set_feed_forward(spec.velocity_ff)
 
-    def adopt(self, splines: Mapping[int, JointSpline], now: float) -> None:
+    def resume_from_kernel(
+        self, splines: Mapping[int, JointSpline], now: float
+    ) -> None:
         """Continue with the motions of joints, by number, that the kernel started."""
         self._finish(REPLACED)
-        self._watch = None
-        merged = [splines.get(k, old) for k, old in enumerate(self._sampler.splines)]
-        self._execute(merged)
+        self._monitor = None
+        self._execute(self._tracking.merged(splines))
         self._is_first = self._has_points = False
 
     def _execute(self, splines: Sequence[JointSpline]) -> None:
         """Follow other splines; the samplers look at them with the coming tick."""
-        self._sampler = TrajectorySampler(splines, -math.inf)
+        self._tracking.follow(splines, -math.inf)
         self._ahead = TrajectorySampler(splines, -math.inf)
 
     def _end(
         self, result: GoalResult, time: float, errors: Sequence[float] = ()
     ) -> None:
         """End the trajectory, and its goal: stay at its end, or stop."""
-        goal = None if self._watch is None else self._watch.goal
+        goal = None if self._monitor is None else self._monitor.goal
         if result.is_violation and errors:
             result = self._with_joint(result, errors)
         if result.status is GoalStatus.ABORTED:
@@ -254,11 +239,11 @@ class JointTrajectoryController:
         if result.status is not GoalStatus.SUCCEEDED:
             self._stop_motion(time)
         self._finish(result)
-        self._watch = None
+        self._monitor = None
 
     def _finish(self, result: GoalResult) -> None:
-        if self._watch is not None and self._watch.goal is not None:
-            self._watch.goal.finish(result)
+        if self._monitor is not None and self._monitor.goal is not None:
+            self._monitor.goal.finish(result)
 
     def _with_joint(self, result: GoalResult, errors: Sequence[float]) -> GoalResult:
         """Return a violation with the joint that is farthest off; ROS only logs it."""
@@ -278,14 +263,14 @@ class JointTrajectoryController:
 
     def _stop_motion(self, time: float) -> None:
         """Hold the measured position from now on, or slow down."""
-        position = self._select(self._state.position)
-        velocity = self._select(self._state.velocity)
+        state, select = self._tracking.state, self._tracking.select
+        position, velocity = select(state.position), select(state.velocity)
         if self.spec.deceleration:
             motion = zip(position, velocity, self.spec.deceleration, strict=True)
             splines = [decelerated(time, q, qd, rate) for q, qd, rate in motion]
         else:
             splines = [hold(time, q) for q in position]
-        self._coming, self._has_points = None, False
+        self._pending, self._has_points = None, False
         self._execute(splines)
 
     # ---- requests, between ticks --------------------------------------------------
@@ -304,7 +289,7 @@ class JointTrajectoryController:
         self._tolerances = self.spec.tolerances
         if isinstance(goal, TrajectoryGoal):
             spec = self.spec
-            self._tolerances = with_those_of(goal, spec.tolerances, spec.name)
+            self._tolerances = override_tolerances(goal, spec.tolerances, spec.name)
         self._start(splines, handle)
         return handle
 
@@ -317,16 +302,16 @@ class JointTrajectoryController:
         if replacement.upsamples and isinstance(goal, TrajectoryGoal):
             goal = upsampled(goal, replacement.policy_frequency)
         splines = self._accept(goal, now)
-        self._start(splines, None if self._watch is None else self._watch.goal)
+        self._start(splines, None if self._monitor is None else self._monitor.goal)
 
     def cancel(self, goal: Goal, now: float) -> None:
         """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
-        if self._watch is not None and goal is self._watch.goal:
+        if self._monitor is not None and goal is self._monitor.goal:
             self._end(CANCELED, self._clock.at(now))
 
     def stop(self) -> None:
         self._finish(DEACTIVATED)
-        self._watch = None
+        self._monitor = None
 
     @property
     def speed_scaling(self) -> float:
@@ -346,17 +331,17 @@ class JointTrajectoryController:
         self, goal: TrajectoryGoal | MotionPlan, now: float
     ) -> Sequence[JointSpline]:
         """Return the splines of a goal, or reject it."""
-        spec, running = self.spec, self._sampler.splines
+        spec, running = self.spec, self._tracking.sampler.splines
         lag = self._clock.lag_at(now)
         time = now - lag
         if not isinstance(goal, TrajectoryGoal):
             splines = splines_by_plan(spec.joint_models, running, goal, time)
-            self._coming, self._has_points = None, True
+            self._pending, self._has_points = None, True
             return splines
         names = check_goal(goal, spec.acceptance, now)
         start = goal.stamp - lag if goal.stamp else time
         course = Course(goal, names, start, spec.replacement.is_stepped)
-        coming = None
+        pending = None
         follows = self._can_follow(course)
         if follows:
             start = time + max(start - time, 0.0) * self.speed_scaling
@@ -372,8 +357,8 @@ class JointTrajectoryController:
             joints = spec.joint_models
             splines = splines_at_once(joints, course, time, origins, places)
             if not spec.replacement.from_desired:
-                coming = _Coming(course, places)
-        self._coming = coming
+                pending = _PendingTrajectory(course, places)
+        self._pending = pending
         self._has_points = follows or len(goal.points) > 1
         return splines
 
@@ -382,7 +367,7 @@ class JointTrajectoryController:
         is_whole = len(course.names) == len(self.spec.joints)
         return (
             self.spec.replacement.is_spliced
-            and self._watch is not None
+            and self._monitor is not None
             and self._has_points
             and (is_whole or bool(course.goal.points[-1].positions))
         )
@@ -399,7 +384,7 @@ class JointTrajectoryController:
 
     def _desired(self, time: float) -> dict[str, Motion]:
         """Return the desired motion of each joint at a time of the trajectory [s]."""
-        splines = self._sampler.splines
+        splines = self._tracking.sampler.splines
         return {
             joint: Motion(*spline.sample(time))
             for joint, spline in zip(self.spec.joints, splines, strict=True)
@@ -407,7 +392,7 @@ class JointTrajectoryController:
 
     def _measured(self) -> dict[str, Motion]:
         """Return the measured motion of each joint."""
-        spec, state, select = self.spec, self._state, self._select
+        spec, state, select = self.spec, self._tracking.state, self._tracking.select
         speeds = select(state.velocity)
         if not spec.reads_velocity:
             speeds = [0.0] * len(speeds)
@@ -417,17 +402,17 @@ class JointTrajectoryController:
     def _start(self, splines: Sequence[JointSpline], handle: Goal | None) -> None:
         """Execute accepted splines with the coming tick."""
         spec, tolerances = self.spec, self._tolerances
-        path, at_goal = judged(
+        path, at_goal = active_tolerances(
             tolerances, spec.joints, by_velocity=spec.judges_velocity
         )
         self._execute(splines)
         self._is_first = True
-        self._watch = TrajectoryWatch(
+        self._monitor = TrajectoryMonitor(
             handle,
             end=max(spline.end for spline in splines),
             path=path,
             at_goal=at_goal,
-            goal_time=tolerances.goal_time or math.inf,
+            goal_time=tolerances.goal_time,
             timeout=spec.command_timeout,
         )
 
@@ -439,17 +424,13 @@ class JointTrajectoryController:
         Raises:
             ControlError: If the trajectory at that time is no longer known.
         """
-        at = self._clock.at(time)
-        if time < self._state.time:
-            return joints_motion(self._sampler.samples(at))
-        return joints_motion([spline.sample(at) for spline in self._sampler.splines])
+        at, sampler = self._clock.at(time), self._tracking.sampler
+        if time < self._tracking.state.time:
+            return joints_motion(sampler.samples(at))
+        return joints_motion([spline.sample(at) for spline in sampler.splines])
 
     def setpoint(self) -> Setpoint:
-        return Setpoint(
-            self.spec.joint_models,
-            self._sampler.splines,
-            self._select,
-            self._state,
-            self._clock.lag_at(self._state.time),
-            self.speed_scaling,
+        return self._tracking.setpoint(
+            lag=self._clock.lag_at(self._tracking.state.time),
+            speed_scaling=self.speed_scaling,
         )

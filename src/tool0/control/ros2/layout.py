@@ -21,16 +21,16 @@ _WILDCARDS: Final = ("*", "**")
 
 
 class Node(NamedTuple):
-    """What a YAML says for nodes of one name, or of names with wildcards."""
+    """The section of a YAML for nodes of one name, or of names with wildcards."""
 
     path: tuple[str, ...]
     """Namespace and name; either may be a wildcard."""
     entry: YamlEntry
-    """At the name."""
+    """The entry of the name."""
     parameters: YamlEntry
 
     @property
-    def is_one(self) -> bool:
+    def is_single(self) -> bool:
         """Whether it is for one node."""
         return not any(part in _WILDCARDS for part in self.path)
 
@@ -60,7 +60,7 @@ Place = tuple[str, ...] | None
 
 def places(root: YamlEntry) -> tuple[Place, ...]:
     """Return the namespaces with a manager: (None,) if no manager is written."""
-    found = [n.path[:-1] for n in nodes(root) if n.path[-1] == MANAGER and n.is_one]
+    found = [n.path[:-1] for n in nodes(root) if n.path[-1] == MANAGER and n.is_single]
     return tuple(dict.fromkeys(found)) or (None,)
 
 
@@ -82,7 +82,7 @@ def declared_in(root: YamlEntry, place: Place) -> Mapping[str, Declared]:
     }
     for node in nodes(root):
         name, own = node.path[-1], node.parameters.children.get("type")
-        is_here = node.is_one and _is_for(node, place, name)
+        is_here = node.is_single and _is_for(node, place, name)
         if own is not None and "/" in str(own.scalar) and is_here:
             found.setdefault(name, own)
     return {
@@ -109,7 +109,7 @@ def parameters_in(root: YamlEntry, place: Place, name: str) -> YamlEntry | None:
         if _is_for(node, place, name):
             if result is None:
                 result = YamlEntry(name, node.entry.location, {})
-            if node.is_one:
+            if node.is_single:
                 result.location = node.entry.location
             _overlay(result, node.parameters)
     return result
@@ -140,7 +140,7 @@ def _is_for(node: Node, place: Place, name: str) -> bool:
     if place is None:
         # The file of a spawner may be for any namespace.
         return node.path[-1] == name or (
-            node.path[-1] in _WILDCARDS and not node.is_one
+            node.path[-1] in _WILDCARDS and not node.is_single
         )
     return node.path == (name,) or _matches(node.path, (*place, name))
 

@@ -1,4 +1,4 @@
-"""Findings about a YAML of ros2_control: what no node reads, or reads as another type.
+"""Findings about a YAML of ros2_control: keys that no node reads, wrong types.
 
 ROS 2 ignores an unknown parameter silently.  One of another type, such as ``1`` where a
 double is declared, stops the controller; tool0 takes it, and reports it.
@@ -122,7 +122,7 @@ def _of_another(
     known: Collection[str],
 ) -> Iterator[Finding]:
     name = node.path[-1]
-    if place is None or not node.is_one or name == MANAGER:
+    if place is None or not node.is_single or name == MANAGER:
         return
     near = nearest_name(name, without, _SIMILAR)
     if name not in known and near is not None and is_typo(name, near):

@@ -1,4 +1,4 @@
-"""Which trajectories a controller of ROS 2 accepts, and with which tolerances.
+"""Checks of a trajectory for a controller of ROS 2, and its tolerances.
 
 Wordings and their order are those of ROS 2's joint_trajectory_controller.  Beyond it,
 which accepts them, these are refused: numbers that are not finite, joints named twice,
@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
-from tool0.control.goal import NO_TOLERANCES, JointTolerances
+from tool0.control.goal import JointTolerances, TrajectoryTolerances, as_tolerance
 from tool0.control.goal_motion import check_finite
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.errors import GoalRejectedError, did_you_mean
@@ -28,7 +28,7 @@ ERASED = -1.0
 
 
 class Acceptance(NamedTuple):
-    """What a controller accepts."""
+    """The kinds of trajectories that a controller accepts."""
 
     joints: tuple[str, ...]
     allows_partial: bool = False
@@ -140,18 +140,10 @@ def _invalid_joints(text: str) -> GoalRejectedError:
 # ---- tolerances --------------------------------------------------------------------
 
 
-class ActiveTolerances(NamedTuple):
-    """What the trajectory in execution is judged by."""
-
-    joints: Mapping[str, JointTolerances]
-    goal_time: float
-    """Grace after the end [s]; 0 waits for ever."""
-
-
-def with_those_of(
-    goal: TrajectoryGoal, defaults: ActiveTolerances, controller: str
-) -> ActiveTolerances:
-    """Return the tolerances for a goal of a controller that has its own.
+def override_tolerances(
+    goal: TrajectoryGoal, defaults: TrajectoryTolerances, controller: str
+) -> TrajectoryTolerances:
+    """Return the tolerances of a controller with those of a goal.
 
     A goal's tolerance replaces the default if it is positive, and erases it if it is
     -1; 0 keeps it.  After anything else all defaults hold, which is logged.
@@ -193,12 +185,11 @@ def with_those_of(
                 path=one if is_path else default.path,
                 goal=default.goal if is_path else one,
             )
-    return ActiveTolerances(found, grace)
+    return TrajectoryTolerances(joints=found, goal_time=grace or math.inf)
 
 
 def _override(default: Tolerance, override: ToleranceOverride) -> Tolerance | None:
-    wanted = override if isinstance(override, Tolerance) else Tolerance(override)
-    found = list(map(_resolved, default, wanted))
+    found = list(map(_resolved, default, as_tolerance(override)))
     values = [value for value in found if value is not None]
     return Tolerance(*values) if len(values) == len(found) else None
 
@@ -212,14 +203,14 @@ def _resolved(default: float, wanted: float) -> float | None:
     return None if wanted < 0.0 else default
 
 
-def judged(
-    tolerances: ActiveTolerances, joints: Sequence[str], *, by_velocity: bool
+def active_tolerances(
+    tolerances: TrajectoryTolerances, joints: Sequence[str], *, by_velocity: bool
 ) -> tuple[tuple[Tolerance, ...], tuple[Tolerance, ...]]:
-    """Return what counts of the tolerances on the path and at the goal, by joint.
+    """Return the tolerances that are checked: on the path and at the goal, by joint.
 
     Velocities count only where they or efforts are commanded.
     """
-    all_of = [tolerances.joints.get(joint, NO_TOLERANCES) for joint in joints]
+    all_of = [tolerances.of(joint) for joint in joints]
     path, at_goal = [one.path for one in all_of], [one.goal for one in all_of]
     if not by_velocity:
         path = [Tolerance(one.position) for one in path]

@@ -40,7 +40,7 @@ class Course(NamedTuple):
     names: tuple[str, ...]
     """The joints of its numbers."""
     start: float
-    """[s]"""
+    """Start time [s]."""
     is_stepped: bool
     """Whether the points are sent as they are."""
 

@@ -10,9 +10,16 @@ import logging
 import math
 from collections.abc import Sequence
 
-from tool0.control.parameters import RobotJoints, controlled_joints, read_tolerances
+from tool0.control.goal import TrajectoryTolerances
+from tool0.control.parameters import (
+    INTERFACE_OF_NAME,
+    RobotJoints,
+    controlled_joints,
+    read_at_least,
+    read_tolerances,
+)
 from tool0.control.ros2.joint_trajectory import JointTrajectorySpec
-from tool0.control.ros2.trajectory_check import Acceptance, ActiveTolerances
+from tool0.control.ros2.trajectory_check import Acceptance
 from tool0.control.ros2.trajectory_gains import choice, read_joint_gains
 from tool0.control.ros2.trajectory_settings import Replacement, SpeedSource
 from tool0.description.model import Interface, Joint
@@ -24,7 +31,6 @@ logger = logging.getLogger(__name__)
 
 _STATES = ("position", "velocity", "acceleration")
 _COMMANDS = (*_STATES, "effort")
-_INTERFACES = {item.name.lower(): item for item in Interface}
 SPEED_SCALING = "speed_scaling/speed_scaling_factor"
 """The state interface of an arm with its factor, after the arm's prefix."""
 _ADJUSTABLE = (
@@ -55,9 +61,10 @@ def parse(
         gains, velocity_ff = (), ()
     elif interface is Interface.VELOCITY and is_open_loop:
         gains, velocity_ff = (Gains(p=0.0),) * len(joints), (1.0,) * len(joints)
-    tolerances = ActiveTolerances(
-        read_tolerances(parameters, joints, robot),
-        parameters.not_negative("constraints/goal_time", 0.0),
+    goal_time = parameters.not_negative("constraints/goal_time", 0.0)
+    tolerances = TrajectoryTolerances(
+        joints=read_tolerances(parameters, joints, robot),
+        goal_time=goal_time or math.inf,  # 0 waits for ever
     )
     # Between two controllers the brakes hold the measured position anyway.
     parameters.boolean("set_last_command_interface_value_as_state_on_activation", True)
@@ -96,7 +103,7 @@ def parse(
         ),
         tolerances=tolerances,
         deceleration=_deceleration(parameters, joints, states),
-        command_timeout=_command_timeout(parameters, tolerances.goal_time),
+        command_timeout=_command_timeout(parameters, goal_time),
         replacement=_replacement(parameters, is_open_loop=is_open_loop),
         speed=SpeedSource(
             initial=parameters.not_negative("speed_scaling/initial_scaling_factor", 1.0)
@@ -107,7 +114,7 @@ def parse(
             prefix=scaling,
         ),
         state_publish_rate=parameters.not_negative("state_publish_rate", 50.0),
-        action_monitor_rate=_at_least(parameters, "action_monitor_rate", 20.0, 0.1),
+        action_monitor_rate=read_at_least(parameters, "action_monitor_rate", 20.0, 0.1),
     )
 
 
@@ -132,9 +139,9 @@ def _choices(parameters: Namespace, path: str, valid: Sequence[str]) -> tuple[st
 
 def _command_interface(parameters: Namespace, kinds: tuple[str, ...]) -> Interface:
     """Return the interface that drives the joints; others are only claimed."""
-    for offered in (("position", "velocity"), *((kind,) for kind in _INTERFACES)):
+    for offered in (("position", "velocity"), *((kind,) for kind in INTERFACE_OF_NAME)):
         if sorted(kinds) == sorted(offered):
-            return _INTERFACES[offered[0]]
+            return INTERFACE_OF_NAME[offered[0]]
     entry = parameters.find("command_interfaces") or parameters.entry
     raise ConfigError(
         f"'{entry.key}' cannot be [{', '.join(kinds)}]: use [position], "
@@ -269,15 +276,3 @@ def _replacement(parameters: Namespace, *, is_open_loop: bool) -> Replacement:
             "positions_upsampling/policy_frequency", 0.0
         ),
     )
-
-
-def _at_least(
-    parameters: Namespace, path: str, default: float, smallest: float
-) -> float:
-    value = parameters.number(path, default)
-    entry = parameters.find(path)
-    if entry is not None and not value >= smallest:
-        raise ConfigError(
-            f"'{entry.key}' must be at least {smallest}, got {value}", entry.location
-        )
-    return value

@@ -1,4 +1,4 @@
-"""How a controller of ROS 2 replaces trajectories, and how fast it executes them."""
+"""Replacement and speed of the trajectories of a controller of ROS 2."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tool0.errors import ControlError
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Replacement:
-    """How a trajectory replaces the one in execution."""
+    """Rules by which a trajectory replaces the one in execution."""
 
     is_spliced: bool = True
     """``allow_trajectory_replacement``: it follows the desired motion where it starts,
@@ -25,22 +25,22 @@ class Replacement:
     upsamples: bool = False
     """``positions_upsampling.enable``: positions of the topic become smooth."""
     policy_frequency: float = 0.0
-    """Of points without times [Hz]; 0 is none."""
+    """Rate of points without times [Hz]; 0 is none."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpeedSource:
-    """Where the factor of the trajectories' speed comes from."""
+    """Source of the factor of the trajectories' speed."""
 
     initial: float = 1.0
-    """Until the topic sets another one."""
+    """The factor until the topic sets another one."""
     is_settable: bool = True
     """Whether the topic may: only if nothing but positions is commanded."""
     factors: Mapping[str, float] = field(default_factory=dict)
-    """Those of the arms, by prefix, as they are now."""
+    """The present factors of the arms, by prefix."""
     prefix: str | None = None
-    """Of the arm whose factor counts; None for the topic's factor."""
+    """Prefix of the arm whose factor counts; None for the topic's factor."""
 
     def factor(self, settable: float) -> float:
         """Return trajectory time per simulated time; ``settable`` is the topic's."""

@@ -19,8 +19,8 @@ from tool0.description.shapes import (
     Mesh,
     Solid,
     Sphere,
-    part_names,
-    parts_of,
+    geometry_names,
+    placed_geometries,
 )
 from tool0.description.transform import Pose, pose_matrix
 from tool0.errors import DescriptionError, ModelError, SourceLocation
@@ -33,7 +33,7 @@ STIFFNESS, DAMPING = 1e5, 10.0
 MIN_DEPTH, MAX_VEL = 1e-5, 0.1
 """Overlap that is not corrected [m], and the highest speed of correction [m/s].
 
-The direct solver ignores the second; bridge/preload.cc limits it instead.
+The direct solver ignores the second; preload.cc limits it instead.
 """
 EMPTY_WORLD = Path(__file__).with_name("empty.world")
 """A world with a sun, and the ground at z = 0."""
@@ -46,11 +46,11 @@ def object_sdf(item: SceneObject) -> str:
         ModelError: If it has a mesh that cannot be read, or that has a mass but no
             volume.
     """
-    parts = parts_of(item.geometry)
+    parts = placed_geometries(item.geometry)
     for geometry, _ in parts:
         if isinstance(geometry, Mesh):
             check_mesh(geometry.path)
-    names = [part_names(kind, item.geometry) for kind in ("collision", "visual")]
+    names = [geometry_names(kind, item.geometry) for kind in ("collision", "visual")]
     shapes = "".join(
         _shape(item, collision, visual, *part)
         for collision, visual, part in zip(*names, parts, strict=True)

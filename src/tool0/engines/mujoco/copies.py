@@ -6,14 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tool0.description.transform_arrays import Array, rotated_by
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.engines.mujoco.objects import ObjectStates
 from tool0.hardware.engine import Engine
 from tool0.protocol.state import ObjectState
-
-Array = NDArray[np.float64]
 
 
 class ObjectArrays(NamedTuple):
@@ -75,24 +73,9 @@ def object_arrays_of(
         q, qd = q.reshape(shape), qd.reshape(shape)
         position[:, movable], quat[:, movable] = q[..., :3], q[..., 3:]
         linear[:, movable] = qd[..., :3]
-        angular[:, movable] = _rotated(q[..., 3:], qd[..., 3:])
+        angular[:, movable] = rotated_by(q[..., 3:], qd[..., 3:])
     for k, name in enumerate(first.names):
         for i, states in enumerate(static if k not in movable else ()):
             state = states[name]
             position[i, k], quat[i, k] = state.position, state.quat_wxyz
     return ObjectArrays(position, quat, linear, angular)
-
-
-def _rotated(quat: Array, vectors: Array) -> Array:
-    """Return ``vectors`` rotated by ``quat``, as ``ObjectStates`` does to the bit."""
-    w, x, y, z = np.moveaxis(quat, -1, 0)
-    a, b, c = np.moveaxis(vectors, -1, 0)
-    p, q, r = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-    return np.stack(
-        [
-            a + w * p + y * r - z * q,
-            b + w * q + z * p - x * r,
-            c + w * r + x * q - y * p,
-        ],
-        axis=-1,
-    )

@@ -14,8 +14,6 @@ import sys
 from typing import Any, Final
 
 from tool0.errors import EngineUnavailableError, RenderError
-from tool0.installation.doctor.report import ProbeResult
-from tool0.installation.machine import Machine
 
 PACKAGES: Final = "libegl1 libopengl0 libgl1-mesa-dri"
 """Packages of Debian and Ubuntu; libosmesa6 is the alternative without EGL."""
@@ -117,22 +115,3 @@ def _egl_has_device() -> bool:
     )(address)
     count = ctypes.c_int(0)
     return bool(query(0, None, ctypes.byref(count))) and count.value > 0
-
-
-_MESA: Final = {
-    "dnf": "mesa-libEGL mesa-dri-drivers",
-    "zypper": "Mesa-libEGL1 Mesa-dri",
-    "pacman": "mesa",
-    "apk": "mesa-egl mesa-dri-gallium",
-}
-
-
-def cameras(examined: Machine) -> list[ProbeResult]:
-    """Return whether rendering works, by creating a context."""
-    try:
-        make_context(8, 8).free()
-    except RenderError as error:
-        remedy = examined.install_command(PACKAGES, **_MESA)
-        return [ProbeResult("cameras", "missing", str(error), remedy)]
-    found = f"draw without a window, by {kind_of_context()}"
-    return [ProbeResult("cameras", "ready", found)]

@@ -16,11 +16,10 @@ from typing import Any, Final, final
 import mujoco
 import numpy as np
 
-from tool0.description.model import Joint, JointType, RobotModel
-from tool0.description.transform import pose_matrix
+from tool0.description.joint_tree import LinkFrames
+from tool0.description.model import Joint, RobotModel
 from tool0.engines.mujoco.model import add_geom, collision_name, compile_spec
 from tool0.errors import ModelError
-from tool0.hardware.bodies import Matrix
 
 N_SAMPLES: Final = 10_000
 """Number of random poses."""
@@ -107,6 +106,7 @@ class LinkShapes:
     def __init__(self, model: RobotModel) -> None:
         self._model = model
         self.links = tuple(link.name for link in model.links if link.collisions)
+        self._frames = LinkFrames(model, self.links)
         spec = mujoco.MjSpec()
         spec.memory = _ARENA
         for name in self.links:
@@ -169,12 +169,12 @@ class LinkShapes:
 
     def _contacts(self, given: Mapping[str, Any], n: int) -> Iterator[tuple[Any, Any]]:
         """Yield codes of pairs of links and their distances [m], for each pose."""
-        frames = _link_frames(self._model, given, n)
+        frames = self._frames.poses(given, n)
         data, n_links = self._data, len(self.links)
         placed = np.empty((n, n_links, 7))
         for index, name in enumerate(self.links):
-            placed[:, index, :3] = frames[name][:, :3, 3]
-            placed[:, index, 3:] = _quats_wxyz(frames[name])
+            placed[:, index, :3] = frames[name].position
+            placed[:, index, 3:] = frames[name].quat_wxyz
         radius = self._mjmodel.geom_rbound[:, None]
         lower, upper = self._swept
         for qpos in placed.reshape(n, -1):
@@ -246,46 +246,3 @@ def _range(joint: Joint) -> tuple[float, float]:
     lower, upper = joint.limits.lower, joint.limits.upper
     is_limited = math.isfinite(lower) and math.isfinite(upper)
     return (lower, upper) if is_limited else (-math.pi, math.pi)
-
-
-def _link_frames(
-    model: RobotModel, given: Mapping[str, Any], n: int
-) -> dict[str, Matrix]:
-    """Return the poses of the links in the root, shape (n, 4, 4) each.
-
-    ``given`` has the positions of joints [rad | m], shape (n,); the others follow, or
-    are at 0.
-    """
-    frames: dict[str, Matrix] = {model.root: np.broadcast_to(np.eye(4), (n, 4, 4))}
-    at_rest = np.zeros(n)
-    for joint in model.joints:
-        frame = frames[joint.parent] @ pose_matrix(joint.origin)
-        if joint.is_movable:
-            q = given.get(joint.name, at_rest)
-            if joint.mimic is not None and joint.name not in given:
-                followed = given.get(joint.mimic.joint, at_rest)
-                q = joint.mimic.multiplier * followed + joint.mimic.offset
-            frame = frame @ _displacements(joint, q)
-        frames[joint.child] = frame
-    return frames
-
-
-def _displacements(joint: Joint, q: Matrix) -> Matrix:
-    """Return the joint's own motion at ``q`` [rad | m], shape (n, 4, 4)."""
-    moved = np.tile(np.eye(4), (len(q), 1, 1))
-    x, y, z = joint.axis
-    if joint.type is JointType.PRISMATIC:
-        moved[:, :3, 3] = np.outer(q, joint.axis)
-    elif joint.type in {JointType.REVOLUTE, JointType.CONTINUOUS}:
-        K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-        sine, versine = np.sin(q)[:, None, None], (1.0 - np.cos(q))[:, None, None]
-        moved[:, :3, :3] += sine * K + versine * (K @ K)  # Rodrigues' formula
-    return moved
-
-
-def _quats_wxyz(frames: Matrix) -> Matrix:
-    """Return the rotations of ``frames``, shape (n, 4)."""
-    quats = np.empty((len(frames), 4))
-    for quat, frame in zip(quats, frames, strict=True):
-        mujoco.mju_mat2Quat(quat, np.ascontiguousarray(frame[:3, :3]).ravel())
-    return quats

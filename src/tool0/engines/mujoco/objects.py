@@ -24,10 +24,13 @@ from tool0.description.shapes import (
     Geometry,
     Mesh,
     Sphere,
-    part_names,
-    parts_of,
+    geometry_names,
+    placed_geometries,
 )
-from tool0.description.transform import Quaternion, Vector3, pose_matrix
+from tool0.description.transform import (
+    pose_matrix,
+    rotate_by,
+)
 from tool0.engines.mujoco.model import (
     GRIP_CONDIM,
     GRIP_SOLIMP,
@@ -191,7 +194,7 @@ def _add_object(
     )
     geoms = [
         _add_part(spec, body, item, Collision(geometry=shape, origin=pose))
-        for shape, pose in parts_of(item.geometry)
+        for shape, pose in placed_geometries(item.geometry)
     ]
     for geom, (name, _) in zip(geoms, _geoms(item), strict=True):
         geom.name = name
@@ -235,8 +238,8 @@ def _condim(geometry: Geometry) -> int:
 
 def _geoms(item: SceneObject) -> list[tuple[str, Geometry]]:
     """Return name and shape of each geom of an object."""
-    names = part_names(f"{item.name}/object", item.geometry)
-    shapes = [shape for shape, _ in parts_of(item.geometry)]
+    names = geometry_names(f"{item.name}/object", item.geometry)
+    shapes = [shape for shape, _ in placed_geometries(item.geometry)]
     return list(zip(names, shapes, strict=True))
 
 
@@ -297,7 +300,7 @@ class ObjectStates:
             return
         i, j = self.starts[state.name]
         w, x, y, z = state.quat_wxyz
-        angular = _rotated((w, -x, -y, -z), state.angular)
+        angular = rotate_by((w, -x, -y, -z), state.angular)
         self.position[i : i + 7] = (*state.position, *state.quat_wxyz)
         self.velocity[j : j + 6] = (*state.linear, *angular)
         self._warm_start[j : j + 6] = 0.0
@@ -342,17 +345,5 @@ def _state(
     x, y, z, qw, qx, qy, qz = position[i : i + 7]
     vx, vy, vz, wx, wy, wz = velocity[j : j + 6]
     quat = qw, qx, qy, qz
-    angular = _rotated(quat, (wx, wy, wz))
+    angular = rotate_by(quat, (wx, wy, wz))
     return ObjectState(name, (x, y, z), quat, (vx, vy, vz), angular)
-
-
-def _rotated(quat: Quaternion, vector: Vector3) -> Vector3:
-    """Return ``vector`` rotated by ``quat``."""
-    w, x, y, z = quat
-    a, b, c = vector
-    p, q, r = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-    return (
-        a + w * p + y * r - z * q,
-        b + w * q + z * p - x * r,
-        c + w * r + x * q - y * p,
-    )

@@ -10,11 +10,10 @@ from collections.abc import Mapping, Sequence
 from typing import final
 
 import mujoco
-import numpy as np
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
-from tool0.description.transform import Transform, from_quaternion
+from tool0.description.transform import Transform, from_arrays
 from tool0.engines.mujoco.model import build_spec
 from tool0.engines.mujoco.objects import compile_with_scene, free_joint_name
 from tool0.engines.mujoco.world import geom_owners
@@ -76,11 +75,7 @@ class OverlapFinder:
     def link_pose(self, link: str) -> Transform:
         """Return the pose of a link in the robot's root."""
         site = self._data.site(link)
-        quat = np.empty(4)
-        mujoco.mju_mat2Quat(quat, site.xmat)
-        x, y, z = site.xpos.tolist()
-        qw, qx, qy, qz = quat.tolist()
-        return from_quaternion((x, y, z), (qw, qx, qy, qz))
+        return from_arrays(site.xpos, site.xmat.reshape(3, 3))
 
     def depths(self) -> dict[Pair, float]:
         """Return how deep shapes are in each other [m], by pair.

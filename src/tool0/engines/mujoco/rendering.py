@@ -20,7 +20,7 @@ from tool0.description.camera import Camera
 from tool0.description.model import Link, RobotModel, Visual
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Mesh
-from tool0.description.transform import Transform
+from tool0.description.transform import Transform, from_arrays
 from tool0.engines.mujoco.gl import make_context
 from tool0.engines.mujoco.model import MESH_SUFFIXES, build_spec
 from tool0.engines.mujoco.objects import compile_with_scene, free_joint_name
@@ -144,9 +144,8 @@ class Renderer:
         if camera.link is None:
             return camera.T_link_camera
         site = self._data.site(camera.link)
-        x, y, z = site.xpos.tolist()
-        a, b, c = map(tuple, site.xmat.reshape(3, 3).tolist())
-        return Transform(position=(x, y, z), rotation=(a, b, c)) @ camera.T_link_camera
+        T_root_link = from_arrays(site.xpos, site.xmat.reshape(3, 3))
+        return T_root_link @ camera.T_link_camera
 
     def _aim(self, camera: Camera, frame: Transform) -> None:
         """Set the view with our own frustum, so that the model needs no cameras."""

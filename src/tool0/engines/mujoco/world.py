@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from tool0.description.flat_frames import rotate
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.transform import Quaternion, Vector3
@@ -390,7 +391,7 @@ def contact_points(
         # a positive force pushes the second away.
         fx, fy, fz, tx, ty, tz = wrench.tolist()
         if fx:
-            force, torque = _rotated(frame, fx, fy, fz), _rotated(frame, tx, ty, tz)
+            force, torque = rotate(frame, (fx, fy, fz)), rotate(frame, (tx, ty, tz))
             yield (owners[one], owners[two]), ((x, y, z), fx, force, torque)
 
 
@@ -422,12 +423,6 @@ def _resultant(first: str, second: str, points: list[ContactPoint]) -> Contact:
         ty += by + rz * ax - rx * az
         tz += bz + rx * ay - ry * ax
     return Contact(first, second, (px, py, pz), (fx, fy, fz), (tx, ty, tz))
-
-
-def _rotated(frame: list[float], x: float, y: float, z: float) -> Vector3:
-    """Return a vector in the axes of ``frame``, its rows, in those of the world."""
-    a, b, c, d, e, f, g, h, i = frame
-    return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
 
 
 def _vector(values: Any) -> Vector3:

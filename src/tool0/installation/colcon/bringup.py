@@ -167,7 +167,7 @@ def _named(parameters: Parameters, kind: str) -> list[str]:
 
 
 def _started_in_gazebo(parameters: Parameters, arms: Sequence[str]) -> list[str]:
-    """Return what is started besides the first arm: states, grippers, other arms."""
+    """Return the controllers besides the first arm: states, grippers, other arms."""
     states, grippers = (_named(parameters, kind) for kind in (_BROADCASTER, _GRIPPER))
     return [*states, *grippers, *arms[1:]]
 

@@ -1,1 +1,1 @@
-"""What this machine can run, and the command that installs what is missing."""
+"""The report of ``tool0 doctor`` on this machine."""

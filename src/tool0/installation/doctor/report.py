@@ -1,7 +1,6 @@
 """Runs every probe in a process of its own, all at once, and collects the results.
 
-A probe is a function that takes the machine and returns results.  One that crashes or
-hangs affects no other.
+The command line lists the probes.  One that crashes or hangs affects no other.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from typing import Final, Literal, final
@@ -25,24 +24,6 @@ from tool0.installation.machine import (
     python_requirements,
 )
 
-PROBES: Final = {
-    "machine": "tool0.installation.doctor.probes",
-    "python": "tool0.installation.doctor.probes",
-    "mujoco": "tool0.api.probes",
-    "kernel": "tool0.kernel.probes",
-    "panel": "tool0.interfaces.panel.probes",
-    "browser": "tool0.interfaces.panel.probes",
-    "gpu": "tool0.installation.doctor.probes",
-    "cameras": "tool0.engines.mujoco.gl",
-    "gazebo": "tool0.installation.doctor.probes",
-    "ros1": "tool0.installation.doctor.probes",
-    "ros2": "tool0.installation.doctor.probes",
-    "ur": "tool0.interfaces.ur.probes",
-    "workspace": "tool0.installation.doctor.probes",
-}
-"""Function → the module that defines it, in the order of the report."""
-NEEDED: Final = ("python", "mujoco")
-"""Required by ``tool0 bringup``."""
 TIMEOUT: Final = 15.0
 """Timeout of all probes together [wall s]."""
 
@@ -72,15 +53,34 @@ class ProbeResult:
 
 @final
 @dataclass(frozen=True, slots=True)
+class Probe:
+    """A function that examines one component of the machine."""
+
+    examine: Callable[[Machine], list[ProbeResult]]
+    """A function of a module: the process that runs it imports it by its name."""
+    is_needed: bool = False
+    """Whether ``tool0 bringup`` requires the component."""
+
+    @property
+    def name(self) -> str:
+        """The function's name; the result of a needed component has the same."""
+        return self.examine.__name__
+
+
+@final
+@dataclass(frozen=True, slots=True)
 class DoctorReport:
-    """What ``tool0 doctor`` prints."""
+    """The result of ``tool0 doctor``."""
 
     lines: tuple[ProbeResult, ...]
+    needed: tuple[str, ...]
+    """The components that ``tool0 bringup`` requires."""
 
     @property
     def can_run(self) -> bool:
-        """Whether ``tool0 bringup`` works: the robot in MuJoCo."""
-        return all(one.state == "ready" for one in self.lines if one.what in NEEDED)
+        """Whether ``tool0 bringup`` works."""
+        needed = (line for line in self.lines if line.what in self.needed)
+        return all(line.state == "ready" for line in needed)
 
     def as_json(self) -> dict[str, object]:
         """Return the report for JSON."""
@@ -96,31 +96,30 @@ class DoctorReport:
         state, verdict = "ready", "runs here"
         if not self.can_run:
             state = "missing"
-            verdict = "does not run here: see python and mujoco above"
+            verdict = f"does not run here: see {' and '.join(self.needed)} above"
         return [*rows, ("tool0 bringup", state, verdict)]
 
 
-def examine(
-    probes: Mapping[str, str] = PROBES, *, timeout: float = TIMEOUT
-) -> DoctorReport:
+def examine(probes: Sequence[Probe], *, timeout: float = TIMEOUT) -> DoctorReport:
     """Run the probes.
 
     Args:
-        probes: Function → the module that defines it.
+        probes: The probes, in the order of the report.
         timeout: Timeout of all probes together [wall s].
     """
     deadline = time.monotonic() + timeout
     lines: list[ProbeResult] = []
     with ExitStack() as stack:  # an interrupt ends them all
-        started = {
-            name: stack.enter_context(
-                ChildProcess([sys.executable, "-c", _PROGRAM, module, name])
-            )
-            for name, module in probes.items()
-        }
-        for name, process in started.items():
-            lines += _results(name, process, deadline)
-    return DoctorReport(tuple(lines))
+        started = [stack.enter_context(_start(probe)) for probe in probes]
+        for probe, process in zip(probes, started, strict=True):
+            lines += _results(probe.name, process, deadline)
+    needed = tuple(probe.name for probe in probes if probe.is_needed)
+    return DoctorReport(tuple(lines), needed)
+
+
+def _start(probe: Probe) -> ChildProcess:
+    module = probe.examine.__module__
+    return ChildProcess([sys.executable, "-c", _PROGRAM, module, probe.name])
 
 
 def _results(name: str, process: ChildProcess, deadline: float) -> list[ProbeResult]:

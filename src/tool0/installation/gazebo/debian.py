@@ -324,13 +324,3 @@ def _make_links_relative(root: Path) -> None:
             if target.startswith("/") and inside.exists():
                 link.unlink()
                 link.symlink_to(os.path.relpath(inside, link.parent))
-
-
-def size_on_disk(root: Path) -> int:
-    """Return the size of a folder [bytes]; hard links count once."""
-    sizes: dict[int, int] = {}
-    for folder, subfolders, files in os.walk(root):
-        for name in (*subfolders, *files):
-            status = Path(folder, name).lstat()
-            sizes[status.st_ino] = status.st_blocks * 512
-    return sum(sizes.values())

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
@@ -23,7 +21,6 @@ from tool0.installation.gazebo.debian import (
     TRIPLETS,
     PrivateApt,
     machine_mirrors,
-    size_on_disk,
     unpack,
 )
 from tool0.installation.gazebo.installation import (
@@ -38,7 +35,8 @@ from tool0.installation.gazebo.plugin import (
     plugin_folder,
     require_compiler,
 )
-from tool0.user_data import expanded, locked
+from tool0.installation.own_folder import exclusive, removed, size_on_disk
+from tool0.user_data import expanded
 
 KEYRING: Final = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
 _UNPACKED: Final = 3.6
@@ -80,7 +78,7 @@ def install_gazebo(
     installation = None if is_private else find_system()
     if installation is None:
         prefix = private_prefix()
-        with _exclusive(prefix.parent):
+        with exclusive(prefix.parent, "Gazebo", EngineUnavailableError):
             installation = from_prefix(prefix)
             if installation is None or (has_client and not installation.client):
                 keyring = expanded(keyring).absolute()
@@ -94,29 +92,8 @@ def install_gazebo(
 
 def uninstall_gazebo() -> int:
     """Remove the private prefix, downloads and compiled libraries; return the bytes."""
-    freed = 0
-    for folder in (private_prefix().parent, plugin_folder()):
-        if folder.is_dir():
-            with _exclusive(folder):
-                freed += size_on_disk(folder)
-                shutil.rmtree(folder)
-    return freed
-
-
-@contextmanager
-def _exclusive(folder: Path) -> Iterator[None]:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with locked(folder / "lock", wait=False):
-            yield
-    except BlockingIOError:
-        raise EngineUnavailableError(
-            f"another process installs or removes Gazebo in '{folder}'; wait for it"
-        ) from None
-    except OSError as error:
-        raise EngineUnavailableError(
-            f"cannot write '{error.filename or folder}': {error.strerror}"
-        ) from None
+    folders = (private_prefix().parent, plugin_folder())
+    return sum(removed(one, "Gazebo", EngineUnavailableError) for one in folders)
 
 
 def _usable_apt(

@@ -36,7 +36,7 @@ class GazeboInstallation:
     """A Gazebo 11 that can run, with the headers to compile a plugin."""
 
     version: str
-    """As ``11.1.0``."""
+    """Version: ``11.1.0``."""
     prefix: Path | None
     """The private prefix; None for a system's Gazebo."""
     server: Path

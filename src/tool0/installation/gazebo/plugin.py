@@ -24,7 +24,7 @@ from tool0.user_data import cache_folder
 
 logger = logging.getLogger(__name__)
 
-_BRIDGE: Final = Path(__file__).parents[2] / "engines" / "gazebo" / "bridge"
+_BRIDGE: Final = Path(__file__).parent / "bridge"
 _SOURCES: Final = (_BRIDGE / "bridge.cc", _BRIDGE / "preload.cc")
 _FLAGS: Final = ("-O2", "-fPIC", "-shared", "-std=c++17", "-pthread")
 

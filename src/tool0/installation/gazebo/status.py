@@ -1,4 +1,4 @@
-"""Which Gazebo would run here, and what is missing."""
+"""The status of Gazebo on this machine."""
 
 from __future__ import annotations
 

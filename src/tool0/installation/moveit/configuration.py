@@ -1,16 +1,25 @@
-"""What the MoveIt packages of both versions of ROS have in common: their YAML."""
+"""The common parts of the MoveIt packages of both versions of ROS."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from pathlib import Path, PurePosixPath
+from typing import Any, Final, final
 
 from tool0.description.model import TIME_TO_FULL_SPEED, RobotModel
 from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError
-from tool0.installation.moveit.semantics import ALL_ARMS, ArmGroup, Group, arm_groups
+from tool0.installation.moveit.semantics import (
+    ALL_ARMS,
+    ArmGroup,
+    Group,
+    arm_groups,
+    planning_groups,
+    to_srdf,
+)
+from tool0.installation.templates import filled
 
 MOVEIT_SUFFIX: Final = "_moveit_config"
 """The end of a package's name."""
@@ -20,6 +29,59 @@ _SOLVER: Final = "kdl_kinematics_plugin/KDLKinematicsPlugin"
 
 Controllers = Mapping[str, Mapping[str, Any]]
 """Controller → its parameters, as in ros_control YAML."""
+
+
+@final
+class RobotPackage:
+    """A package ``NAME_moveit_config``: its name, groups and common files."""
+
+    def __init__(self, description: RobotDescription) -> None:
+        """Find the planning groups.
+
+        Raises:
+            DescriptionError: If the robot is not of the catalogue.
+        """
+        self._description = description
+        self.groups: Final = planning_groups(description)
+        self.name: Final = package_stem(description)
+        self.path: Final = PurePosixPath(self.name + MOVEIT_SUFFIX)
+        """The folder of the package, below ``src``."""
+        self._arms = arm_groups(self.groups)
+
+    def config(
+        self,
+        urdf: str,
+        disabled: Mapping[tuple[str, str], str],
+        limits: Mapping[str, Mapping[str, float]],
+    ) -> dict[str, str]:
+        """Return the files of ``config`` that both versions have, by name.
+
+        Args:
+            urdf: The description of the robot.
+            disabled: Pairs of links not to check for collisions → reason.
+            limits: The limits of joints in the controllers' YAML.
+        """
+        return {
+            f"{self.name}.urdf": urdf,
+            f"{self.name}.srdf": to_srdf(self._description, disabled),
+            "joint_limits.yaml": joint_limits(self._description.model, limits),
+            "kinematics.yaml": kinematics(self._arms),
+        }
+
+    def files(
+        self, template: Path, config: Mapping[str, str], words: Mapping[str, str]
+    ) -> dict[PurePosixPath, str]:
+        """Return the files of the package by path.
+
+        Args:
+            template: The folder of its launch files and its manifest.
+            config: The files of its folder ``config``, by name.
+            words: Words of the templates besides ``@robot@`` and ``@group@`` → text.
+        """
+        group = ALL_ARMS if len(self._arms) > 1 else self._arms[0].name
+        files = {self.path / "config" / file: text for file, text in config.items()}
+        known = {"@robot@": self.name, "@group@": group}
+        return files | filled(template, self.path, {**known, **words})
 
 
 def package_stem(description: RobotDescription) -> str:

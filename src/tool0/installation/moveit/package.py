@@ -12,22 +12,12 @@ from typing import Final
 
 from tool0.description.robot import RobotDescription
 from tool0.installation.moveit.configuration import (
-    MOVEIT_SUFFIX,
     Controllers,
+    RobotPackage,
     commented_yaml,
     controllers_with_action,
-    joint_limits,
-    kinematics,
-    package_stem,
     planners,
 )
-from tool0.installation.moveit.semantics import (
-    ALL_ARMS,
-    arm_groups,
-    planning_groups,
-    to_srdf,
-)
-from tool0.installation.templates import filled
 
 _WITH_GAZEBO: Final = "demo_gazebo.launch"
 """The launch file with tool0_gazebo, which is for one robot."""
@@ -61,17 +51,12 @@ def moveit_package(
     Raises:
         DescriptionError: If the robot is not of the catalogue.
     """
-    groups = planning_groups(description)
-    arms = arm_groups(groups)
-    name = package_stem(description)
+    package = RobotPackage(description)
     config = {
-        f"{name}.urdf": description.urdf,
-        f"{name}.srdf": to_srdf(description, disabled),
-        "joint_limits.yaml": joint_limits(
-            description.model, controllers.get("joint_limits", {})
+        **package.config(
+            description.urdf, disabled, controllers.get("joint_limits", {})
         ),
-        "kinematics.yaml": kinematics(arms),
-        "ompl_planning.yaml": planners(groups, {}),
+        "ompl_planning.yaml": planners(package.groups, {}),
         "simple_moveit_controllers.yaml": _simple(controllers),
         "simple_moveit_gripper_action_controllers.yaml": _simple(action_controllers),
         "fake_controllers.yaml": commented_yaml(
@@ -83,23 +68,20 @@ def moveit_package(
                         "type": "$(arg fake_execution_type)",
                         "joints": list(group.joints),
                     }
-                    for group in groups
+                    for group in package.groups
                 ],
                 "initial": [
                     {"group": group.name, "pose": "home"}
-                    for group in groups
+                    for group in package.groups
                     if "home" in group.states
                 ],
             },
         ),
     }
-    package = PurePosixPath(name + MOVEIT_SUFFIX)
-    words = {"@robot@": name, "@group@": ALL_ARMS if len(arms) > 1 else arms[0].name}
-    files = {package / "config" / file: text for file, text in config.items()}
-    files |= filled(_TEMPLATE, package, words)
+    files = package.files(_TEMPLATE, config, {})
     if description.cell is not None:
-        del files[package / "launch" / _WITH_GAZEBO]
-        manifest = package / "package.xml"
+        del files[package.path / "launch" / _WITH_GAZEBO]
+        manifest = package.path / "package.xml"
         files[manifest] = files[manifest].replace(_DEPENDS_ON_GAZEBO, "")
     return {path: text.encode() for path, text in files.items()}
 

@@ -13,22 +13,12 @@ from typing import Final
 
 from tool0.description.robot import RobotDescription
 from tool0.installation.moveit.configuration import (
-    MOVEIT_SUFFIX,
     Controllers,
+    RobotPackage,
     commented_yaml,
     controllers_with_action,
-    joint_limits,
-    kinematics,
-    package_stem,
     planners,
 )
-from tool0.installation.moveit.semantics import (
-    ALL_ARMS,
-    arm_groups,
-    planning_groups,
-    to_srdf,
-)
-from tool0.installation.templates import filled
 
 _TEMPLATE: Final = Path(__file__).parent / "template_ros2"
 _SIMULATED: Final = "gz_ros2_control/GazeboSimSystem"
@@ -59,7 +49,7 @@ _CARTESIAN_LIMITS: Final = {
     "max_trans_dec": -5.0,
     "max_rot_vel": 1.57,
 }
-"""Those that MoveIt's setup assistant writes [m/s, m/s², rad/s]."""
+"""Cartesian limits of MoveIt's setup assistant [m/s, m/s², rad/s]."""
 
 
 def moveit2_package(
@@ -81,16 +71,11 @@ def moveit2_package(
         DescriptionError: If the robot is not of the catalogue.
         ConfigError: If no controller has an action for MoveIt.
     """
-    groups = planning_groups(description)
-    arms = arm_groups(groups)
-    name = package_stem(description)
+    package = RobotPackage(description)
     actions = controllers_with_action(controllers, _ACTIONS)
     config = {
-        f"{name}.urdf": description.urdf.replace(_SIMULATED, _MOCK),
-        f"{name}.srdf": to_srdf(description, disabled),
-        "joint_limits.yaml": joint_limits(description.model, limits),
-        "kinematics.yaml": kinematics(arms),
-        "ompl_planning.yaml": planners(groups, _PIPELINE),
+        **package.config(description.urdf.replace(_SIMULATED, _MOCK), disabled, limits),
+        "ompl_planning.yaml": planners(package.groups, _PIPELINE),
         "pilz_cartesian_limits.yaml": commented_yaml(
             "Limits of the tool for the pipeline of Pilz [m/s, m/s², rad/s].",
             {"cartesian_limits": _CARTESIAN_LIMITS},
@@ -113,13 +98,9 @@ def moveit2_package(
             },
         ),
     }
-    package = PurePosixPath(name + MOVEIT_SUFFIX)
     words = {
-        "@robot@": name,
-        "@group@": ALL_ARMS if len(arms) > 1 else arms[0].name,
-        "@controllers@": f"{name}_controllers",
+        "@controllers@": f"{package.name}_controllers",
         "@started@": ", ".join(f'"{n}"' for n in ["joint_state_broadcaster", *actions]),
     }
-    files = {package / "config" / file: text for file, text in config.items()}
-    files |= filled(_TEMPLATE, package, words)
+    files = package.files(_TEMPLATE, config, words)
     return {path: text.encode() for path, text in files.items()}

@@ -1,4 +1,4 @@
-"""What MoveIt knows of a robot beyond its URDF: groups, states, disabled collisions.
+"""The SRDF of a robot: planning groups, named states, disabled collisions.
 
 One arm is the group ``manipulator`` and its gripper ``gripper``, as in
 ur5_moveit_config.  Of several robots each has groups with its name, such as
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Final, final
 from xml.etree import ElementTree as ET
 
-from tool0.description.catalogue import Part
+from tool0.description.catalogue import CataloguePart
 from tool0.description.model import FLANGE, RobotModel
 from tool0.description.robot import CatalogueRobot, RobotDescription
 from tool0.errors import DescriptionError
@@ -99,7 +99,7 @@ def _driven(model: RobotModel, links: set[str]) -> tuple[str, ...]:
     return tuple(j.name for j in model.joints if j.child in links and j.name in drives)
 
 
-def _states(part: Part, prefix: str) -> dict[str, dict[str, float]]:
+def _states(part: CataloguePart, prefix: str) -> dict[str, dict[str, float]]:
     return {
         name: {prefix + joint: position for joint, position in pose.items()}
         for name, pose in part.load("poses").items()

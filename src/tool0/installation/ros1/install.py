@@ -80,7 +80,7 @@ class Ros1InstallPlan:
 
 
 def plan_install(*, rviz: bool) -> Ros1InstallPlan:
-    """Return what is missing.
+    """Return the missing packages.
 
     Raises:
         RosUnavailableError: If tool0 cannot install it, with another way.

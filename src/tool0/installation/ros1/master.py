@@ -101,7 +101,7 @@ class Master:
         return next((tuple(nodes) for name, nodes in publishers if name == topic), ())
 
     def unregister_all(self, uri: str) -> None:
-        """Remove what is registered for our node, which is reached at ``uri``.
+        """Remove all registrations of our node, whose address is ``uri``.
 
         Until the master has forgotten the node for some time: what a thread of rospy's
         has begun to register may still arrive.

@@ -101,7 +101,7 @@ def _path() -> list[str]:
 
 
 def is_generated(entry: str) -> bool:
-    """Return whether an entry of a search path is what ``generated_packages`` made."""
+    """Return whether ``generated_packages`` made an entry of a search path."""
     return Path(entry).parent == _cache()
 
 

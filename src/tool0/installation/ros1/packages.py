@@ -175,7 +175,7 @@ class Ros1Status:
     rospy: Path | None = None
     """The folder that rospy is imported from."""
     version: str | None = None
-    """Of rospy."""
+    """Version of rospy."""
     source: str | None = None
     """The origin of its packages."""
     master: str

@@ -151,7 +151,7 @@ def write_sources(definitions: Path, prefix: Path, work: Path) -> None:
 
 
 def _parse_once() -> None:
-    """Make the generators share what they parse: each would parse every file."""
+    """Make the generators share their parse results: each would parse every file."""
     from rosidl_parser import parser
     from rosidl_parser.definition import IdlFile, IdlLocator
 
@@ -168,7 +168,7 @@ def _parse_once() -> None:
 
 
 def _write_visibility(package: str, prefix: Path, generator: str, folder: Path) -> None:
-    """Write the header that says which functions of a library are visible."""
+    """Write the header that declares the visible functions of a library."""
     name = f"{generator}__visibility_control.h"
     template = prefix / "share" / generator / "resource" / f"{name}.in"
     text = template.read_text()

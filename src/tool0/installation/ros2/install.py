@@ -17,16 +17,16 @@ import shutil
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
 from tool0.errors import RosUnavailableError
 from tool0.installation.apt import ProgressCallback
 from tool0.installation.child_process import ChildProcess, last_lines
-from tool0.installation.gazebo.debian import size_on_disk
 from tool0.installation.machine import Machine
+from tool0.installation.own_folder import exclusive, removed, size_on_disk
 from tool0.installation.ros2 import generate
 from tool0.installation.ros2.installation import (
     Ros2,
@@ -38,7 +38,6 @@ from tool0.installation.ros2.installation import (
     plain_environment,
     read_marker,
 )
-from tool0.user_data import locked
 
 DISTRO: Final = "kilted"
 WHEELS: Final = ("ros-rclpy[fastrtps]==9.1.2", "ros-common-interfaces==5.5.1")
@@ -47,14 +46,14 @@ PYTHONS: Final = ((3, 10), (3, 14))
 _N_WHEELS: Final = 85
 """Lines that pip prints about the collected packages."""
 DEFINITIONS: Final = Path(__file__).parent / "definitions"
-"""One folder per package, with msg/, srv/ and action/: those of Kilted."""
+"""One folder per package of Kilted, with msg/, srv/ and action/."""
 _NEEDED: Final = 700_000_000
 """Bytes on disk while it is installed; 300 MB of them stay."""
 _COMPILERS: Final = {
     "CC": ("gcc", "cc", "clang"),
     "CXX": ("g++", "c++", "clang++"),
 }
-"""Variable that names a compiler → those that are looked for without it."""
+"""Variable that names a compiler → the compilers that are tried without it."""
 _POLL_PERIOD: Final = 0.2
 """Interval between two looks at a program's output [wall s]."""
 _FAILURES: Final = {
@@ -92,7 +91,7 @@ def install_ros2(progress: ProgressCallback) -> Ros2:
     if reason is not None:
         raise RosUnavailableError(reason)
     prefix = expected_prefix()
-    with _exclusive(own_folder()):
+    with exclusive(own_folder(), "ROS 2", RosUnavailableError):
         if read_marker(prefix) is None:
             _require_tools()
             _require_space()
@@ -112,13 +111,7 @@ def install_ros2(progress: ProgressCallback) -> Ros2:
 
 def uninstall_ros2() -> int:
     """Remove every installation of tool0's; return the bytes."""
-    folder = own_folder()
-    if not folder.is_dir():
-        return 0
-    with _exclusive(folder):
-        freed = size_on_disk(folder)
-        shutil.rmtree(folder)
-    return freed
+    return removed(own_folder(), "ROS 2", RosUnavailableError)
 
 
 def expected_prefix() -> Path:
@@ -131,29 +124,13 @@ def expected_prefix() -> Path:
     return own_folder() / f"{DISTRO}-py{version}-{digest.hexdigest()[:12]}"
 
 
-@contextmanager
-def _exclusive(folder: Path) -> Iterator[None]:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with locked(folder / "lock", wait=False):
-            yield
-    except BlockingIOError:
-        raise RosUnavailableError(
-            f"another process installs or removes ROS 2 in '{folder}'; wait for it"
-        ) from None
-    except OSError as error:
-        raise RosUnavailableError(
-            f"cannot write '{error.filename or folder}': {error.strerror}"
-        ) from None
-
-
 def _leftovers(keep: Sequence[Path]) -> list[Path]:
     folders = [one for one in own_folder().iterdir() if one.is_dir()]
     return [one for one in folders if not one.is_symlink() and one not in keep]
 
 
 def _select(prefix: Path) -> None:
-    """Let the link point to this installation, from one moment to the next."""
+    """Make the link point to this installation, in one atomic step."""
     new = current_link().with_name("next")
     new.unlink(missing_ok=True)
     new.symlink_to(prefix.name)
@@ -279,7 +256,7 @@ def _run(
     work: Path,
     show: Callable[[str], None] = lambda output: None,
 ) -> None:
-    """Run a program, and show what it prints so far.
+    """Run a program, and show its output as progress.
 
     Raises:
         RosUnavailableError: If it fails, with the end of its output.

@@ -55,7 +55,7 @@ class Ros2:
     kind: Kind
     """Sourced in this terminal, found in /opt/ros, or installed by tool0."""
     distro: str
-    """As ``kilted``."""
+    """Name of the release: ``kilted``."""
     prefix: Path
     """The folder that has rclpy."""
     python: Path
@@ -72,7 +72,7 @@ class Ros2:
 
     @property
     def prefixes(self) -> list[Path]:
-        """The folders in which its packages are, the first one first."""
+        """The folders of its packages; the first takes precedence."""
         named = self.environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
         return [Path(name) for name in dict.fromkeys(named) if name]
 
@@ -139,7 +139,7 @@ def _system(variables: dict[str, str]) -> Ros2 | None:
 
 
 def _python_of(prefix: Path) -> Path | None:
-    """Return the Python for which the ROS 2 in ``prefix`` has rclpy, if it has."""
+    """Return the Python for which the ROS 2 in ``prefix`` has rclpy, or None."""
     for pattern in ("lib/python3*/site-packages", "local/lib/python3*/dist-packages"):
         for folder in sorted(prefix.glob(pattern)):
             match = _RCLPY.search(folder.as_posix())
@@ -234,7 +234,7 @@ def own_python(prefix: Path) -> Path:
 
 
 def read_marker(prefix: Path) -> dict[str, Any] | None:
-    """Return what an own installation states of itself; None if it is not complete."""
+    """Return the marker of an own installation; None if it is incomplete."""
     try:
         marker: dict[str, Any] = json.loads((prefix / MARKER).read_bytes())
         if marker["format"] != _FORMAT or not isinstance(marker["distro"], str):

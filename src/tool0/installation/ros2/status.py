@@ -1,4 +1,4 @@
-"""Which ROS 2 would run, what it lacks, and how a terminal uses it."""
+"""The status of ROS 2 on this machine, and its environment for a terminal."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ OPTIONAL: Final = {
     "ur_dashboard_msgs": "robot mode, safety mode and dashboard of the arm",
     "simulation_interfaces": "services that pause, step, reset and spawn",
 }
-"""Package → what the node offers only with it."""
+"""Package → the function of the node that requires it."""
 INSTALL: Final = "tool0 ros2 install"
 _TIMEOUT: Final = 30.0
 """Of the program below [wall s]; it takes about 1 s."""
@@ -66,7 +66,7 @@ class Ros2Status:
     rmw: str | None = None
     """Its middleware, as ``rmw_fastrtps_cpp``."""
     size: int | None = None
-    """Of tool0's own on disk [bytes]."""
+    """Size on disk of tool0's own ROS 2 [bytes]."""
     missing: dict[str, str] = field(default_factory=dict)
     """Package → why it cannot be imported."""
     remedies: tuple[str, ...] = ()
@@ -138,7 +138,7 @@ def ros2_status() -> Ros2Status:
 
 
 def _probe(found: Ros2) -> dict[str, Any]:
-    """Return what its Python says of itself and of the packages."""
+    """Return the versions and the import failures that its Python reports."""
     command = [str(found.python), "-c", _PROGRAM, *NEEDED, *OPTIONAL]
     try:
         done = run_program(command, environment=found.environment, timeout=_TIMEOUT)

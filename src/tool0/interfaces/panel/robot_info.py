@@ -38,7 +38,7 @@ from tool0.description.shapes import (
     Mesh,
     Solid,
     Sphere,
-    parts_of,
+    placed_geometries,
 )
 from tool0.description.xml_source import parse_text, to_text
 from tool0.errors import ConfigError
@@ -86,7 +86,9 @@ class RobotFiles:
         A mesh that is removed and added again gets another path, since its file may
         have changed.
         """
-        geometries = [part for item in objects for part, _ in parts_of(item.geometry)]
+        geometries = [
+            part for item in objects for part, _ in placed_geometries(item.geometry)
+        ]
         meshes = [item for item in geometries if isinstance(item, Mesh)]
         self._url_of_object = self._urls(meshes, self._url_of_object)
 

@@ -13,8 +13,8 @@ from controller_manager_msgs import msg, srv
 from tool0.api.robot import Robot
 from tool0.control.config import ControllerConfig
 from tool0.control.controller import ControllerSpec
+from tool0.control.forward_command import ForwardCommandSpec
 from tool0.control.gripper_action import GripperActionSpec
-from tool0.control.ros1.forward_command import ForwardCommandSpec
 from tool0.control.ros1.joint_state import JointStateSpec
 from tool0.control.ros1.joint_trajectory import JointTrajectorySpec
 from tool0.errors import ControlError, RosUnavailableError, Tool0Error

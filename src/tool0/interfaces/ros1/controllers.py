@@ -14,9 +14,9 @@ from std_msgs.msg import Float64, Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
 from tool0.api.controller import ControllerHandle, GoalHandle
+from tool0.control.forward_command import ForwardCommandSpec
 from tool0.control.gripper_action import GripperActionSpec
 from tool0.control.publish_rate import PublishRate
-from tool0.control.ros1.forward_command import ForwardCommandSpec
 from tool0.control.ros1.joint_state import JointStateSpec
 from tool0.control.ros1.joint_trajectory import JointTrajectorySpec
 from tool0.errors import ControlError, GoalRejectedError, Tool0Error

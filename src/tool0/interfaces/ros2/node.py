@@ -5,29 +5,26 @@ The node itself is the ROS package ``tool0_ros2`` in ``ros_packages``.
 
 from __future__ import annotations
 
-import contextlib
-import logging
 import os
 from typing import TYPE_CHECKING, final
 
 from tool0.errors import RosUnavailableError
 from tool0.installation.ros2.installation import NODE_FOLDER, Ros2, find_ros2
-from tool0.interfaces.companion import START_TIMEOUT, Companion, served_name
+from tool0.interfaces.companion import START_TIMEOUT, Companion
 from tool0.interfaces.ros2.options import Ros2Options
 
 if TYPE_CHECKING:
     from tool0.api.robot import Robot
 
-logger = logging.getLogger(__name__)
-
 
 @final
-class Ros2Node(contextlib.AbstractContextManager["Ros2Node"]):
+class Ros2Node(Companion):
     """Presents one robot in ROS 2 as ros2_control does.  A context manager.
 
-    The node runs in a process of its own, under the Python of a ROS 2.  It starts again
-    when it dies.
+    The node runs in a process of its own, under the Python of a ROS 2.
     """
+
+    title, kind, unavailable = "ROS 2", "node", RosUnavailableError
 
     def __init__(self, robot: Robot | str, options: Ros2Options | None = None) -> None:
         """Start the node; ``wait`` waits until it is up.
@@ -40,7 +37,7 @@ class Ros2Node(contextlib.AbstractContextManager["Ros2Node"]):
         Raises:
             RosUnavailableError: If there is no ROS 2.
         """
-        self.options = options or Ros2Options()
+        self.options = options = options or Ros2Options()
         ros2 = find_ros2()
         if ros2 is None:
             raise RosUnavailableError(
@@ -48,18 +45,11 @@ class Ros2Node(contextlib.AbstractContextManager["Ros2Node"]):
                 "`tool0 ros2 install`"
             )
         self.ros2 = ros2
-        with contextlib.ExitStack() as stack:
-            name = served_name(robot, "ros2", stack)
-            command, self._environment = _program(ros2, name, self.options)
-            self._companion = Companion(
-                "ROS 2",
-                "node",
-                command,
-                self._environment,
-                logger=logger,
-                unavailable=RosUnavailableError,
-            )
-            self._stack = stack.pop_all()
+        super().__init__(
+            robot,
+            lambda name: _command(ros2, name, options),
+            _environment(ros2, options),
+        )
 
     @property
     def domain(self) -> int:
@@ -73,37 +63,23 @@ class Ros2Node(contextlib.AbstractContextManager["Ros2Node"]):
             RosUnavailableError: If it could not start, or not within ``timeout``
                 [wall s].
         """
-        node: str = self._companion.wait(timeout)["node"]
+        node: str = self._wait_for_report(timeout)["node"]
         return node
 
-    @property
-    def pid(self) -> int | None:
-        """The process id of the node; None while it does not run."""
-        return self._companion.pid
 
-    def close(self) -> None:
-        """End the node; closing twice is allowed."""
-        self._companion.close()
-        self._stack.close()
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-
-def _program(
-    ros2: Ros2, name: str, options: Ros2Options
-) -> tuple[list[str], dict[str, str]]:
-    """Return the command of the node, and its variables."""
+def _environment(ros2: Ros2, options: Ros2Options) -> dict[str, str]:
     environment = dict(ros2.environment)
     paths = [str(NODE_FOLDER), environment.get("PYTHONPATH", "")]
     environment["PYTHONPATH"] = os.pathsep.join(path for path in paths if path)
-    environment["PYTHONUNBUFFERED"] = "1"
     if options.domain is not None:
         environment["ROS_DOMAIN_ID"] = str(options.domain)
-    command = [
+    return environment
+
+
+def _command(ros2: Ros2, name: str, options: Ros2Options) -> list[str]:
+    return [
         *(str(ros2.python), "-m", NODE_FOLDER.name),
         *("--name", name, "--ns", options.ns, "--wait"),
         *("--tf-rate", repr(options.tf_rate)),
         *("--camera-rate", repr(options.camera_rate)),
     ]
-    return command, environment

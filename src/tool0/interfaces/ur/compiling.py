@@ -7,13 +7,13 @@ import contextlib
 from typing import TYPE_CHECKING
 
 from tool0.errors import ConfigError
-from tool0.interfaces.ur.programs import Program
+from tool0.interfaces.ur.programs import RunnableProgram
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
 
 
-async def compiled(text: str, name: str) -> Program[Box]:
+async def compiled(text: str, name: str) -> RunnableProgram[UrControlBox]:
     """Return a program; its text is read in another thread, as that takes a while.
 
     The program that ur_rtde uploads is recognised and executed natively.
@@ -24,7 +24,7 @@ async def compiled(text: str, name: str) -> Program[Box]:
     return await asyncio.to_thread(_compile, text, name)
 
 
-def _compile(text: str, name: str) -> Program[Box]:
+def _compile(text: str, name: str) -> RunnableProgram[UrControlBox]:
     from tool0.interfaces.ur.rtde_control.program import recognise
     from tool0.interfaces.ur.urscript.program import compile_program
 

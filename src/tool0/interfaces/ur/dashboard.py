@@ -33,14 +33,14 @@ from tool0.protocol.control_box_state import SafetyMode
 from tool0.protocol.request import Request
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
 
 logger = logging.getLogger(__name__)
 
 PORT: Final = 29999
 GREETING: Final = "Connected: Universal Robots Dashboard Server"
 UNNAMED: Final = "<unnamed>"
-"""What PolyScope calls a program that was not loaded from a file."""
+"""PolyScope's name for a program that was not loaded from a file."""
 NO_REPORT: Final = "Error: a simulated robot has no reports to save"
 INSTALLATION: Final = "default.installation"
 USER_ROLES: Final = ("programmer", "operator", "none", "locked", "restricted")
@@ -58,7 +58,7 @@ Answer = Callable[[str], Awaitable[str]]
 
 @final
 @dataclass(frozen=True, slots=True)
-class Command:
+class DashboardCommand:
     """A command, and what answers it."""
 
     words: str
@@ -72,7 +72,7 @@ class Command:
 class Dashboard:
     """The dashboard server of one control box."""
 
-    def __init__(self, box: Box, programs: Path | None = None) -> None:
+    def __init__(self, box: UrControlBox, programs: Path | None = None) -> None:
         """Serve ``box``; programs are loaded from the folder ``programs``."""
         self._box, self._files = box, ProgramFiles(programs)
         self._port = Port("dashboard server", self._serve)
@@ -120,53 +120,75 @@ class Dashboard:
                 return
             await peer.account.pay(REQUEST_COST)
 
-    def _commands(self) -> tuple[Command, ...]:
+    def _commands(self) -> tuple[DashboardCommand, ...]:
         box, arm = self._box, self._box.arm
         request, e_series = self._requesting, frozenset({E_SERIES})
         return (
             # ---- programs ----
-            Command("load", self._load),
-            Command("play", self._play),
-            Command("stop", self._stop),
-            Command("pause", self._pause),
-            Command("running", _saying(lambda _: f"Program running: {self._running}")),
-            Command("get loaded program", _saying(self._loaded_program)),
-            Command("isProgramSaved", _saying(self._is_saved)),
-            Command("programState", _saying(self._program_state)),
-            Command("load installation", _saying(self._load_installation)),
+            DashboardCommand("load", self._load),
+            DashboardCommand("play", self._play),
+            DashboardCommand("stop", self._stop),
+            DashboardCommand("pause", self._pause),
+            DashboardCommand(
+                "running", _saying(lambda _: f"Program running: {self._running}")
+            ),
+            DashboardCommand("get loaded program", _saying(self._loaded_program)),
+            DashboardCommand("isProgramSaved", _saying(self._is_saved)),
+            DashboardCommand("programState", _saying(self._program_state)),
+            DashboardCommand("load installation", _saying(self._load_installation)),
             # ---- power and safety ----
             request("power on", PowerOn(arm=arm), "Powering on"),
             request("power off", PowerOff(arm=arm), "Powering off"),
             request("brake release", ReleaseBrakes(arm=arm), "Brake releasing"),
             request("restart safety", RestartSafety(arm=arm), "Restarting safety"),
             request("shutdown", PowerOff(arm=arm), "Shutting down"),
-            Command("unlock protective stop", self._unlock),
-            Command("close safety popup", _saying(lambda _: "closing safety popup")),
-            Command("robotmode", _saying(lambda _: f"Robotmode: {self._robot_mode}")),
-            Command("safetymode", _saying(lambda _: f"Safetymode: {self._safety}")),
-            Command("safetystatus", _saying(lambda _: f"Safetystatus: {self._safety}")),
+            DashboardCommand("unlock protective stop", self._unlock),
+            DashboardCommand(
+                "close safety popup", _saying(lambda _: "closing safety popup")
+            ),
+            DashboardCommand(
+                "robotmode", _saying(lambda _: f"Robotmode: {self._robot_mode}")
+            ),
+            DashboardCommand(
+                "safetymode", _saying(lambda _: f"Safetymode: {self._safety}")
+            ),
+            DashboardCommand(
+                "safetystatus", _saying(lambda _: f"Safetystatus: {self._safety}")
+            ),
             # ---- the pendant ----
-            Command("popup", _saying(self._popup)),
-            Command("close popup", _saying(self._close_popup)),
-            Command("addToLog", _saying(self._add_to_log)),
-            Command("quit", _saying(lambda _: "Disconnected")),
-            Command("set operational mode", _saying(self._set_mode), e_series),
-            Command("get operational mode", _saying(lambda _: self._mode), e_series),
-            Command("clear operational mode", _saying(self._clear_mode), e_series),
-            Command("is in remote control", _saying(lambda _: "true"), e_series),
-            Command("setUserRole", _saying(self._set_user_role), frozenset({CB3})),
-            Command("getUserRole", _saying(lambda _: self._role), frozenset({CB3})),
+            DashboardCommand("popup", _saying(self._popup)),
+            DashboardCommand("close popup", _saying(self._close_popup)),
+            DashboardCommand("addToLog", _saying(self._add_to_log)),
+            DashboardCommand("quit", _saying(lambda _: "Disconnected")),
+            DashboardCommand("set operational mode", _saying(self._set_mode), e_series),
+            DashboardCommand(
+                "get operational mode", _saying(lambda _: self._mode), e_series
+            ),
+            DashboardCommand(
+                "clear operational mode", _saying(self._clear_mode), e_series
+            ),
+            DashboardCommand(
+                "is in remote control", _saying(lambda _: "true"), e_series
+            ),
+            DashboardCommand(
+                "setUserRole", _saying(self._set_user_role), frozenset({CB3})
+            ),
+            DashboardCommand(
+                "getUserRole", _saying(lambda _: self._role), frozenset({CB3})
+            ),
             # ---- the robot ----
-            Command(
+            DashboardCommand(
                 "PolyscopeVersion",
                 _saying(lambda _: f"URSoftware {self._version} (tool0)"),
             ),
-            Command("version", _saying(lambda _: self._version), e_series),
-            Command("get serial number", _saying(lambda _: serial_number(arm))),
-            Command("get robot model", _saying(lambda _: robot_model(box))),
-            Command("generate flight report", _saying(lambda _: NO_REPORT)),
-            Command("generate support file", _saying(lambda _: NO_REPORT)),
-            Command("saveLog", _saying(lambda _: NO_REPORT)),
+            DashboardCommand("version", _saying(lambda _: self._version), e_series),
+            DashboardCommand(
+                "get serial number", _saying(lambda _: serial_number(arm))
+            ),
+            DashboardCommand("get robot model", _saying(lambda _: robot_model(box))),
+            DashboardCommand("generate flight report", _saying(lambda _: NO_REPORT)),
+            DashboardCommand("generate support file", _saying(lambda _: NO_REPORT)),
+            DashboardCommand("saveLog", _saying(lambda _: NO_REPORT)),
         )
 
     # ---- programs -------------------------------------------------------------------
@@ -253,7 +275,9 @@ class Dashboard:
 
     # ---- modes ----------------------------------------------------------------------
 
-    def _requesting(self, words: str, request: Request[None], done: str) -> Command:
+    def _requesting(
+        self, words: str, request: Request[None], done: str
+    ) -> DashboardCommand:
         """Return a command that makes a request to the bring-up."""
 
         async def answer(_: str) -> str:
@@ -264,7 +288,7 @@ class Dashboard:
                 return f"Failed to execute: {words}"
             return done
 
-        return Command(words, answer)
+        return DashboardCommand(words, answer)
 
     async def _unlock(self, _: str) -> str:
         if self._box.state.safety_mode is SafetyMode.PROTECTIVE_STOP:

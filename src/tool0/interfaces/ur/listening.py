@@ -21,7 +21,7 @@ MAX_CLIENTS: Final = 16
 REQUEST_COST: Final = 0.1e-3
 """Of answering a line or a frame [s]."""
 MAX_OWED: Final = 1 << 20
-"""What a client may leave unread before it is dropped [bytes]."""
+"""Most data that a client may leave unread before it is dropped [bytes]."""
 
 
 @final
@@ -50,7 +50,7 @@ class Peer:
 
     @property
     def owed(self) -> int:
-        """What the client has not read so far [bytes]."""
+        """Data that the client has not read so far [bytes]."""
         return self._writer.transport.get_write_buffer_size()
 
     def drop(self) -> None:
@@ -68,7 +68,7 @@ _budgets: WeakKeyDictionary[asyncio.AbstractEventLoop, Budget] = WeakKeyDictiona
 
 
 def _budget() -> Budget:
-    """Return what the clients of all ports may use together.
+    """Return the budget that the clients of all ports share.
 
     It is strict: what a client sends ends in requests to the bring-up, which reads
     those of this process no faster.

@@ -17,18 +17,13 @@ import numpy as np
 
 from tool0.errors import ControlError
 from tool0.kinematics.chain import Array
-from tool0.kinematics.move_planner import MovePlanner
-from tool0.kinematics.moves import Move, MovePlan, MoveWarning
-from tool0.protocol.arm_motion import (
-    ExecutePath,
-    ServoJoints,
-    SpeedJoints,
-    SpeedTool,
-    StopArm,
-)
+from tool0.motion.moves import Move, MovePlan, MoveWarning
+from tool0.motion.planner import MovePlanner
+from tool0.protocol.arm_motion import ServoJoints, SpeedJoints, SpeedTool, StopArm
+from tool0.requests.paths import path_request
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
     from tool0.protocol.updates import Six
 
 logger = logging.getLogger(__name__)
@@ -67,7 +62,7 @@ class _Running(NamedTuple):
 class Moves:
     """Moves the arm of a control box, for one program at a time."""
 
-    def __init__(self, box: Box) -> None:
+    def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._running: _Running | None = None
         self._lead = LEAD[1]
@@ -234,8 +229,9 @@ class Moves:
             plan = await _planned(partial(planner.plan, start, moves), moves)
             if plan.duration == 0.0:
                 return _Running(plan, 0, box.time)
+            request = path_request(box.arm, plan.path)
             try:
-                return _Running(plan, await box.call(self._path(plan)), box.time)
+                return _Running(plan, await box.call(request), box.time)
             except ControlError:
                 await box.next_update()
                 if box.arm_update.is_done and box.arm_update.target_position == start:
@@ -256,8 +252,12 @@ class Moves:
             rest = await _planned(partial(planner.resume, plan, at, moves), moves)
             if rest is None:
                 return None
+            # The path begins with the motion of the old one, which may be 0.02 mm
+            # away: a knot at once would be a jump.
+            path = rest.path.since(_FIRST_KNOT)
+            request = path_request(box.arm, path, after=running.number, at=at)
             try:
-                number = await box.call(self._path(rest, after=running.number, at=at))
+                number = await box.call(request)
             except ControlError as error:
                 logger.debug("%s: %s", box.arm, error)
                 margin = max(2.0 * margin, 1.5 * (box.time - before))
@@ -278,24 +278,6 @@ class Moves:
     def _planner(self) -> MovePlanner:
         box = self._box
         return MovePlanner(box.kinematics, box.tcp, box.T_chain_base)
-
-    def _path(
-        self, plan: MovePlan, after: int | None = None, at: float | None = None
-    ) -> ExecutePath:
-        """Return the request for a plan from rest, or for one that continues a path."""
-        # At rest, the start is checked.  Otherwise the path begins with the motion of
-        # the old one, which may be 0.02 mm away: a knot at once would be a jump.
-        keep = plan.knots.times >= (0.0 if after is None else _FIRST_KNOT)
-        keep[-1] = True
-        times, q, qd = (values[keep].tolist() for values in plan.knots)
-        return ExecutePath(
-            arm=self._box.arm,
-            times=tuple(times),
-            positions=tuple(map(tuple, q)),
-            velocities=tuple(map(tuple, qd)),
-            after=after,
-            at=at,
-        )
 
     # ---- waiting --------------------------------------------------------------------
 

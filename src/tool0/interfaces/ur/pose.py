@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from tool0.kinematics.chain import Array
-from tool0.kinematics.pose import matrix_of, rotation_of, rotation_vector
+from collections.abc import Sequence
+
+from tool0.description.transform import Transform, from_rotation_vector
 from tool0.protocol.updates import Six
 
-__all__ = ["matrix_of", "pose_of", "rotation_of", "rotation_vector"]
+
+def transform_of(pose: Sequence[float]) -> Transform:
+    """Return a pose as a transform."""
+    return from_rotation_vector(pose[:3], pose[3:])
 
 
-def pose_of(T: Array) -> Six:
-    """Return a homogeneous matrix as a pose."""
-    x, y, z = T[:3, 3].tolist()
-    rx, ry, rz = rotation_vector(T[:3, :3]).tolist()
-    return (x, y, z, rx, ry, rz)
+def pose_of(T: Transform) -> Six:
+    """Return a transform as a pose."""
+    return (*T.position, *T.rotation_vector)

@@ -6,7 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING, final
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
 
 
 @final
@@ -17,7 +17,7 @@ class ProgramWatch:
     Here, it ends: it has to be started anew, from the beginning.
     """
 
-    def __init__(self, box: Box) -> None:
+    def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._task: asyncio.Task[None] | None = None
 

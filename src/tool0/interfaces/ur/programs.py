@@ -18,7 +18,7 @@ logger = logging.getLogger(__name__)
 
 
 class RuntimeState(IntEnum):
-    """What the program does, by the numbers of RTDE."""
+    """The state of the program, by the numbers of RTDE."""
 
     STOPPING = 0
     STOPPED = 1
@@ -29,7 +29,7 @@ class RuntimeState(IntEnum):
 
 
 class Holder(Protocol):
-    """What the slot needs of its control box."""
+    """The part of a control box that the slot uses."""
 
     arm: str
     messages: Messages
@@ -48,7 +48,7 @@ BoxT = TypeVar("BoxT", bound=Holder)
 Box_contra = TypeVar("Box_contra", contravariant=True)
 
 
-class Program(Protocol[Box_contra]):
+class RunnableProgram(Protocol[Box_contra]):
     """A program that can run on a control box."""
 
     @property
@@ -97,7 +97,7 @@ class ProgramSlot(Generic[BoxT]):
                 f"{name}: not started, since a stop came after it; send it again"
             )
 
-    async def start(self, program: Program[BoxT], n_stops: int) -> None:
+    async def start(self, program: RunnableProgram[BoxT], n_stops: int) -> None:
         """Start a program; it replaces the one that runs, whose motion stops.
 
         Args:
@@ -181,7 +181,7 @@ class ProgramSlot(Generic[BoxT]):
         """Return at once while the program runs, and later while it is paused."""
         await self._gate.wait()
 
-    async def _run(self, program: Program[BoxT]) -> None:
+    async def _run(self, program: RunnableProgram[BoxT]) -> None:
         try:
             await program.run(self._box)
         except Tool0Error as error:

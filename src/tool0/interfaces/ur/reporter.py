@@ -17,7 +17,7 @@ from tool0.protocol.control_box import (
 )
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
     from tool0.interfaces.ur.registers import RegisterBank
 
 PERIOD: Final = 0.1
@@ -28,7 +28,7 @@ PERIOD: Final = 0.1
 class Reporter:
     """Enables the safety limits of the arm, as a UR has them, and sends reports."""
 
-    def __init__(self, box: Box) -> None:
+    def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._host = ""
         self._task: asyncio.Task[None] | None = None

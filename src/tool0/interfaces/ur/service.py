@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import time
 from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
@@ -11,12 +12,14 @@ from typing import Any, Final, Protocol
 
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error, TransportError
-from tool0.interfaces.ur.box import Box
 from tool0.interfaces.ur.compiling import prepare
+from tool0.interfaces.ur.control_box import UrControlBox
 from tool0.interfaces.ur.options import UrArm, UrOptions
 from tool0.protocol.arm import ListArms
 from tool0.protocol.robot import ReadInfo
 from tool0.protocol.updates import SubscribeUpdates, UpdateMessage
+
+logger = logging.getLogger(__name__)
 
 CONNECT_TIMEOUT: Final = 60.0
 """Longest wait for the bring-up [wall s]."""
@@ -24,7 +27,7 @@ _RETRY: Final = 0.02
 """Between two attempts to connect [wall s]."""
 
 
-class Interface(Protocol):
+class BoxInterface(Protocol):
     """One interface of a box, such as RTDE: it has one port or several."""
 
     async def start(self, host: str, port_base: int) -> None:
@@ -34,7 +37,7 @@ class Interface(Protocol):
         """End connections and ports."""
 
 
-def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
+def interfaces_of(box: UrControlBox, options: UrOptions) -> list[BoxInterface]:
     """Return what a control box presents."""
     from tool0.interfaces.ur.client_interface.interface import ClientInterface
     from tool0.interfaces.ur.dashboard import Dashboard
@@ -42,7 +45,7 @@ def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
     from tool0.interfaces.ur.reporter import Reporter
     from tool0.interfaces.ur.rtde.server import RtdeServer
 
-    interfaces: list[Interface] = [
+    interfaces: list[BoxInterface] = [
         ProgramWatch(box),
         Reporter(box),
         RtdeServer(box),
@@ -59,6 +62,8 @@ def interfaces_of(box: Box, options: UrOptions) -> list[Interface]:
             box.gripper.assume_activated()
         port = serial_port_path(box.bringup, box.arm)
         interfaces.append(RobotiqInterface(box.gripper, port))
+    elif box.has_foreign_gripper:
+        logger.warning("%s: %s", box.arm, box.why_no_gripper)
     return interfaces
 
 
@@ -87,7 +92,7 @@ async def serve(
     loop = asyncio.get_running_loop()
     has_ended = asyncio.Event()
     first: asyncio.Future[UpdateMessage] = loop.create_future()
-    boxes: list[Box] = []
+    boxes: list[UrControlBox] = []
     arrived: deque[UpdateMessage] = deque()
 
     def take() -> None:
@@ -133,7 +138,9 @@ async def serve(
     info = await asyncio.to_thread(channel.call, ReadInfo())
     limits = {joint: found.limits for joint, found in info.joint_limits.items()}
     boxes += [
-        Box(channel, arm, update, limits=limits, allow_sockets=options.allow_sockets)
+        UrControlBox(
+            channel, arm, update, limits=limits, allow_sockets=options.allow_sockets
+        )
         for arm in arms
     ]
     async with contextlib.AsyncExitStack() as stack:
@@ -151,7 +158,7 @@ async def serve(
             await box.programs.stop()
 
 
-def _served(host: str, interfaces: list[Interface]) -> UrArm:
+def _served(host: str, interfaces: list[BoxInterface]) -> UrArm:
     """Return where an arm's interfaces, which have started, are."""
     from tool0.interfaces.ur.robotiq.interface import RobotiqInterface
 
@@ -166,5 +173,5 @@ def _served(host: str, interfaces: list[Interface]) -> UrArm:
     return UrArm(address=host)
 
 
-def _closing(interface: Interface) -> Callable[[], Awaitable[None]]:
+def _closing(interface: BoxInterface) -> Callable[[], Awaitable[None]]:
     return interface.close

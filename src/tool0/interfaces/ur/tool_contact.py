@@ -11,11 +11,10 @@ from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple, final
 
-from tool0.kinematics.one_posture import rotated
 from tool0.protocol.updates import Six
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
 
 CONTACT_FORCE: Final = 5.0
 """Against the direction that is watched [N]."""
@@ -41,7 +40,7 @@ class _Moment(NamedTuple):
 class ToolHistory:
     """The last moments of an arm, recorded while this is entered: a context manager."""
 
-    def __init__(self, box: Box) -> None:
+    def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._moments: deque[_Moment] = deque(maxlen=MAX_STEPS)
 
@@ -101,6 +100,6 @@ class ToolHistory:
         """
         if not any(direction[:3]):
             return math.hypot(*moment.force)
-        force = rotated(self._box.posture().R, moment.force)
+        force = self._box.posture().flange.rotate(moment.force)
         along = sum(f * d for f, d in zip(force, direction[:3], strict=True))
         return -along / math.hypot(*direction[:3])

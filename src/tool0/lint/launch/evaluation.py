@@ -43,7 +43,7 @@ METHODS: Final = frozenset(
         *("rstrip", "split", "startswith", "strip", "title", "upper"),
     }
 )
-"""Of texts: those whose result is no longer than the text."""
+"""Methods of texts whose result is not longer than the text."""
 UNARY: Final[dict[type[ast.unaryop], Function]] = {
     ast.Not: operator.not_,
     ast.UAdd: operator.pos,
@@ -127,7 +127,7 @@ class _Evaluator:
     """Walks the tree of one expression."""
 
     of_texts: Mapping[str, Function]
-    """What may be called with texts."""
+    """The functions that accept texts."""
     argument: Callable[[str], object]
 
     def value(self, node: ast.expr) -> object:

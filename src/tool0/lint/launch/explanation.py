@@ -38,7 +38,7 @@ class Item:
 
 
 def contents(launch: LaunchFile, robots: Mapping[Parameter, XacroFile]) -> Item:
-    """Return what the file and its includes include, start and set.
+    """Return the explanation of a file and of all that it includes.
 
     Args:
         launch: The file.

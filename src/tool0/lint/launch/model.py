@@ -32,9 +32,9 @@ class Text:
     """An attribute's value, or the text of an element."""
 
     raw: str
-    """As written."""
+    """The text as it is written."""
     resolved: str | None
-    """With every ``$(…)`` replaced; None if one of them has no value."""
+    """The text with every ``$(…)`` replaced; None if one of them has no value."""
     location: SourceLocation
     uses: tuple[str, ...] = ()
     """The names of the arguments in it, each once, of the file it is written in."""
@@ -68,7 +68,7 @@ class Place:
     namespace: str | None
     """Global, with a slash at its end; None if it cannot be resolved."""
     conditions: tuple[Condition, ...] = ()
-    """Of this element and those around it, over all includes; the outermost first."""
+    """Conditions of this element and of all that contain it; the outermost first."""
 
     @property
     def holds(self) -> bool | None:
@@ -187,7 +187,7 @@ class Node:
     """Its own, and private ones before it in the file."""
     rosparams: tuple[Rosparam, ...] = ()
     remaps: tuple[Statement, ...] = ()
-    """Those that apply to it, its own last."""
+    """The remaps that apply to the node, its own last."""
     environment: tuple[Statement, ...] = ()
 
     @property
@@ -244,11 +244,11 @@ class LaunchFile:
     file: Path
     arguments: tuple[Argument, ...] = ()
     entries: tuple[Entry, ...] = ()
-    """In the order of the file; those of groups too, in place of the group."""
+    """The entries in the order of the file; a group is replaced by its entries."""
     findings: tuple[Finding, ...] = ()
-    """Of this file and of those it includes."""
+    """The findings in this file and in those that it includes."""
     notes: tuple[str, ...] = ()
-    """What could not be analysed, of this file and of those it includes."""
+    """Parts of this file, or of one that it includes, that could not be analysed."""
 
     @property
     def is_python(self) -> bool:

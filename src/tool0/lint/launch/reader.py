@@ -181,7 +181,7 @@ class _FileReader:
             )
 
     def _include(self, scope: Scope) -> Include:
-        """Return an ``<include>`` and what it includes."""
+        """Return an ``<include>`` with the included file."""
         include, given, environment = read_include(scope)
         if include.reason or include.path is None or scope.holds is False:
             return replace(include, reason=include.reason or "switched off")

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Literal, final
 from xml.dom.minidom import Element
 
-from tool0.description.finding import Finding, Severity, error_at, warning_at
+from tool0.description.finding import Finding, Severity, error_at
 from tool0.description.xml_source import children
 from tool0.errors import SourceLocation
 from tool0.lint.launch import grammar
@@ -209,9 +209,10 @@ class Scope:
     ) -> None:
         """Add a finding about the element, unless it is switched off."""
         if self.holds is not False:
-            finding_at = error_at if severity == "error" else warning_at
             where = location or self.location
-            self.findings.append(finding_at(where, rule, key, message, remedy))
+            self.findings.append(
+                error_at(where, rule, key, message, remedy, severity=severity)
+            )
 
     def _anonymous(self, name: str) -> str:
         if name not in self.anonymous:

@@ -125,7 +125,7 @@ def _conflicts(
 
 
 def _claims(name: str, config: ControllerConfig) -> Iterator[str]:
-    """Yield what a controller commands: joints in ROS 1, their interfaces in ROS 2."""
+    """Yield the resources of a controller: joints in ROS 1, interfaces in ROS 2."""
     entry = config.dialect.parameters(config.tree.root, name)
     kind = config.types.get(name, "")
     if entry is None or _only_reads(kind):

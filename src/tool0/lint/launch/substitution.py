@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, final
 
-from tool0.description.finding import Finding, Severity, error_at, warning_at
+from tool0.description.finding import Finding, Severity, error_at
 from tool0.errors import DescriptionError, SourceLocation, did_you_mean
 from tool0.lint.launch.evaluation import (
     EvaluationError,
@@ -216,9 +216,9 @@ class Substitution:
         *,
         severity: Severity = "error",
     ) -> None:
-        finding_at = error_at if severity == "error" else warning_at
-        found = finding_at(self.location, rule, key, message, remedy)
-        self.problems.append(found)
+        self.problems.append(
+            error_at(self.location, rule, key, message, remedy, severity=severity)
+        )
 
 
 def _limited(text: str) -> str:

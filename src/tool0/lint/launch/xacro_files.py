@@ -28,7 +28,7 @@ class XacroCall:
 
     file: Path | None
     args: Mapping[str, str]
-    """As they are given."""
+    """The arguments as they are given."""
     uses: Mapping[str, tuple[str, ...]]
     """The launch file's arguments that each one uses."""
 

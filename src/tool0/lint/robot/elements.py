@@ -99,7 +99,7 @@ class Tag:
         return Subject(self.owner, self.location)
 
     def children(self, tag: str | None = None) -> Iterator[Tag]:
-        """Yield the elements in it, or only those called ``tag``."""
+        """Yield its child elements, or only those called ``tag``."""
         for element in () if self.element is None else children(self.element, tag):
             yield Tag(element, self.owner or element.getAttribute("name").strip())
 
@@ -108,7 +108,7 @@ class Tag:
         return next(self.children(tag), Tag(None))
 
     def descendants(self, tag: str | None = None) -> Iterator[Tag]:
-        """Yield it and all below it, or those called ``tag``, in document order."""
+        """Yield it and its descendants, or those called ``tag``, in document order."""
         waiting = [self]
         while waiting:
             found = waiting.pop()

@@ -26,7 +26,7 @@ _INTERFACES = (
     _PACKAGE + "PosVelJointInterface",
     _PACKAGE + "PosVelAccJointInterface",
 )
-"""Those that DefaultRobotHWSim drives, and others that a robot's own driver may."""
+"""Interfaces that DefaultRobotHWSim drives, or that a robot's own driver may drive."""
 _LONGEST = 100
 
 

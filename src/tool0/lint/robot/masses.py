@@ -105,7 +105,7 @@ def _moments(tensor: Tag, mass: float) -> tuple[float, float, float] | None:
 
 
 def _tensor(link: Tag, mass: float, *, is_alone: bool) -> Iterator[Finding]:
-    """Yield what is wrong with the inertia; less if it is merged into another."""
+    """Yield the findings about an inertia; fewer if it is merged into another."""
     tensor = link.child("inertial").child("inertia")
     moments = _moments(tensor, mass)
     if moments is None:
@@ -140,7 +140,7 @@ def _tensor(link: Tag, mass: float, *, is_alone: bool) -> Iterator[Finding]:
 
 
 def _implausible(body: _Body) -> str:
-    """Return what is implausible about the radius of gyration; empty if nothing is."""
+    """Return why the radius of gyration is implausible; empty if it is plausible."""
     high = body.moments[2]
     gyration = math.sqrt(high / body.mass)
     compact = _moment_of_ball(body.mass)

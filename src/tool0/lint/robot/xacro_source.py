@@ -25,7 +25,7 @@ _PATTERN = re.compile(r"[*?\[]")
 """xacro includes every file that matches, or none."""
 _WORD = re.compile(r"[^\W\d]\w*")
 _OUTER = "^"
-"""The default that means: what the calling macro calls so."""
+"""The default that stands for the parameter of this name in the calling macro."""
 _EMPTY = ("", "''", "${''}", '${""}')
 _MACRO = "xacro:macro"
 _LIKE = re.compile(r"interf|hardware", re.IGNORECASE)
@@ -43,7 +43,7 @@ class MacroParameter:
 
 
 def own_tags(macro: Tag) -> Iterator[Tag]:
-    """Yield what is in ``macro``, without macros inside that take the same names."""
+    """Yield the elements in ``macro``, except inner macros with the same parameters."""
     names = {parameter.name for parameter in parameters_of(macro)}
     waiting = [macro]
     while waiting:
@@ -56,7 +56,7 @@ def own_tags(macro: Tag) -> Iterator[Tag]:
 
 
 def parameters_of(macro: Tag) -> tuple[MacroParameter, ...]:
-    """Return the parameters of ``macro``; what makes no sense is left out."""
+    """Return the parameters of ``macro`` that are well-formed."""
     text = macro.written("params")
     found = []
     at = 0
@@ -209,7 +209,7 @@ def interface_findings(root: Tag, _: PackageIndex) -> Iterator[Finding]:
 
 
 def _values(tag: Tag) -> Iterator[tuple[str, str]]:
-    """Yield what ``tag`` gives values to, and the values."""
+    """Yield the names that ``tag`` defines, and their values."""
     if tag.tag == "hardwareInterface":
         yield "", tag.text
     elif tag.tag == _MACRO:

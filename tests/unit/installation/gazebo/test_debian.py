@@ -13,7 +13,6 @@ from tool0.installation.gazebo.debian import (
     PrivateApt,
     listed_packages,
     machine_mirrors,
-    size_on_disk,
     unpack,
 )
 
@@ -134,10 +133,3 @@ def test_links_lead_to_what_was_unpacked(tmp_path: Path) -> None:
     unpack([], tmp_path, lambda *_: None)
     assert inside.read_text() == "content"
     assert outside.readlink() == Path("/dev/null")
-
-
-def test_a_file_of_two_names_is_counted_once(tmp_path: Path) -> None:
-    (tmp_path / "one").write_bytes(b"x" * 100_000)
-    once = size_on_disk(tmp_path)
-    (tmp_path / "two").hardlink_to(tmp_path / "one")
-    assert size_on_disk(tmp_path) == once >= 100_000

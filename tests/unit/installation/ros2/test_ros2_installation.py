@@ -3,8 +3,7 @@
 from pathlib import Path
 
 import pytest
-from machine import add_program
-from ros2_machine import add_own_ros2, add_ros2
+from machine import add_own_ros2, add_program, add_ros2
 
 from tool0.installation.ros2 import installation
 from tool0.installation.ros2.installation import MARKER, current_link, find_ros2

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from ros import until
+from waits import until
 
 from tool0.errors import RosUnavailableError
 from tool0.installation.ros2.installation import Ros2

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import queue
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+import waits
 from served import serving, use_folder
 
 import tool0
@@ -43,8 +44,19 @@ class Client:
         return arms["arm"]
 
     def until(self, mode: str) -> ArmUpdate:
-        while (arm := self.arm()).mode != mode:
-            pass
+        return self.first(lambda arm: arm.mode == mode, mode)
+
+    def first(self, is_it: Callable[[ArmUpdate], bool], what: str) -> ArmUpdate:
+        """Return the first update of the arm that is wanted."""
+        arm: ArmUpdate | None = None
+
+        def has_come() -> bool:
+            nonlocal arm
+            arm = self.arm()
+            return is_it(arm)
+
+        waits.until(has_come, lambda: f"{what}, last {arm}", period=0.0)
+        assert arm is not None
         return arm
 
     def subscribe(self) -> None:
@@ -69,8 +81,7 @@ def client(robot: tool0.Robot) -> Iterator[Client]:
         yield client
         robot.resume()
         client.channel.call(ReturnArm())
-        while robot.arm.motion.state.mode != "free":
-            robot.run(0.02)
+        waits.until(lambda: robot.arm.motion.state.mode == "free", "it is free")
         client.channel.close()
 
 
@@ -148,8 +159,10 @@ def test_streamed_targets_are_executed_one_by_one(
         client.channel.post(ServoJoints(positions=(target, *start[1:])))
     assert [aimed.get(timeout=LONG) for _ in targets] == targets
     robot.resume()
-    while client.until("servo").target_position[0] < targets[-1] - 0.01:
-        pass
+    end = targets[-1] - 0.01
+    client.first(
+        lambda arm: arm.mode == "servo" and arm.target_position[0] >= end, "the end"
+    )
 
 
 def test_a_refused_target_is_reported(client: Client) -> None:
@@ -189,11 +202,7 @@ def test_while_time_runs_fast_updates_have_the_arms_of_their_instant() -> None:
             motion = robot.arm.motion
             goal = tuple(q + 0.3 for q in motion.state.target_position)
             path = motion.execute_path([60.0], [goal], [(0.0,) * 6])
-            while True:
-                update = client.updates.get(timeout=LONG)
-                arm = update.arms["arm"]
-                if arm.path == path and arm.is_done:
-                    break
+            arm = client.first(lambda arm: arm.path == path and arm.is_done, "its end")
             assert arm.target_position == pytest.approx(goal)
             assert arm.path_time == 60.0
         finally:

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ros import until
 from served import serving, use_folder
 from tool0_ros2 import requests
 from tool0_ros2.connection import (
@@ -18,6 +17,7 @@ from tool0_ros2.connection import (
     RequestFailedError,
 )
 from tool0_ros2.errors import TransportError
+from waits import until
 
 import tool0
 

@@ -13,7 +13,7 @@ from ur_box_rig import control_box
 
 import tool0
 from tool0.errors import ControlError
-from tool0.interfaces.ur.box import Box
+from tool0.interfaces.ur.control_box import UrControlBox
 from tool0.interfaces.ur.rtde.inputs import InputRecipe
 from tool0.interfaces.ur.rtde.outputs import OUTPUTS, OutputRecipe
 from tool0.interfaces.ur.rtde.protocol import LENGTHS
@@ -28,11 +28,13 @@ def robot() -> Any:
         yield robot
 
 
-def values(box: Box, name: str) -> Any:
+def values(box: UrControlBox, name: str) -> Any:
     return np.array(OUTPUTS[name].read(box))
 
 
-async def while_moving(robot: tool0.Robot, take: Callable[[Box], Any]) -> list[Any]:
+async def while_moving(
+    robot: tool0.Robot, take: Callable[[UrControlBox], Any]
+) -> list[Any]:
     """Return what is taken at fifty updates in the middle of a motion.
 
     Its speed is steady there, as the physics computes positions from the speeds at the
@@ -55,7 +57,7 @@ async def while_moving(robot: tool0.Robot, take: Callable[[Box], Any]) -> list[A
 
 
 def test_speeds_are_the_derivatives_of_positions(robot: tool0.Robot) -> None:
-    def take(box: Box) -> Any:
+    def take(box: UrControlBox) -> Any:
         return (
             box.time,
             np.array(box.tcp_pose()[:3]),

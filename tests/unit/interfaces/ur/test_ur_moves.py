@@ -12,9 +12,9 @@ from ur_box_rig import control_box
 
 import tool0
 from tool0.errors import UnreachableError
-from tool0.interfaces.ur.box import Box
+from tool0.interfaces.ur.control_box import UrControlBox
 from tool0.interfaces.ur.moves import STOP, Moves
-from tool0.kinematics.moves import Move
+from tool0.motion.moves import Move
 from tool0.protocol.arm_motion import ReturnArm, TakeArm
 from tool0.protocol.updates import Six
 
@@ -33,7 +33,7 @@ def robot() -> Iterator[tool0.Robot]:
 class Trace:
     """The setpoint at each update."""
 
-    def __init__(self, box: Box) -> None:
+    def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self.times: list[float] = []
         self.q: list[tuple[float, ...]] = []
@@ -66,7 +66,9 @@ class Trace:
         return np.abs(np.array(self.qd)).max(axis=1)
 
 
-def play(robot: tool0.Robot, program: Callable[[Box, Moves], Awaitable[None]]) -> Trace:
+def play(
+    robot: tool0.Robot, program: Callable[[UrControlBox, Moves], Awaitable[None]]
+) -> Trace:
     """Execute a program from HOME; return how the setpoint moved."""
 
     async def run() -> Trace:
@@ -86,7 +88,7 @@ def play(robot: tool0.Robot, program: Callable[[Box, Moves], Awaitable[None]]) -
     return trace
 
 
-def lifted(box: Box, *xyz: float) -> list[float]:
+def lifted(box: UrControlBox, *xyz: float) -> list[float]:
     """Return the pose at HOME, displaced."""
     pose = np.array(box.forward(HOME))
     pose[:3] += xyz
@@ -99,7 +101,7 @@ def panned(angle: float) -> Six:
     return (a + angle, b, c, d, e, f)
 
 
-def check_at(box: Box, q: object, tolerance: float = 1e-9) -> None:
+def check_at(box: UrControlBox, q: object, tolerance: float = 1e-9) -> None:
     assert box.arm_update.is_done
     np.testing.assert_allclose(box.arm_update.target_position, q, atol=tolerance)
     np.testing.assert_allclose(box.arm_update.target_velocity, 0.0, atol=1e-9)
@@ -108,7 +110,7 @@ def check_at(box: Box, q: object, tolerance: float = 1e-9) -> None:
 def test_movej_returns_when_it_has_ended(robot: tool0.Robot) -> None:
     target = HOME + np.array([0.35, 0.1, 0.0, 0.0, 0.2, -0.35])
 
-    async def program(box: Box, moves: Moves) -> None:
+    async def program(box: UrControlBox, moves: Moves) -> None:
         start = box.time
         await moves.movej(target.tolist(), a=1.4, v=1.05)
         check_at(box, target)
@@ -120,7 +122,7 @@ def test_movej_returns_when_it_has_ended(robot: tool0.Robot) -> None:
 def test_a_path_is_blended_and_reports_its_moves(robot: tool0.Robot) -> None:
     begun: list[int] = []
 
-    async def program(box: Box, moves: Moves) -> None:
+    async def program(box: UrControlBox, moves: Moves) -> None:
         aim = {"a": 2.0, "v": 0.4}
         path = [
             Move(kind="joint", q=panned(0.2), a=3.0, v=1.05, r=0.02),
@@ -144,7 +146,7 @@ def test_a_path_is_blended_and_reports_its_moves(robot: tool0.Robot) -> None:
 def test_a_move_that_comes_later_is_blended_or_starts_at_rest(
     robot: tool0.Robot, pause: float
 ) -> None:
-    async def program(box: Box, moves: Moves) -> None:
+    async def program(box: UrControlBox, moves: Moves) -> None:
         await moves.movel(lifted(box, 0.0, 0.0, -0.1), a=3.0, v=0.3, r=0.04)
         await box.sleep(pause)
         await moves.movel(lifted(box, 0.1, 0.0, -0.1), a=3.0, v=0.3, r=0.04)
@@ -162,7 +164,7 @@ def test_a_move_that_comes_later_is_blended_or_starts_at_rest(
 def test_without_another_move_it_ends_at_its_target(robot: tool0.Robot) -> None:
     target = panned(0.2)
 
-    async def program(box: Box, moves: Moves) -> None:
+    async def program(box: UrControlBox, moves: Moves) -> None:
         await moves.movej(target, a=1.4, v=1.05, r=0.05)
         assert not box.arm_update.is_done
         await box.until(lambda: box.arm_update.is_done)
@@ -172,7 +174,7 @@ def test_without_another_move_it_ends_at_its_target(robot: tool0.Robot) -> None:
 
 
 def test_an_impossible_move_moves_nothing(robot: tool0.Robot) -> None:
-    async def program(box: Box, moves: Moves) -> None:
+    async def program(box: UrControlBox, moves: Moves) -> None:
         with pytest.raises(UnreachableError, match=r"move 2 \(movel\).*out of reach"):
             await moves.move(
                 [
@@ -186,7 +188,7 @@ def test_an_impossible_move_moves_nothing(robot: tool0.Robot) -> None:
 
 
 def test_a_cancelled_move_slows_down(robot: tool0.Robot) -> None:
-    async def program(box: Box, moves: Moves) -> None:
+    async def program(box: UrControlBox, moves: Moves) -> None:
         task = asyncio.create_task(moves.movej(panned(1.0), 1.4, 1.05))
         await box.until(lambda: box.arm_update.target_velocity[0] > 0.3)
         task.cancel()
@@ -199,7 +201,7 @@ def test_a_cancelled_move_slows_down(robot: tool0.Robot) -> None:
 
 
 def test_streams_and_stops(robot: tool0.Robot) -> None:
-    async def program(box: Box, moves: Moves) -> None:
+    async def program(box: UrControlBox, moves: Moves) -> None:
         for k in range(50):
             await moves.servoj(panned(0.05 * np.sin(k / 20)))
         assert box.arm_update.mode == "servo"
@@ -220,7 +222,7 @@ def test_streams_and_stops(robot: tool0.Robot) -> None:
 
 
 def test_movec_and_movep_and_servoc(robot: tool0.Robot) -> None:
-    async def program(box: Box, moves: Moves) -> None:
+    async def program(box: UrControlBox, moves: Moves) -> None:
         await moves.movep(lifted(box, 0.0, 0.05, 0.0), a=3.0, v=0.3, r=0.01)
         via, end = lifted(box, 0.04, 0.09, 0.0), lifted(box, 0.0, 0.13, 0.0)
         await moves.movec(via, end, a=3.0, v=0.3, r=0.01)

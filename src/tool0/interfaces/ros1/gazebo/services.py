@@ -187,7 +187,7 @@ class GazeboQueries:
     def _fill(
         self, message: Message, state: WorldState, motion: FrameMotion, frame: str
     ) -> None:
-        seen = motion.seen_from(state.frame(frame))
+        seen = motion.relative_to(state.frame(frame))
         message.pose = pose_message(seen.pose)
         message.twist = twist_message(seen)
 

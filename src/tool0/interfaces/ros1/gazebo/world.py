@@ -11,7 +11,7 @@ from tool0.description.forward_kinematics import FrameMotion, link_motions
 from tool0.description.model import Joint, RobotModel
 from tool0.description.rigid_model import RigidModel, read_rigid_model
 from tool0.description.scene import SceneObject
-from tool0.description.shapes import part_names
+from tool0.description.shapes import geometry_names
 from tool0.description.transform import Transform, from_quaternion
 from tool0.errors import ControlError, did_you_mean
 from tool0.interfaces.ros1.messages import Message, to_motion, to_transform, to_vector
@@ -60,7 +60,7 @@ class GazeboWorld:
         return RigidModel(
             name=item.name,
             geometry=item.geometry,
-            collisions=part_names("collision", item.geometry),
+            collisions=geometry_names("collision", item.geometry),
             mass=item.mass,
             friction=item.friction,
             rgba=item.rgba,

@@ -17,7 +17,7 @@ from tool0.interfaces.ur.listening import REQUEST_COST, Peer, Port, Serve
 from tool0.interfaces.ur.messages import Message, MessageKind
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
 
 PRIMARY, SECONDARY, REALTIME = 30001, 30002, 30003
 READ_ONLY: Final = 10
@@ -40,7 +40,7 @@ _PLACE: Final = re.compile(r"[^:]*:(\d+):(\d+): (.*)", re.DOTALL)
 class ClientInterface:
     """The primary, secondary and real-time interface of a control box."""
 
-    def __init__(self, box: Box) -> None:
+    def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._uploads = Uploads(box)
         self._ports = {

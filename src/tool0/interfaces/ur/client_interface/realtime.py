@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 from tool0.interfaces.ur.rtde import quantities as q
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
 
 N_VALUES: Final = 152
 SIZE: Final = 4 + 8 * N_VALUES
@@ -23,12 +23,12 @@ SIZE: Final = 4 + 8 * N_VALUES
 _PACKET: Final = Struct(f">i{N_VALUES}d")
 
 
-def realtime_packet(box: Box) -> bytes:
+def realtime_packet(box: UrControlBox) -> bytes:
     """Return the packet that shows a control box now."""
     return _PACKET.pack(SIZE, *_values(box))
 
 
-def _values(box: Box) -> Iterator[float]:
+def _values(box: UrControlBox) -> Iterator[float]:
     """Return what follows the size, in the guide's order."""
     state, arm = box.state, box.arm_update
     yield box.time

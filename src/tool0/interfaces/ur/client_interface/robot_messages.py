@@ -27,7 +27,7 @@ class Source(IntEnum):
 
 
 class Kind(IntEnum):
-    """What a message is about."""
+    """The subject of a message."""
 
     TEXT = 0
     POPUP = 2

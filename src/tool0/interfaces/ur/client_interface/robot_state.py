@@ -19,7 +19,7 @@ from tool0.interfaces.ur.rtde import quantities as q
 from tool0.protocol.control_box_state import RobotMode, SafetyMode
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
 
 ROBOT_STATE: Final = 16
 _HEADER: Final = Struct(">iB")
@@ -83,7 +83,7 @@ MASTERBOARD_VERSION, BOX_TYPE, SUB_TYPE = 6, 4, 3
 """As UR's own simulator reports them for an e-Series."""
 
 
-def robot_state(box: Box, *, is_first: bool = False) -> bytes:
+def robot_state(box: UrControlBox, *, is_first: bool = False) -> bytes:
     """Return the packet that shows a control box now.
 
     The first packet of a connection also has what does not change: the kinematics and
@@ -108,7 +108,7 @@ def robot_state(box: Box, *, is_first: bool = False) -> bytes:
     return _HEADER.pack(_HEADER.size + len(body), ROBOT_STATE) + body
 
 
-def robot_model(box: Box) -> str:
+def robot_model(box: UrControlBox) -> str:
     """Return UR's name of the arm: ``UR5`` also for an e-Series one."""
     return box.model_name.upper().removesuffix("E") or "UR"
 
@@ -117,7 +117,7 @@ def _package(kind: Package, body: bytes) -> bytes:
     return _HEADER.pack(_HEADER.size + len(body), kind) + body
 
 
-def _robot_mode(box: Box) -> bytes:
+def _robot_mode(box: UrControlBox) -> bytes:
     state, program = box.state, box.programs.state
     is_stopped = state.safety_mode in (
         SafetyMode.ROBOT_EMERGENCY_STOP,
@@ -142,14 +142,14 @@ def _robot_mode(box: Box) -> bytes:
     return _package(Package.ROBOT_MODE, body)
 
 
-def control_mode(box: Box) -> ControlMode:
+def control_mode(box: UrControlBox) -> ControlMode:
     """Return how the arm is controlled."""
     if box.arm_update.mode == "freedrive":
         return ControlMode.TEACH
     return ControlMode.FORCE if box.arm_update.force_mode else ControlMode.POSITION
 
 
-def _joints(box: Box) -> bytes:
+def _joints(box: UrControlBox) -> bytes:
     volts = q.voltage(box)
     joints = zip(
         box.q,
@@ -168,7 +168,7 @@ def _joints(box: Box) -> bytes:
     )
 
 
-def _tool(box: Box) -> bytes:
+def _tool(box: UrControlBox) -> bytes:
     state = box.state
     first, second = state.tool_analog_inputs
     body = _TOOL.pack(
@@ -185,7 +185,7 @@ def _tool(box: Box) -> bytes:
     return _package(Package.TOOL, body)
 
 
-def _masterboard(box: Box) -> bytes:
+def _masterboard(box: UrControlBox) -> bytes:
     state = box.state
     body = _MASTERBOARD.pack(
         q.digital_bits(state.digital_inputs),
@@ -209,17 +209,17 @@ def _masterboard(box: Box) -> bytes:
     return _package(Package.MASTERBOARD, body + b"\0" if box.is_e_series else body)
 
 
-def _cartesian(box: Box) -> bytes:
+def _cartesian(box: UrControlBox) -> bytes:
     return _package(Package.CARTESIAN, _CARTESIAN.pack(*box.tcp_pose(), *box.tcp))
 
 
-def _kinematics(box: Box) -> bytes:
+def _kinematics(box: UrControlBox) -> bytes:
     theta, a, d, alpha = dh_parameters(box)
     body = _KINEMATICS.pack(*(UNCALIBRATED,) * 6, *theta, *a, *d, *alpha, 0)
     return _package(Package.KINEMATICS, body)
 
 
-def _configuration(box: Box) -> bytes:
+def _configuration(box: UrControlBox) -> bytes:
     limits = [joint.limits for joint in box.chain.joints]
     theta, a, d, alpha = dh_parameters(box)
     body = _CONFIGURATION.pack(
@@ -236,13 +236,13 @@ def _configuration(box: Box) -> bytes:
     return _package(Package.CONFIGURATION, body)
 
 
-def _force_mode(box: Box) -> bytes:
+def _force_mode(box: UrControlBox) -> bytes:
     jacobian = box.chain.forward(np.asarray([box.q])).jacobian[0]
     dexterity = abs(float(np.linalg.det(jacobian)))
     return _package(Package.FORCE_MODE, _FORCE.pack(*box.tcp_wrench(), dexterity))
 
 
-def _additional(box: Box) -> bytes:
+def _additional(box: UrControlBox) -> bytes:
     is_guided = box.arm_update.mode == "freedrive"
     body = bytes((is_guided, 1, 0, 0)) if box.is_e_series else bytes((is_guided, 1))
     return _package(Package.ADDITIONAL, body)
@@ -251,7 +251,7 @@ def _additional(box: Box) -> bytes:
 Six = tuple[float, float, float, float, float, float]
 
 
-def dh_parameters(box: Box) -> tuple[Six, Six, Six, Six]:
+def dh_parameters(box: UrControlBox) -> tuple[Six, Six, Six, Six]:
     """Return an arm's nominal Denavit-Hartenberg parameters: theta, a, d, alpha.
 
     Lengths [m] and angles [rad] of an arm built like a UR, from its axes with all

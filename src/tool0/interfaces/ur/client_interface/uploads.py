@@ -19,8 +19,8 @@ from tool0.protocol.control_box import (
 )
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
-    from tool0.interfaces.ur.programs import Program
+    from tool0.interfaces.ur.control_box import UrControlBox
+    from tool0.interfaces.ur.programs import RunnableProgram
 
 logger = logging.getLogger(__name__)
 
@@ -35,7 +35,7 @@ MAX_SECONDARY: Final = 16
 class Uploads:
     """Executes scripts: a program replaces the one that runs, a secondary does not."""
 
-    def __init__(self, box: Box) -> None:
+    def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._waiting: deque[tuple[Script, int]] = deque()
         """With the number of stops before each."""
@@ -125,7 +125,7 @@ class Uploads:
         self._secondary.add(task)
         task.add_done_callback(self._secondary.discard)
 
-    async def _run_beside(self, program: Program[Box]) -> None:
+    async def _run_beside(self, program: RunnableProgram[UrControlBox]) -> None:
         """Run a secondary program, which does not get the arm."""
         try:
             await program.run(self._box)

@@ -13,10 +13,10 @@ from tool0.errors import Tool0Error
 from tool0.interfaces.ur.robotiq.counts import FULL, Counts
 from tool0.interfaces.ur.robotiq.registers import (
     Activation,
-    Command,
+    CommandRegisters,
     Fault,
     ObjectStatus,
-    Status,
+    StatusRegisters,
 )
 from tool0.protocol.control_box_state import ControlBoxState, RobotMode
 from tool0.protocol.gripper import GraspState, Grip, ReadGripper
@@ -37,12 +37,12 @@ arrived [m]: a third of a count."""
 ELSEWHERE: Final = 0.002
 """Distance from the requested opening from which fingers at their goal were moved by
 somebody else [m]."""
-POWER_ON: Final = Command(speed=FULL, force=FULL)
+POWER_ON: Final = CommandRegisters(speed=FULL, force=FULL)
 """The registers after power on.  Speed and force are those of the URCap."""
 
 
 class GripperLink(Protocol):
-    """What the gripper needs of its control box."""
+    """The part of a control box that the gripper uses."""
 
     when_updated: set[Callable[[], None]]
     """Called for each update, in the event loop."""
@@ -90,7 +90,7 @@ class RobotiqGripper:
         self._link = link
         self._index = joint_index
         self.command = POWER_ON
-        """What clients request."""
+        """The requests of clients."""
         self.address: tuple[str, int] | None = None
         """Where the URCap's socket listens, once it does: host and port."""
         self._activation = Activation.RESET
@@ -104,7 +104,7 @@ class RobotiqGripper:
         link.when_updated.add(self._look_at_update)
 
     def assume_activated(self) -> None:
-        """Have the activation behind it, as if somebody had done it at the pendant."""
+        """Set the registers to activated, as if somebody had done it at the pendant."""
         self.command = replace(self.command, activate=True)
         self._activation = Activation.COMPLETE
 
@@ -124,11 +124,11 @@ class RobotiqGripper:
         return self._link.state.robot_mode > RobotMode.POWER_OFF
 
     @property
-    def status(self) -> Status:
-        """What the gripper reports now."""
+    def status(self) -> StatusRegisters:
+        """The registers that the gripper reports now."""
         position, effort = self._measured()
         is_active = self._activation is Activation.COMPLETE
-        return Status(
+        return StatusRegisters(
             is_activated=self.command.activate,
             goes_to=is_active and self.command.go_to,
             activation=self._activation,
@@ -140,10 +140,10 @@ class RobotiqGripper:
         )
 
     def change(self, **fields: Any) -> None:
-        """Write some of the command's registers, named as the fields of ``Command``."""
+        """Write some registers, named as the fields of ``CommandRegisters``."""
         self.write(replace(self.command, **fields))
 
-    def write(self, command: Command) -> None:
+    def write(self, command: CommandRegisters) -> None:
         """Take a command, and start what it requests."""
         if not self.is_powered:
             return
@@ -398,7 +398,7 @@ class RobotiqGripper:
             self._waits.remove(wait)
 
     async def _pass(self, duration: float) -> None:
-        """Let simulated time pass [s]; a reset of the time ends it."""
+        """Wait for simulated time to pass [s]; a reset of the time ends it."""
         start = self._link.time
         await self._until(lambda: not 0.0 <= self._link.time - start < duration)
 

@@ -11,7 +11,7 @@ from enum import IntEnum
 from typing import Final, final
 
 from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
-from tool0.interfaces.ur.robotiq.registers import BLOCK_BYTES, Command
+from tool0.interfaces.ur.robotiq.registers import BLOCK_BYTES, CommandRegisters
 
 COMMAND: Final = 1000
 """First register of the command, 0x03E8."""
@@ -27,7 +27,7 @@ _ERROR: Final = 0x80
 _RANGE, _RANGES = struct.Struct(">HH"), struct.Struct(">HHHH")
 
 
-class Function(IntEnum):
+class ModbusFunction(IntEnum):
     """The functions that the gripper has."""
 
     READ_HOLDING = 3
@@ -84,25 +84,27 @@ class _RegisterFile:
     def do(self, function: int, data: bytes) -> bytes:
         """Return the data of the response, or raise a refusal."""
         match function:
-            case Function.READ_HOLDING | Function.READ_INPUT if len(data) == 4:
+            case ModbusFunction.READ_HOLDING | ModbusFunction.READ_INPUT if (
+                len(data) == 4
+            ):
                 found = self._read(function, *_RANGE.unpack(data))
                 return bytes([len(found)]) + found
-            case Function.WRITE_ONE if len(data) == 4:
+            case ModbusFunction.WRITE_ONE if len(data) == 4:
                 self._write(_RANGE.unpack(data)[0], data[2:])
                 return data
-            case Function.WRITE if len(data) >= 5:
+            case ModbusFunction.WRITE if len(data) >= 5:
                 address, count = _RANGE.unpack(data[:4])
                 self._check(count, MAX_WRITTEN, data[4], data[5:])
                 self._write(address, data[5:])
                 return data[:4]
-            case Function.READ_AND_WRITE if len(data) >= 9:
+            case ModbusFunction.READ_AND_WRITE if len(data) >= 9:
                 source, wanted, address, count = _RANGES.unpack(data[:8])
                 self._check(count, MAX_WRITTEN_AND_READ, data[8], data[9:])
                 self._read(function, source, wanted)  # refuse before writing
                 self._write(address, data[9:])
                 found = self._read(function, source, wanted)
                 return bytes([len(found)]) + found
-            case _ if function in set(Function):
+            case _ if function in set(ModbusFunction):
                 raise _RefusedError(Refusal.ILLEGAL_VALUE)
             case _:
                 raise _RefusedError(Refusal.ILLEGAL_FUNCTION)
@@ -113,7 +115,7 @@ class _RegisterFile:
         command, status = self._gripper.command.encode(), self._gripper.status.encode()
         blocks = {COMMAND: command, STATUS: status}
         if self._is_tcp:
-            blocks[0] = status if function == Function.READ_INPUT else command
+            blocks[0] = status if function == ModbusFunction.READ_INPUT else command
         for start, block in blocks.items():
             if start <= address and address + count <= start + REGISTERS:
                 first = 2 * (address - start)
@@ -127,7 +129,7 @@ class _RegisterFile:
             raise _RefusedError(Refusal.ILLEGAL_ADDRESS)
         block = bytearray(self._gripper.command.encode())
         block[first : first + len(data)] = data
-        self._gripper.write(Command.decode(bytes(block)))
+        self._gripper.write(CommandRegisters.decode(bytes(block)))
 
     def _check(self, count: int, most: int, length: int, data: bytes) -> None:
         if not (1 <= count <= most and length == len(data) == 2 * count):

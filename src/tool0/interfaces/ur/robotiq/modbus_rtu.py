@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Final, final
 
 from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
-from tool0.interfaces.ur.robotiq.modbus import Function, respond
+from tool0.interfaces.ur.robotiq.modbus import ModbusFunction, respond
 
 SLAVE: Final = 9
 """Address of the gripper as delivered."""
@@ -58,11 +58,15 @@ def frame_length(frame: bytes) -> int | None:
     if len(frame) < 2:
         return None
     match frame[1]:
-        case Function.READ_HOLDING | Function.READ_INPUT | Function.WRITE_ONE:
+        case (
+            ModbusFunction.READ_HOLDING
+            | ModbusFunction.READ_INPUT
+            | ModbusFunction.WRITE_ONE
+        ):
             return 8
-        case Function.WRITE if len(frame) > 6:
+        case ModbusFunction.WRITE if len(frame) > 6:
             return 9 + frame[6]
-        case Function.READ_AND_WRITE if len(frame) > 10:
+        case ModbusFunction.READ_AND_WRITE if len(frame) > 10:
             return 13 + frame[10]
         case _:
             return None

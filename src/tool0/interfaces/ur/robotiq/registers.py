@@ -56,8 +56,8 @@ _ACTIVATE, _GO_TO, _RELEASE, _RELEASE_OPENING = 0x01, 0x08, 0x10, 0x20
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Command:
-    """What a client requests: the robot outputs."""
+class CommandRegisters:
+    """The client's requests: the robot outputs."""
 
     activate: bool = False
     """rACT"""
@@ -75,7 +75,7 @@ class Command:
     """rFR: 0 weakest … 255."""
 
     @classmethod
-    def decode(cls, block: bytes) -> Command:
+    def decode(cls, block: bytes) -> CommandRegisters:
         """Return the command in a block of registers."""
         action, _, _, position, speed, force = block[:6]
         return cls(
@@ -102,8 +102,8 @@ class Command:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Status:
-    """What the gripper reports: the robot inputs."""
+class StatusRegisters:
+    """The gripper's reports: the robot inputs."""
 
     is_activated: bool
     """gACT: echo of rACT."""

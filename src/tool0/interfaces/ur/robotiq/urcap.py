@@ -19,7 +19,7 @@ from typing import Final, final
 
 from tool0.interfaces.ur.listening import REQUEST_COST, Peer, Port
 from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
-from tool0.interfaces.ur.robotiq.registers import Command, Status
+from tool0.interfaces.ur.robotiq.registers import CommandRegisters, StatusRegisters
 
 PORT: Final = 63352
 SLAVE: Final = 9
@@ -41,7 +41,9 @@ _WRITABLE: Final[dict[str, tuple[str, Callable[[int], int | bool]]]] = {
 }
 """Variable → field of the command, and its value.  ARD 0 opens in the URCap's functions
 and in ur_rtde, unlike the register rARD; ADR is what robotiq_gripper.py calls it."""
-_READABLE: Final[dict[str, tuple[int, Callable[[Command, Status], int]]]] = {
+_READABLE: Final[
+    dict[str, tuple[int, Callable[[CommandRegisters, StatusRegisters], int]]]
+] = {
     "ACT": (1, lambda _, status: status.is_activated),
     "GTO": (1, lambda _, status: status.goes_to),
     "ATR": (1, lambda command, _: command.release),

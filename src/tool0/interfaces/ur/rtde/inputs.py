@@ -16,7 +16,7 @@ from tool0.protocol.control_box import SetAnalogOutput, SetIO, SetSpeedSlider
 from tool0.protocol.control_box_state import AnalogDomain
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
     from tool0.interfaces.ur.registers import RegisterBank
 
 IN_USE: Final = "IN_USE"
@@ -107,7 +107,7 @@ class InputClaims:
         return types
 
     def release(self, owner: object) -> None:
-        """Let others have what a connection claimed."""
+        """Release the inputs that a connection claimed."""
         self._owners = {
             name: other for name, other in self._owners.items() if other is not owner
         }
@@ -129,7 +129,7 @@ class InputRecipe:
         self._lengths = [LENGTHS[kind] for kind in types]
         self._layout = layout(types, recipe_id=False)
 
-    def execute(self, values: bytes, box: Box) -> None:
+    def execute(self, values: bytes, box: UrControlBox) -> None:
         """Write registers and send commands to the bring-up.
 
         What follows the values is ignored: ur_rtde's ``getForwardKinematics`` sends
@@ -158,7 +158,7 @@ class InputRecipe:
         box.registers.written(self._written)
 
 
-def _command(box: Box, values: dict[str, Any]) -> None:
+def _command(box: UrControlBox, values: dict[str, Any]) -> None:
     """Set the slider and the pins whose mask says so."""
     if values.get("speed_slider_mask", 0) == 1:
         fraction = min(max(MIN_SPEED, values.get("speed_slider_fraction", 1.0)), 1.0)

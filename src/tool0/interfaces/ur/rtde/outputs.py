@@ -16,7 +16,7 @@ from tool0.interfaces.ur.rtde import quantities as q
 from tool0.interfaces.ur.rtde.protocol import LENGTHS, layout
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
     from tool0.interfaces.ur.registers import RegisterBank
 
 NOT_FOUND: Final = "NOT_FOUND"
@@ -24,8 +24,8 @@ FIRST_SINGLE_BIT: Final = 64
 """Lower boolean registers are sent 32 at a time."""
 
 
-Read = Callable[["Box"], Any]
-Bank = Callable[["Box"], "RegisterBank"]
+Read = Callable[["UrControlBox"], Any]
+Bank = Callable[["UrControlBox"], "RegisterBank"]
 
 
 class OutputField(NamedTuple):
@@ -211,7 +211,7 @@ class OutputRecipe:
     def __hash__(self) -> int:
         return hash(self._key)
 
-    def pack(self, box: Box) -> bytes:
+    def pack(self, box: UrControlBox) -> bytes:
         """Return the values as the payload of a data packet."""
         values: list[Any] = self._start.copy()
         for read, is_vector in self._reads:

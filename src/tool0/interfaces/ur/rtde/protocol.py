@@ -26,7 +26,7 @@ _HEADER: Final = Struct(">HB")
 
 
 class PacketType(IntEnum):
-    """What a packet is about: a letter."""
+    """The subject of a packet: a letter."""
 
     PROTOCOL_VERSION = ord("V")
     CONTROL_VERSION = ord("v")

@@ -24,7 +24,7 @@ from tool0.interfaces.ur.rtde.protocol import (
 )
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
 
 logger = logging.getLogger(__name__)
 
@@ -50,7 +50,7 @@ _FREQUENCY: Final = struct.Struct(">d")
 class RtdeServer:
     """The RTDE interface of one box."""
 
-    def __init__(self, box: Box) -> None:
+    def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._claims = InputClaims()
         self._port = Port("RTDE", self._serve)
@@ -112,7 +112,7 @@ class RtdeServer:
 class _Client:
     """One connection: what it has set up."""
 
-    def __init__(self, box: Box, peer: Peer, claims: InputClaims) -> None:
+    def __init__(self, box: UrControlBox, peer: Peer, claims: InputClaims) -> None:
         self._box = box
         self.peer = peer
         self._claims = claims
@@ -126,7 +126,7 @@ class _Client:
 
     @property
     def outputs(self) -> OutputRecipe | None:
-        """What it receives now."""
+        """The recipe of the packets that it receives now."""
         return self._outputs if self._is_started else None
 
     def is_due(self, time: float) -> bool:

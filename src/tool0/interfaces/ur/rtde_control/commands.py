@@ -1,4 +1,4 @@
-"""What the commands of ur_rtde's control program do.
+"""The commands of ur_rtde's control program.
 
 The numbers are those of its ``process_cmd``; arguments begin at register 0.  A command
 that fails ends the program, as an error in URScript does.
@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Final, final
 
 from tool0.errors import ControlError
 from tool0.interfaces.ur.moves import Moves
-from tool0.interfaces.ur.pose import matrix_of, pose_of
+from tool0.interfaces.ur.pose import pose_of, transform_of
 from tool0.interfaces.ur.rtde_control.compliance import Compliance
 from tool0.interfaces.ur.rtde_control.exchange import Exchange
 from tool0.interfaces.ur.rtde_control.motions import Motions
-from tool0.kinematics.moves import Move
+from tool0.motion.moves import Move
 from tool0.protocol.arm_motion import ZeroWrench
 from tool0.protocol.control_box import SetPayload, SetTcp, StopProtectively
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
     from tool0.interfaces.ur.tool_contact import ToolHistory
 
 NO_OFFSET: Final = (0.0,) * 6
@@ -45,7 +45,7 @@ class Commands:
 
     def __init__(
         self,
-        box: Box,
+        box: UrControlBox,
         exchange: Exchange,
         history: ToolHistory,
         path: Sequence[Move],
@@ -106,7 +106,7 @@ class Commands:
             54: lambda: exchange.answer_integer(0),  # not at a limit
             55: lambda: None,  # the wrist's own sensor counts
             58: lambda: exchange.answer(box.forward(box.q, NO_OFFSET)),
-            59: self._set_gravity,
+            59: self._check_gravity,
             60: lambda: exchange.answer_integer(box.has_inverse(exchange.six(0))),
             61: self._has_inverse_near,
             62: motions.start_contact_detection,
@@ -174,8 +174,8 @@ class Commands:
         request = StopProtectively(arm=self._box.arm, reason="protective_stop()")
         await self._box.call(request)
 
-    def _set_gravity(self) -> None:
-        """Accept what is so: gravity is that of the simulation."""
+    def _check_gravity(self) -> None:
+        """Check the requested gravity: it is that of the simulation."""
         x, y, z = self._exchange.three(0)
         if not math.atan2(math.hypot(x, y), z) <= UPRIGHT:
             raise ControlError(
@@ -195,7 +195,7 @@ class Commands:
 
     def _compose_poses(self) -> None:
         first, second = self._exchange.six(0), self._exchange.six(6)
-        self._exchange.answer(pose_of(matrix_of(first) @ matrix_of(second)))
+        self._exchange.answer(pose_of(transform_of(first) @ transform_of(second)))
 
     def _forward(self) -> None:
         """Answer the pose of a TCP, or of the box's own if the client gives none."""

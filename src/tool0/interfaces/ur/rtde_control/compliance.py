@@ -15,7 +15,7 @@ from tool0.protocol.arm_motion import (
 )
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
     from tool0.interfaces.ur.moves import Moves
     from tool0.interfaces.ur.rtde_control.exchange import Exchange
 
@@ -30,7 +30,7 @@ FORCE_STOP: Final = 10.0
 class Compliance:
     """Force mode and freedrive of one arm."""
 
-    def __init__(self, box: Box, exchange: Exchange, moves: Moves) -> None:
+    def __init__(self, box: UrControlBox, exchange: Exchange, moves: Moves) -> None:
         self._box, self._exchange, self._moves = box, exchange, moves
         self._force: StartForceMode | None = None
         self._damping, self._gain_scaling = DAMPING, GAIN_SCALING
@@ -79,11 +79,11 @@ class Compliance:
             self._box.send(self._force)
 
     async def start_teaching(self) -> None:
-        """Let people guide the arm by hand: teach_mode."""
+        """Start guiding the arm by hand: teach_mode."""
         await self._box.call(StartFreedrive(arm=self._box.arm))
 
     async def start_freedrive(self) -> None:
-        """Let people guide the arm along some axes of a frame: freedrive_mode."""
+        """Start guiding the arm along some axes of a frame: freedrive_mode."""
         exchange = self._exchange
         a, b, c, d, e, f = (exchange.integer(k) != 0 for k in range(1, 7))
         request = StartFreedrive(

@@ -27,7 +27,7 @@ _RUNNING: Final = 1 << 15
 
 
 class State(IntEnum):
-    """What the program tells the client about its command."""
+    """The state of the client's command."""
 
     READY = 1
     DONE = 2
@@ -43,7 +43,7 @@ class Exchange:
         self.command_name = f"input_int_register_{offset + COMMAND}"
         """Of the register with the command, in RTDE."""
         self.written: Collection[str] = ()
-        """What the packet with the last command had, by the names of RTDE."""
+        """The inputs in the packet with the last command, by the names of RTDE."""
         self._writes = 0
         self._operations = 0
 

@@ -6,18 +6,16 @@ import asyncio
 from collections.abc import Callable, Coroutine, Sequence
 from typing import TYPE_CHECKING, Any, Final, final
 
-import numpy as np
-
+from tool0.description.transform import Transform
 from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.ur.moves import Moves
-from tool0.interfaces.ur.pose import rotation_of
+from tool0.interfaces.ur.pose import transform_of
 from tool0.interfaces.ur.rtde_control.exchange import Exchange
-from tool0.kinematics.chain import Array
-from tool0.kinematics.moves import Move, MoveKind
+from tool0.motion.moves import Move, MoveKind
 from tool0.protocol.arm_motion import ServoJoints, SpeedJoints, SpeedTool
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
     from tool0.interfaces.ur.tool_contact import ToolHistory
     from tool0.protocol.updates import Six
 
@@ -39,7 +37,7 @@ class Motions:
 
     def __init__(
         self,
-        box: Box,
+        box: UrControlBox,
         exchange: Exchange,
         history: ToolHistory,
         moves: Moves,
@@ -54,8 +52,8 @@ class Motions:
         self._failure: BaseException | None = None
         self._is_tool_speed = False
         self._circular: Move | None = None
-        """What servoc moves to."""
-        self._jog_frame = np.eye(3)
+        """The target of servoc."""
+        self._jog_frame = Transform()
         self._is_jogging = False
         self._detection: asyncio.Task[None] | None = None
         self._is_contact_new = False
@@ -218,18 +216,18 @@ class Motions:
             self._is_jogging = True
             self._jog_frame = self._frame(exchange.number(6))
         velocity = exchange.six(0)
-        linear = (self._jog_frame @ velocity[:3]).tolist()
-        angular = (self._jog_frame @ velocity[3:]).tolist()
+        linear = self._jog_frame.rotate(velocity[:3])
+        angular = self._jog_frame.rotate(velocity[3:])
         self._speed_tool((*linear, *angular), exchange.number(7))
 
-    def _frame(self, feature: float) -> Array:
-        """Return the axes of a frame for jogging in the base frame, shape (3, 3)."""
+    def _frame(self, feature: float) -> Transform:
+        """Return a frame in whose axes to jog, in the base frame."""
         if feature == BASE:
-            return np.eye(3)
+            return Transform()
         if feature == TOOL:
-            return rotation_of(self._box.tcp_pose()[3:])
+            return transform_of(self._box.tcp_pose())
         if feature == CUSTOM:
-            return rotation_of(self._exchange.six(8)[3:])
+            return transform_of(self._exchange.six(8))
         raise ControlError(f"jogging: {feature:g} is no feature; use 0, 1 or 2")
 
     async def end_jog(self) -> None:

@@ -19,7 +19,7 @@ from tool0.interfaces.ur.rtde_control.script import ControlScript, parse
 from tool0.interfaces.ur.tool_contact import ToolHistory
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
 
 NOTHING, STOP = 0, 255
 """Commands of every revision of the program."""
@@ -46,7 +46,7 @@ class RtdeControl:
     def name(self) -> str:
         return self._script.name
 
-    async def run(self, box: Box) -> None:
+    async def run(self, box: UrControlBox) -> None:
         """Execute commands until the client stops the program.
 
         Raises:
@@ -62,7 +62,9 @@ class RtdeControl:
 class _CommandServer:
     """Executes the commands of one client."""
 
-    def __init__(self, box: Box, script: ControlScript, history: ToolHistory) -> None:
+    def __init__(
+        self, box: UrControlBox, script: ControlScript, history: ToolHistory
+    ) -> None:
         self._box = box
         self._exchange = Exchange(box.registers, script.offset)
         self._wake = asyncio.Event()

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from tool0.errors import ConfigError
-from tool0.kinematics.moves import Move, MoveKind
+from tool0.motion.moves import Move, MoveKind
 
 MAX_WAYPOINTS: Final = 10_000
 """Of one path."""
@@ -25,7 +25,7 @@ _MARKS: Final = (
     "def signal_done_with_cmd():",
     'textmsg("RTDE Control Script Loaded',
 )
-"""What all revisions of the program have in common."""
+"""Lines that all revisions of the program have."""
 _NAME: Final = re.compile(r"^\s*def\s+(\w+)\s*\(\s*\)\s*:")
 _REVISION: Final = re.compile(r"RTDE Control Script Loaded \(([^)\"]*)\)")
 _OFFSET: Final = re.compile(r"# (float|int) register offset\n\s*(\d+)")
@@ -50,7 +50,7 @@ _MOVE: Final = re.compile(
 @final
 @dataclass(frozen=True, slots=True)
 class ControlScript:
-    """What differs from upload to upload."""
+    """The parts of an upload that differ from others."""
 
     name: str
     revision: str

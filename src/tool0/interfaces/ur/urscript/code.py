@@ -1,4 +1,4 @@
-"""What a program is compiled to: closures over a frame of variables."""
+"""Compiled programs: closures over a frame of variables."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PER_STATEMENT: Final = 10
 
 @final
 @dataclass(slots=True)
-class Frame:
+class CallFrame:
     """The variables that one call of a function sees."""
 
     thread: Thread
@@ -29,8 +29,8 @@ class Frame:
 
 
 # Any: a Value, or with ``is_async`` an awaitable one.
-Run: TypeAlias = Callable[[Frame], Any]
-Combine: TypeAlias = Callable[[Frame, list[Value]], Value]
+Run: TypeAlias = Callable[[CallFrame], Any]
+Combine: TypeAlias = Callable[[CallFrame, list[Value]], Value]
 
 
 class Node(NamedTuple):
@@ -45,25 +45,25 @@ def combined(nodes: Sequence[Node], combine: Combine) -> Node:
     runs = [node.run for node in nodes]
     if not any(node.is_async for node in nodes):
 
-        def run(frame: Frame) -> Value:
+        def run(frame: CallFrame) -> Value:
             return combine(frame, [each(frame) for each in runs])
 
         return Node(run, is_async=False)
 
-    async def run_async(frame: Frame) -> Value:
+    async def run_async(frame: CallFrame) -> Value:
         return combine(frame, await evaluated(nodes, frame))
 
     return Node(run_async, is_async=True)
 
 
-def charged(frame: Frame, value: Value) -> Value:
+def charged(frame: CallFrame, value: Value) -> Value:
     """Return a value; the work of making a long list counts as statements."""
     if type(value) is tuple and len(value) > _LONG:
         frame.thread.left -= weight(value) // _PER_STATEMENT
     return value
 
 
-async def evaluated(nodes: Sequence[Node], frame: Frame) -> list[Value]:
+async def evaluated(nodes: Sequence[Node], frame: CallFrame) -> list[Value]:
     """Return the values of nodes, evaluated in order."""
     return [
         await node.run(frame) if node.is_async else node.run(frame) for node in nodes
@@ -85,7 +85,7 @@ class Returned(NamedTuple):
 
 
 Outcome: TypeAlias = Jump | Returned | None
-Body: TypeAlias = Callable[[Frame], Awaitable[Outcome]]
+Body: TypeAlias = Callable[[CallFrame], Awaitable[Outcome]]
 
 
 @final
@@ -115,7 +115,7 @@ class Code:
             raise ValueProblem(f"calls are nested deeper than {MAX_DEPTH} levels")
         execution = thread.execution
         execution.add_variables(self.n_variables)
-        frame = Frame(thread, execution.globals, dict(arguments))
+        frame = CallFrame(thread, execution.globals, dict(arguments))
         thread.depth += 1
         try:
             for name, node in self.defaults.items():
@@ -128,6 +128,6 @@ class Code:
         return outcome.value if isinstance(outcome, Returned) else None
 
 
-async def not_compiled(frame: Frame) -> Outcome:
+async def not_compiled(frame: CallFrame) -> Outcome:
     """Stand for a body until it is compiled."""
     raise AssertionError(frame)

@@ -8,8 +8,8 @@ from typing import Any, Final, NamedTuple, final
 from tool0.interfaces.ur.urscript import syntax as s
 from tool0.interfaces.ur.urscript.code import (
     Body,
+    CallFrame,
     Code,
-    Frame,
     Jump,
     Node,
     Outcome,
@@ -31,11 +31,11 @@ from tool0.interfaces.ur.urscript.values import (
 )
 
 
-class Step(NamedTuple):
+class CompiledStatement(NamedTuple):
     """A compiled statement."""
 
     # Any: an Outcome, or with ``is_async`` an awaitable one.
-    run: Callable[[Frame], Any]
+    run: Callable[[CallFrame], Any]
     is_async: bool
     at: Place
 
@@ -88,7 +88,7 @@ class Statements:
         """Return a block as a coroutine function."""
         steps = [self._step(x) for x in block if not isinstance(x, s.Definition)]
 
-        async def run(frame: Frame) -> Outcome:
+        async def run(frame: CallFrame) -> Outcome:
             thread = frame.thread
             for step, is_async, at in steps:
                 thread.left -= 1
@@ -101,7 +101,7 @@ class Statements:
 
         return run
 
-    def _step(self, statement: s.Statement) -> Step:
+    def _step(self, statement: s.Statement) -> CompiledStatement:
         match statement:
             case s.Assign():
                 return self._assign(statement)
@@ -109,7 +109,9 @@ class Statements:
                 return self._then(expression, at, lambda frame, value: None)
             case s.Return(at=at, value=returned):
                 if returned is None:
-                    return Step(lambda frame: Returned(None), is_async=False, at=at)
+                    return CompiledStatement(
+                        lambda frame: Returned(None), is_async=False, at=at
+                    )
                 return self._then(returned, at, lambda frame, value: Returned(value))
             case s.Kill():
                 return self._kill(statement)
@@ -126,26 +128,28 @@ class Statements:
         self,
         expression: s.Expression,
         at: Place,
-        finish: Callable[[Frame, Value], Outcome],
-    ) -> Step:
+        finish: Callable[[CallFrame, Value], Outcome],
+    ) -> CompiledStatement:
         """Return the step that does something with the value of an expression."""
         node = self._expressions.node(expression)
         evaluate = node.run
         if not node.is_async:
-            return Step(lambda frame: finish(frame, evaluate(frame)), False, at)
+            return CompiledStatement(
+                lambda frame: finish(frame, evaluate(frame)), False, at
+            )
 
-        async def run(frame: Frame) -> Outcome:
+        async def run(frame: CallFrame) -> Outcome:
             return finish(frame, await evaluate(frame))
 
-        return Step(run, is_async=True, at=at)
+        return CompiledStatement(run, is_async=True, at=at)
 
-    def _assign(self, statement: s.Assign) -> Step:
+    def _assign(self, statement: s.Assign) -> CompiledStatement:
         name, at = statement.name, statement.at
         is_local = name in self._scope.locals and statement.scope != "global"
         if statement.indexes:
             return self._assign_element(statement)
 
-        def store(frame: Frame, value: Value) -> None:
+        def store(frame: CallFrame, value: Value) -> None:
             if value is None:
                 raise self._expressions.error("there is no value to assign", at)
             variables = frame.locals if is_local else frame.globals
@@ -153,7 +157,7 @@ class Statements:
 
         return self._then(statement.value, at, store)
 
-    def _assign_element(self, statement: s.Assign) -> Step:
+    def _assign_element(self, statement: s.Assign) -> CompiledStatement:
         name, at = statement.name, statement.at
         is_local = name in self._scope.locals
         nodes = [
@@ -161,7 +165,7 @@ class Statements:
             for item in (statement.value, *statement.indexes)
         ]
 
-        async def run(frame: Frame) -> None:
+        async def run(frame: CallFrame) -> None:
             new, *indexes = await evaluated(nodes, frame)
             variables = frame.locals if is_local else frame.globals
             if name not in variables:
@@ -173,10 +177,10 @@ class Statements:
                 raise self._expressions.error(problem, at) from None
             variables[name] = charged(frame, value)
 
-        return Step(run, is_async=True, at=at)
+        return CompiledStatement(run, is_async=True, at=at)
 
-    def _kill(self, statement: s.Kill) -> Step:
-        def finish(frame: Frame, value: Value) -> None:
+    def _kill(self, statement: s.Kill) -> CompiledStatement:
+        def finish(frame: CallFrame, value: Value) -> None:
             if not isinstance(value, Handle):
                 message = f"'kill' ends a thread, not {described(value)}"
                 raise self._expressions.error(message, statement.at)
@@ -199,32 +203,32 @@ class Statements:
         if not node.is_async:
             return Node(lambda frame: checked(evaluate(frame)), is_async=False)
 
-        async def run(frame: Frame) -> bool:
+        async def run(frame: CallFrame) -> bool:
             return checked(await evaluate(frame))
 
         return Node(run, is_async=True)
 
-    def _if(self, statement: s.If) -> Step:
+    def _if(self, statement: s.If) -> CompiledStatement:
         branches = [
             (*self._condition(condition), self.block(body))
             for condition, body in statement.branches
         ]
         otherwise = self.block(statement.otherwise)
 
-        async def run(frame: Frame) -> Outcome:
+        async def run(frame: CallFrame) -> Outcome:
             for condition, is_async, body in branches:
                 holds = await condition(frame) if is_async else condition(frame)
                 if holds:
                     return await body(frame)
             return await otherwise(frame)
 
-        return Step(run, is_async=True, at=statement.at)
+        return CompiledStatement(run, is_async=True, at=statement.at)
 
-    def _while(self, statement: s.While) -> Step:
+    def _while(self, statement: s.While) -> CompiledStatement:
         condition, is_async = self._condition(statement.condition)
         body, at = self.block(statement.body), statement.at
 
-        async def run(frame: Frame) -> Outcome:
+        async def run(frame: CallFrame) -> Outcome:
             thread = frame.thread
             while await condition(frame) if is_async else condition(frame):
                 thread.left -= 1
@@ -237,41 +241,41 @@ class Statements:
                     return outcome
             return None
 
-        return Step(run, is_async=True, at=at)
+        return CompiledStatement(run, is_async=True, at=at)
 
 
-def _simple(statement: s.Simple) -> Step:
+def _simple(statement: s.Simple) -> CompiledStatement:
     at = statement.at
     match statement.keyword:
         case "break":
-            return Step(lambda frame: Jump.BREAK, is_async=False, at=at)
+            return CompiledStatement(lambda frame: Jump.BREAK, is_async=False, at=at)
         case "continue":
-            return Step(lambda frame: Jump.CONTINUE, is_async=False, at=at)
+            return CompiledStatement(lambda frame: Jump.CONTINUE, is_async=False, at=at)
         case "halt":
-            return Step(_halt, is_async=False, at=at)
+            return CompiledStatement(_halt, is_async=False, at=at)
         case "pause":
-            return Step(_pause, is_async=True, at=at)
+            return CompiledStatement(_pause, is_async=True, at=at)
         case "enter_critical":
-            return Step(_enter_critical, is_async=False, at=at)
+            return CompiledStatement(_enter_critical, is_async=False, at=at)
         case "exit_critical":
-            return Step(_exit_critical, is_async=False, at=at)
+            return CompiledStatement(_exit_critical, is_async=False, at=at)
         case "pass":
-            return Step(lambda frame: None, is_async=False, at=at)
+            return CompiledStatement(lambda frame: None, is_async=False, at=at)
 
 
-def _halt(frame: Frame) -> Outcome:
+def _halt(frame: CallFrame) -> Outcome:
     raise Halted
 
 
-async def _pause(frame: Frame) -> None:
+async def _pause(frame: CallFrame) -> None:
     frame.thread.box.programs.pause()
     await frame.thread.hold()
 
 
-def _enter_critical(frame: Frame) -> None:
+def _enter_critical(frame: CallFrame) -> None:
     frame.thread.execution.critical = frame.thread
 
 
-def _exit_critical(frame: Frame) -> None:
+def _exit_critical(frame: CallFrame) -> None:
     if frame.thread.execution.critical is frame.thread:
         frame.thread.execution.critical = None

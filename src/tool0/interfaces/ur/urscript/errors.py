@@ -1,4 +1,4 @@
-"""What is wrong with a URScript program, and where."""
+"""Errors in a URScript program, with their places."""
 
 from __future__ import annotations
 

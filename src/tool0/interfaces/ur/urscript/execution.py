@@ -16,7 +16,7 @@ from tool0.interfaces.ur.urscript.sockets import Sockets
 from tool0.interfaces.ur.urscript.values import Handle, Value
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
     from tool0.interfaces.ur.moves import Moves
 
 MAX_THREADS: Final = 50
@@ -65,7 +65,7 @@ class Thread:
         self._spun = 0
 
     @property
-    def box(self) -> Box:
+    def box(self) -> UrControlBox:
         """The control box that the program runs on."""
         return self.execution.box
 
@@ -75,7 +75,7 @@ class Thread:
         return self.execution.moves
 
     async def give_way(self, at: Place) -> None:
-        """Let others have their turn, after a number of statements."""
+        """Yield to other threads, after a number of statements."""
         used = SLICE - self.left
         self.left = SLICE
         self._spun += used
@@ -134,7 +134,7 @@ class Execution:
     def __init__(
         self,
         name: str,
-        box: Box,
+        box: UrControlBox,
         moves: Moves,
         *,
         is_secondary: bool = False,

@@ -12,8 +12,8 @@ from typing import Any, cast, final
 from tool0.errors import Tool0Error
 from tool0.interfaces.ur.urscript import syntax as s
 from tool0.interfaces.ur.urscript.code import (
+    CallFrame,
     Code,
-    Frame,
     Node,
     Run,
     charged,
@@ -84,7 +84,7 @@ class Expressions:
         missing = f"variable '{name}' has no value yet"
         if name in self._scope.locals:
 
-            def run(frame: Frame) -> Value:
+            def run(frame: CallFrame) -> Value:
                 try:
                     return frame.locals[name]
                 except KeyError:
@@ -92,7 +92,7 @@ class Expressions:
 
         else:
 
-            def run(frame: Frame) -> Value:
+            def run(frame: CallFrame) -> Value:
                 try:
                     return frame.globals[name]
                 except KeyError:
@@ -103,7 +103,7 @@ class Expressions:
     def _made(
         self, nodes: list[Node], make: Callable[[list[Value]], Value], at: Place
     ) -> Node:
-        def combine(frame: Frame, values: list[Value]) -> Value:
+        def combine(frame: CallFrame, values: list[Value]) -> Value:
             try:
                 return charged(frame, make(values))
             except ValueProblem as problem:
@@ -115,7 +115,7 @@ class Expressions:
         places = [index.at for index in expression.indexes]
         nodes = [self.node(expression.base), *map(self.node, expression.indexes)]
 
-        def combine(frame: Frame, values: list[Value]) -> Value:
+        def combine(frame: CallFrame, values: list[Value]) -> Value:
             value = values[0]
             for index, at in zip(values[1:], places, strict=True):
                 try:
@@ -137,7 +137,7 @@ class Expressions:
             case _:
                 compute = positive
 
-        def combine(frame: Frame, values: list[Value]) -> Value:
+        def combine(frame: CallFrame, values: list[Value]) -> Value:
             try:
                 return compute(values[0])
             except ValueProblem as problem:
@@ -160,7 +160,7 @@ class Expressions:
         if len(rest) == 1 and not (first.is_async or rest[0].is_async):
             return self._pair(first.run, applies[0], rest[0].run, places[0])
 
-        def combine(frame: Frame, values: list[Value]) -> Value:
+        def combine(frame: CallFrame, values: list[Value]) -> Value:
             total = values[0]
             for apply, value, at in zip(applies, values[1:], places, strict=True):
                 try:
@@ -174,7 +174,7 @@ class Expressions:
     def _pair(
         self, left: Run, apply: Callable[[Value, Value], Value], right: Run, at: Place
     ) -> Node:
-        def run(frame: Frame) -> Value:
+        def run(frame: CallFrame) -> Value:
             a, b = left(frame), right(frame)
             try:
                 return charged(frame, apply(a, b))
@@ -196,7 +196,7 @@ class Expressions:
 
         if any(node.is_async for node in nodes):
 
-            async def run_async(frame: Frame) -> Value:
+            async def run_async(frame: CallFrame) -> Value:
                 for node, at in located:
                     value = node.run(frame)
                     if node.is_async:
@@ -207,7 +207,7 @@ class Expressions:
 
             return Node(run_async, is_async=True)
 
-        def run(frame: Frame) -> Value:
+        def run(frame: CallFrame) -> Value:
             for node, at in located:
                 if checked(node.run(frame), at) is decisive:
                     return decisive
@@ -216,7 +216,7 @@ class Expressions:
         return Node(run, is_async=False)
 
     def _exclusive(self, nodes: list[Node], places: list[Place]) -> Node:
-        def combine(frame: Frame, values: list[Value]) -> Value:
+        def combine(frame: CallFrame, values: list[Value]) -> Value:
             total = False
             for value, at in zip(values, [places[0], *places], strict=True):
                 try:
@@ -243,7 +243,7 @@ class Expressions:
             return self._call_async(call, function, nodes, convert)
         compute, takes_thread = function.call, function.takes_thread
 
-        def combine(frame: Frame, values: list[Value]) -> Value:
+        def combine(frame: CallFrame, values: list[Value]) -> Value:
             arguments = convert(values)
             try:
                 if takes_thread:
@@ -283,7 +283,7 @@ class Expressions:
         nodes: list[Node],
         convert: Callable[[list[Value]], list[Any]],
     ) -> Node:
-        async def run(frame: Frame) -> Value:
+        async def run(frame: CallFrame) -> Value:
             arguments = convert(await evaluated(nodes, frame))
             action = cast("Awaitable[Value]", function.call(frame.thread, *arguments))
             try:
@@ -300,7 +300,7 @@ class Expressions:
     ) -> Node:
         names = [code.definition.parameters[k].name for k in positions]
 
-        async def run(frame: Frame) -> Value:
+        async def run(frame: CallFrame) -> Value:
             values = await evaluated(nodes, frame)
             arguments = dict(zip(names, values, strict=True))
             try:
@@ -314,7 +314,7 @@ class Expressions:
         code = self._code_of(expression.name)
         assert code is not None  # checked
 
-        def run(frame: Frame) -> Value:
+        def run(frame: CallFrame) -> Value:
             try:
                 return frame.thread.execution.start_thread(code)
             except ValueProblem as problem:
@@ -325,7 +325,7 @@ class Expressions:
     def _join(self, expression: s.Join) -> Node:
         handle = self.node(expression.handle)
 
-        async def run(frame: Frame) -> Value:
+        async def run(frame: CallFrame) -> Value:
             (thread,) = await evaluated([handle], frame)
             if not isinstance(thread, Handle):
                 message = f"'join' waits for a thread, not for {described(thread)}"

@@ -18,7 +18,7 @@ from tool0.protocol.updates import Six
 @final
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """What a parameter takes."""
+    """The values that a parameter takes."""
 
     words: str
     # Any: each converter returns what its annotation says.

@@ -15,7 +15,7 @@ from tool0.interfaces.ur.urscript.parsing import parse
 from tool0.interfaces.ur.urscript.scopes import program_scope
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
 
 
 @final
@@ -36,7 +36,7 @@ class URScriptProgram:
         """Whether it is a ``sec``: it runs beside the program and moves nothing."""
         return self._code.definition.kind == "sec"
 
-    async def run(self, box: Box) -> None:
+    async def run(self, box: UrControlBox) -> None:
         """Run on a control box to the end.
 
         Raises:

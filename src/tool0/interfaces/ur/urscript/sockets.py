@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, TypeVar, final
 from tool0.interfaces.ur.urscript.errors import ValueProblem
 
 if TYPE_CHECKING:
-    from tool0.interfaces.ur.box import Box
+    from tool0.interfaces.ur.control_box import UrControlBox
 
 T = TypeVar("T")
 
@@ -19,7 +19,7 @@ MAX_SOCKETS: Final = 16
 OPEN_TIMEOUT: Final = 2.0
 """For a connection, and for a peer that does not read [wall s]; as on the robot."""
 MAX_BUFFER: Final = 1 << 16
-"""What is kept of what a peer sent [bytes]."""
+"""Most data of a peer that is kept unread [bytes]."""
 OWN_GRIPPER: Final = ("127.0.0.1", 63352)
 """Where a program finds its gripper, which may listen at another address."""
 _CHUNK: Final = 4096
@@ -86,7 +86,7 @@ class Connection:
 class Sockets:
     """The connections of one run of a program, by name."""
 
-    def __init__(self, box: Box) -> None:
+    def __init__(self, box: UrControlBox) -> None:
         """Connect to this machine only, unless the box allows others."""
         self._box = box
         self._connections: dict[str, Connection] = {}

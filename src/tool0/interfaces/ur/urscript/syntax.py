@@ -72,7 +72,7 @@ class Unary:
 @final
 @dataclass(frozen=True, slots=True)
 class Operand:
-    """What follows the first operand of a chain."""
+    """A further operand of a chain, with its operator."""
 
     at: Place
     """Of the operator."""

@@ -1,4 +1,4 @@
-"""What the parser makes of each rule of the grammar: nodes of ``syntax``."""
+"""From each rule of the grammar to a node of ``syntax``."""
 
 from __future__ import annotations
 

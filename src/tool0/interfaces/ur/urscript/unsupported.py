@@ -1,4 +1,4 @@
-"""What URScript has and tool0 does not, with the reasons that error messages give."""
+"""Functions of URScript that tool0 lacks, with the reasons for error messages."""
 
 from __future__ import annotations
 

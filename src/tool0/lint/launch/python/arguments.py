@@ -20,7 +20,7 @@ class DeclaredArguments:
     def __init__(self, file: Path, given: Mapping[str, Origin]) -> None:
         self.found: list[Argument] = []
         self.missing: list[Argument] = []
-        """Those without a value."""
+        """The arguments without a value."""
         self._file, self._given = file, given
 
     def declare(self, made: Made, resolver: Resolver) -> None:

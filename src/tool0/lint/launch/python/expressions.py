@@ -279,7 +279,7 @@ class Expressions:
 
 
 def choice(*values: Value) -> Value:
-    """Return what is known of a variable that has one of several values."""
+    """Return one of several possible values; a ``Choice`` if they differ."""
     first, *others = values
     if all(same(first, other) for other in others):
         return first
@@ -287,7 +287,7 @@ def choice(*values: Value) -> Value:
 
 
 def iterated(value: Value) -> list[Value]:
-    """Return what a loop goes over; nothing if that is unknown."""
+    """Return the items of a loop; empty if they are unknown."""
     if isinstance(value, dict | list | tuple | str):
         return list(value)
     return []
@@ -319,7 +319,7 @@ def _attribute(owner: Value, name: str) -> Value:
 
 
 def _joined(left: list[Value] | tuple[Value, ...], right: Value) -> Value:
-    """Return a list and what follows it, of which nothing may be known."""
+    """Return a list joined with ``right``, which may be unknown."""
     if isinstance(right, list | tuple):
         if len(left) + len(right) > MAX_ITEMS:
             return Unknown(f"more than {MAX_ITEMS} items")

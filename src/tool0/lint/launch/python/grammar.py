@@ -179,7 +179,7 @@ def make(
     *,
     is_whole: bool = True,
 ) -> tuple[Made, list[Finding]]:
-    """Return the object that a call makes, and what is wrong in the call.
+    """Return the object that a call makes, and the faults of the call.
 
     Args:
         name: The class, one of ``SIGNATURES``.

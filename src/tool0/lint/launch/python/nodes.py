@@ -36,7 +36,7 @@ class NodeReader:
         self._full_name: str | None = None
 
     def read(self) -> Node:
-        """Return the node; what is wrong with it is reported."""
+        """Return the node, and report its faults."""
         package = self._text("package")
         program, args = self._text("executable"), self._words("arguments")
         name = self._text("name")

@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import final
 
-from tool0.description.finding import Finding, Severity, error_at, warning_at
+from tool0.description.finding import Finding, Severity, error_at
 from tool0.errors import (
     DescriptionError,
     SourceLocation,
@@ -69,7 +69,7 @@ _NESTED = {
     "OnProcessIO": ("on_stdin", "on_stdout", "on_stderr"),
     "OnShutdown": (),
 }
-"""What an action or event handler executes later."""
+"""Action or event handler → the arguments whose actions it executes later."""
 
 
 def read_python_launch(
@@ -143,7 +143,7 @@ class PythonLaunchReader:
         )
 
     def _interpreted(self) -> Value:
-        """Return what generate_launch_description returns; None if there is none."""
+        """Return the value of generate_launch_description; None without one."""
         start = SourceLocation(self.file)
         try:
             raw = read_limited(self.file)
@@ -208,8 +208,9 @@ class PythonLaunchReader:
     ) -> None:
         """Add a finding, unless the current action is switched off."""
         if self.state.holds is not False:
-            finding_at = error_at if severity == "error" else warning_at
-            self.findings.append(finding_at(location, rule, key, message, remedy))
+            self.findings.append(
+                error_at(location, rule, key, message, remedy, severity=severity)
+            )
 
     # --- actions ---
 
@@ -320,7 +321,7 @@ class PythonLaunchReader:
         self._context.depth -= 1
 
     def _opaque(self, made: Made) -> None:
-        """Execute what an OpaqueFunction returns, as far as it is declarative."""
+        """Execute the actions of an OpaqueFunction, as far as it is declarative."""
         function = made.get("function")
         if not isinstance(function, Function) or self._interpreter is None:
             self._note(f"the function at line {made.location.line} is not in the file")

@@ -1,4 +1,4 @@
-"""What launch knows at one moment: configurations, namespace, remaps."""
+"""The state of launch at one moment: configurations, namespace, remaps."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class LaunchState:
     uses: dict[str, SourceLocation] = field(default_factory=dict)
     """The configurations that are used, in any file."""
     parameters: dict[str, Value] = field(default_factory=dict)
-    """Those of SetParameter, for all later nodes."""
+    """Parameters that SetParameter sets for all later nodes."""
     namespace: str | None = "/"
     remaps: tuple[Statement, ...] = ()
     environment: tuple[Statement, ...] = ()
     conditions: tuple[Condition, ...] = ()
     unread: list[str] = field(default_factory=list)
-    """What could not be read so far, which may set anything."""
+    """Actions that could not be read so far, and may have set anything."""
 
     @property
     def holds(self) -> bool | None:

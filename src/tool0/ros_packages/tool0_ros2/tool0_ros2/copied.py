@@ -14,12 +14,16 @@ import stat
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Final, TypeVar, final
 
 from tool0_ros2.errors import TransportError
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from tool0_ros2.kinematics import Joint
 
 
@@ -86,6 +90,7 @@ Vector3 = tuple[float, float, float]
 Rotation = tuple[Vector3, Vector3, Vector3]
 _IDENTITY: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 Quaternion = tuple[float, float, float, float]
+_SMALL = 1e-12
 
 
 def _short(value: float) -> str:
@@ -104,13 +109,28 @@ class Transform:
 
     def __matmul__(self, other: Transform) -> Transform:
         """Return the pose of ``other``, given in this frame, in the parent frame."""
-        x, y, z = self.apply(other.position)
-        columns = tuple(zip(*other.rotation, strict=True))
-        rows = tuple(
-            tuple(sum(a * b for a, b in zip(row, column)) for column in columns)  # noqa: B905
-            for row in self.rotation
+        (a, b, c), (d, e, f), (g, h, i) = self.rotation
+        (A, B, C), (D, E, F), (G, H, I) = other.rotation  # noqa: E741
+        return Transform(
+            position=self.apply(other.position),
+            rotation=(  # from 0.0, so that no zero is negative
+                (
+                    0.0 + a * A + b * D + c * G,
+                    0.0 + a * B + b * E + c * H,
+                    0.0 + a * C + b * F + c * I,
+                ),
+                (
+                    0.0 + d * A + e * D + f * G,
+                    0.0 + d * B + e * E + f * H,
+                    0.0 + d * C + e * F + f * I,
+                ),
+                (
+                    0.0 + g * A + h * D + i * G,
+                    0.0 + g * B + h * E + i * H,
+                    0.0 + g * C + h * F + i * I,
+                ),
+            ),
         )
-        return Transform(position=(x, y, z), rotation=rows)  # type: ignore[arg-type]
 
     def apply(self, point: Vector3) -> Vector3:
         """Return ``point``, given in this frame, in the parent frame."""
@@ -147,14 +167,23 @@ class Transform:
         )
         largest = squares.index(max(squares))
         root = 2 * math.sqrt(squares[largest])
-        rows = (
-            (root / 4, (zy - yz) / root, (xz - zx) / root, (yx - xy) / root),
-            ((zy - yz) / root, root / 4, (xy + yx) / root, (xz + zx) / root),
-            ((xz - zx) / root, (xy + yx) / root, root / 4, (yz + zy) / root),
-            ((yx - xy) / root, (xz + zx) / root, (yz + zy) / root, root / 4),
-        )
-        w, x, y, z = rows[largest]
+        if largest == 0:
+            w, x, y, z = root / 4, (zy - yz) / root, (xz - zx) / root, (yx - xy) / root
+        elif largest == 1:
+            w, x, y, z = (zy - yz) / root, root / 4, (xy + yx) / root, (xz + zx) / root
+        elif largest == 2:
+            w, x, y, z = (xz - zx) / root, (xy + yx) / root, root / 4, (yz + zy) / root
+        else:
+            w, x, y, z = (yx - xy) / root, (xz + zx) / root, (yz + zy) / root, root / 4
         return (w, x, y, z) if w >= 0 else (-w, -x, -y, -z)
+
+    @property
+    def rotation_vector(self) -> Vector3:
+        """The rotation as axis times angle [rad], of length 0 … π."""
+        w, x, y, z = self.quat_wxyz
+        sine = math.hypot(x, y, z)
+        factor = 2.0 / w if sine < _SMALL else 2.0 * math.atan2(sine, w) / sine
+        return factor * x, factor * y, factor * z
 
     def __repr__(self) -> str:
         """Return position and quaternion, rounded to the micrometre."""
@@ -188,14 +217,6 @@ class Mimic:
     offset: float = 0.0
 
 
-def joint_position(joint: Joint, position: Mapping[str, float]) -> float:
-    """Return the position of ``joint``: as given, by its mimic relation, or 0."""
-    mimic = joint.mimic
-    if mimic is None or joint.name in position:
-        return position.get(joint.name, 0.0)
-    return mimic.multiplier * position.get(mimic.joint, 0.0) + mimic.offset
-
-
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pose:
@@ -223,6 +244,11 @@ def to_transform(pose: Pose) -> Transform:
     )
 
 
+@lru_cache(maxsize=1024)  # the origins of some robots; they never change
+def _at_zero(origin: Pose) -> Transform:
+    return to_transform(origin) @ Transform()  # without negative zeros
+
+
 class JointType(enum.Enum):
     REVOLUTE = "revolute"
     CONTINUOUS = "continuous"
@@ -232,22 +258,33 @@ class JointType(enum.Enum):
     PLANAR = "planar"
 
 
-def _displacement(joint: Joint, q: float) -> Transform:
-    """Return the joint's own motion at ``q`` [rad | m], in its frame at 0."""
-    x, y, z = joint.axis
-    if joint.type is JointType.PRISMATIC:
-        return Transform(position=(q * x, q * y, q * z))
-    if joint.type not in {JointType.REVOLUTE, JointType.CONTINUOUS}:
-        return Transform()
-    c, s = math.cos(q), math.sin(q)
+TURNING: Final = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS})
+
+
+def rotation_about(axis: Vector3, angle: float) -> Rotation:
+    """Return the rotation by ``angle`` [rad] about a unit vector (Rodrigues)."""
+    x, y, z = axis
+    c, s = math.cos(angle), math.sin(angle)
     v = 1.0 - c
-    return Transform(  # Rodrigues' formula
-        rotation=(
-            (c + x * x * v, x * y * v - z * s, x * z * v + y * s),
-            (y * x * v + z * s, c + y * y * v, y * z * v - x * s),
-            (z * x * v - y * s, z * y * v + x * s, c + z * z * v),
-        )
+    return (
+        (c + x * x * v, x * y * v - z * s, x * z * v + y * s),
+        (y * x * v + z * s, c + y * y * v, y * z * v - x * s),
+        (z * x * v - y * s, z * y * v + x * s, c + z * z * v),
     )
+
+
+T = TypeVar("T", float, "NDArray[np.float64]")
+
+
+def joint_position(joint: Joint, position: Mapping[str, T]) -> T | float:
+    """Return the position of ``joint``: as given, by its mimic relation, or 0.
+
+    Positions are numbers or arrays.
+    """
+    mimic = joint.mimic
+    if mimic is None or joint.name in position:
+        return position.get(joint.name, 0.0)
+    return mimic.multiplier * position.get(mimic.joint, 0.0) + mimic.offset
 
 
 def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
@@ -255,5 +292,11 @@ def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
 
     Positions are as for ``link_poses``; planar and floating joints rest at 0.
     """
-    q = joint_position(joint, position)
-    return to_transform(joint.origin) @ _displacement(joint, q)
+    at_zero = _at_zero(joint.origin)
+    if joint.type is JointType.PRISMATIC:
+        q, (x, y, z) = joint_position(joint, position), joint.axis
+        return at_zero @ Transform(position=(q * x, q * y, q * z))
+    if joint.type in TURNING:
+        turn = rotation_about(joint.axis, joint_position(joint, position))
+        return at_zero @ Transform(rotation=turn)
+    return at_zero

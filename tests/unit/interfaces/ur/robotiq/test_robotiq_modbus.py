@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from pymodbus.client import ModbusSerialClient, ModbusTcpClient
 from robotiq_rig import LONG, ServedGripper, serving_gripper
+from waits import until
 
 import tool0
 from tool0.interfaces.ur.robotiq.modbus import respond
@@ -70,16 +71,13 @@ def operate(client: ModbusTcpClient | ModbusSerialClient) -> None:
     assert read()[:2] == [0, 0]
     write(0x0100, 0, 0)
     assert read(1) == [0x1100]
-    while read(1) != [0x3100]:
-        pass
+    until(lambda: read(1) == [0x3100], "it is activated", period=0.0)
     write(GO, 0x00FF, 0xFFFF)
-    while read(1) == [0x3900]:
-        pass
+    until(lambda: read(1) != [0x3900], "it has closed", period=0.0)
     status, request, position = read()
     assert (status, request, position >> 8) == (0xF900, 0x00FF, 230)
     write(0x0000, 0xFF00, address=COMMAND + 1)  # open, the action as it was
-    while read()[2] >> 8 != 3:
-        pass
+    until(lambda: read()[2] >> 8 == 3, "it has opened", period=0.0)
     both = client.readwrite_registers(
         read_address=STATUS,
         read_count=6,

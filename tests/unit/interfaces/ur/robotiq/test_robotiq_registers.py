@@ -10,10 +10,10 @@ from tool0.description.robot import assemble
 from tool0.interfaces.ur.robotiq.counts import Counts
 from tool0.interfaces.ur.robotiq.registers import (
     Activation,
-    Command,
+    CommandRegisters,
     Fault,
     ObjectStatus,
-    Status,
+    StatusRegisters,
 )
 
 GRIPPERS = {"2f85": (3, 230), "2f140": (3, 230), "hande": (0, 255)}
@@ -31,7 +31,7 @@ def counts(request: pytest.FixtureRequest) -> Counts:
 def test_commands_survive_their_registers() -> None:
     chance = random.Random(1)
     for _ in range(200):
-        command = Command(
+        command = CommandRegisters(
             activate=chance.random() < 0.5,
             go_to=chance.random() < 0.5,
             release=chance.random() < 0.5,
@@ -40,14 +40,16 @@ def test_commands_survive_their_registers() -> None:
             speed=chance.randrange(256),
             force=chance.randrange(256),
         )
-        assert Command.decode(command.encode()) == command
+        assert CommandRegisters.decode(command.encode()) == command
 
 
 def test_commands_are_those_of_the_manual() -> None:
-    close = Command(activate=True, go_to=True, position=255, speed=255, force=255)
+    close = CommandRegisters(
+        activate=True, go_to=True, position=255, speed=255, force=255
+    )
     assert close.encode()[:6] == bytes.fromhex("0900 00FF FFFF")
-    assert Command(activate=True, release=True).encode()[0] == 0x11
-    assert Command(activate=True, release_opening=True).encode()[0] == 0x21
+    assert CommandRegisters(activate=True, release=True).encode()[0] == 0x11
+    assert CommandRegisters(activate=True, release_opening=True).encode()[0] == 0x21
 
 
 @pytest.mark.parametrize(
@@ -65,7 +67,7 @@ def test_states_are_those_of_the_manual(
 ) -> None:
     goes_to, activation, met, request, position = status
     expected = bytes.fromhex(registers)
-    found = Status(
+    found = StatusRegisters(
         is_activated=True,
         goes_to=goes_to,
         activation=activation,

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from robotiq_rig import LONG, ServedGripper, serving_gripper
+from waits import until
 
 import tool0
 from tool0.interfaces.ur.listening import MAX_CLIENTS
@@ -43,14 +44,25 @@ class Client:
         return self.ask(f"SET{pairs}\n") == "ack"
 
     def wait_for(self, name: str, *values: int) -> int:
-        while (found := self.get(name)) not in values:
-            pass
+        found = -1
+
+        def has_it() -> bool:
+            nonlocal found
+            found = self.get(name)
+            return found in values
+
+        until(has_it, lambda: f"{name} in {values}, last {found}", period=0.0)
         return found
 
     def activate(self) -> None:
-        while not (self.get("ACT") == self.get("STA") == 0):
+        def is_reset() -> bool:
+            if self.get("ACT") == self.get("STA") == 0:
+                return True
             assert self.set(ACT=0)
             assert self.set(ATR=0)
+            return False
+
+        until(is_reset, "the gripper is reset", period=0.0)
         assert self.set(ACT=1)
         self.wait_for("STA", 3)
         assert self.get("ACT") == 1

@@ -30,7 +30,7 @@ from tool0.protocol.control_box import SetPayload, SetTcp, StopProtectively
 from tool0.protocol.updates import Six
 
 STANDARD_GRAVITY: Final = 9.82
-"""What UR's programs give [m/s²]; g differs by less than the tolerance."""
+"""The value in UR's programs [m/s²]; g differs by less than the tolerance."""
 _TOLERANCE: Final = 0.1
 _ALL: Final = (True,) * 6
 _BASE: Final = Pose((0.0,) * 6)
@@ -100,7 +100,7 @@ async def zero_ftsensor(thread: Thread) -> None:
 async def freedrive_mode(
     thread: Thread, freeAxes: Flags = _ALL, feature: Feature = _BASE
 ) -> None:
-    """Let external forces move the arm, along some axes of a frame."""
+    """Start freedrive: external forces move the arm along some axes of a frame."""
     pose = feature
     if feature == "base":
         pose = _BASE

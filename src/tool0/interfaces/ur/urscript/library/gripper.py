@@ -43,7 +43,7 @@ _SOCKET: Final = "1"
 def _gripper(thread: Thread) -> RobotiqGripper:
     gripper = thread.box.gripper
     if gripper is None:
-        raise ValueProblem("the arm has no Robotiq gripper")
+        raise ValueProblem(thread.box.why_no_gripper)
     return gripper
 
 

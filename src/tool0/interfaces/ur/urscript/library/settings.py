@@ -40,7 +40,7 @@ def _accept_two(index: Integer, value: AnyValue) -> None:
 
 
 def _accept_none() -> None:
-    """Have no effect."""
+    """Ignore the setting."""
 
 
 def set_tool_communication(

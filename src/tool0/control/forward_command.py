@@ -1,0 +1,181 @@
+"""Controllers that take one number per joint: forwarded, or followed by a PID."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple, final
+
+from tool0.control.law import CommandLaw
+from tool0.control.parameters import Pid
+from tool0.control.spline import JointSpline, hold
+from tool0.control.trajectory import Setpoint
+from tool0.description.model import Interface, Joint, JointType, shortest_turn
+from tool0.errors import ControlError
+from tool0.hardware.engine import JointState, joint_selector
+from tool0.protocol.controllers import Gains
+
+
+class CommandWording(NamedTuple):
+    """A dialect's messages for commands that are refused, as format strings."""
+
+    wrong_size: str
+    """Message for a wrong count: ``size``, ``n_joints``, ``joints``, ``controller``."""
+    not_finite: str
+    """Message for a number that is not finite: ``value``, ``joint``, ``controller``."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForwardCommandSpec:
+    """The parameters of a controller that forwards commands or follows them."""
+
+    name: str
+    type: str
+    joint_models: tuple[Joint, ...]
+    interface: Interface
+    quantity: Interface
+    """The interface that takes its commands unchanged."""
+    gains: tuple[Gains, ...] = ()
+    """Gains of each joint if the quantity is not the interface's own."""
+    wording: CommandWording
+
+    further_interfaces: ClassVar[tuple[str, ...]] = ()
+    state_interfaces: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        return tuple(joint.name for joint in self.joint_models)
+
+    @property
+    def waits_for_command(self) -> bool:
+        """True for raw effort: without a command, effort 0 would drop the arm."""
+        return self.interface is Interface.EFFORT and not self.gains
+
+    def start(
+        self, indices: Sequence[int], state: JointState
+    ) -> ForwardCommandController:
+        return ForwardCommandController(self, indices, state)
+
+
+@final
+class ForwardCommandController:
+    """Pass the newest command on to the joints, or follow it with a PID per joint.
+
+    ROS 1 starts effort controllers with a command of 0, which drops the arm.  Here the
+    brakes hold until the first command; from then on the effort is the command.
+    Positions start as measured, velocities at 0.
+
+    A PID takes the rate from the last two errors.  The error of a continuous joint goes
+    the shortest way round.  That of a revolute joint is the plain difference: the
+    shortest way could leave its limits.
+    """
+
+    def __init__(
+        self, spec: ForwardCommandSpec, indices: Sequence[int], state: JointState
+    ) -> None:
+        self.spec = spec
+        self._is_position = spec.quantity is Interface.POSITION
+        self._select = joint_selector(indices)
+        self._state = state
+        self.pid = Pid(spec.gains) if spec.gains else None
+        self._last_errors = [0.0] * len(indices)  # before the first, as in ROS
+        start = [0.0] * len(indices)
+        if self._is_position:
+            start = list(self._select(state.position))
+        self._command = self._within_limits(start)
+        self._is_commanded = False
+        self._holds: tuple[JointSpline, ...] = ()
+        """The commanded positions as splines; empty until they are read."""
+
+    def update(self, state: JointState, period: float) -> Sequence[float]:
+        """Return the commands, or the output of the PIDs that follow them."""
+        self._state = state
+        if self.pid is None:
+            return self._command
+        if not period > 0.0:
+            return [0.0] * len(self._command)
+        measured = self._select(state.position if self._is_position else state.velocity)
+        errors = list(map(self._error, self.spec.joint_models, self._command, measured))
+        rates = [
+            (error - last) / period
+            for error, last in zip(errors, self._last_errors, strict=True)
+        ]
+        self._last_errors[:] = errors
+        return self.pid.update(errors, rates, period)
+
+    def law(self) -> CommandLaw:
+        joints = enumerate(self.spec.joint_models)
+        return CommandLaw(
+            self._command,
+            self.pid,
+            not self._is_position,
+            [k for k, joint in joints if self._wraps(joint)],
+            self._last_errors,
+        )
+
+    def observe(self, state: JointState) -> None:
+        self._state = state
+
+    def _wraps(self, joint: Joint) -> bool:
+        return self._is_position and joint.type is JointType.CONTINUOUS
+
+    def _error(self, joint: Joint, desired: float, measured: float) -> float:
+        if self._wraps(joint):
+            return shortest_turn(measured, desired)
+        return desired - measured
+
+    def _within_limits(self, command: list[float]) -> list[float]:
+        """Return the allowed positions nearest to ``command``, if a PID follows them.
+
+        Other commands are passed on as they are.
+        """
+        if self.pid is None or not self._is_position:
+            return command
+        return [
+            value if joint.type is JointType.CONTINUOUS else joint.limits.clamp(value)
+            for joint, value in zip(self.spec.joint_models, command, strict=True)
+        ]
+
+    def command_joints(self, values: Sequence[float] | float) -> None:
+        """Set one command per joint, in the order of the controller's joints.
+
+        Raises:
+            ControlError: If the count is wrong or a number is not finite; the last
+                command stays.
+        """
+        self._command = self._within_limits(self._checked(values))
+        self._is_commanded, self._holds = True, ()
+
+    def _checked(self, values: Sequence[float] | float) -> list[float]:
+        spec = self.spec
+        given = [values] if isinstance(values, int | float) else list(values)
+        if len(given) != len(spec.joint_models):
+            text = spec.wording.wrong_size.format(
+                size=len(given),
+                n_joints=len(spec.joint_models),
+                joints=", ".join(spec.joints),
+                controller=spec.name,
+            )
+            raise ControlError(text)
+        for joint, value in zip(spec.joints, given, strict=True):
+            if not math.isfinite(value):
+                text = spec.wording.not_finite.format(
+                    value=value, joint=joint, controller=spec.name
+                )
+                raise ControlError(text)
+        return [float(value) for value in given]
+
+    def setpoint(self) -> Setpoint | None:
+        """Return the positions that were commanded, if positions were."""
+        if not (self._is_position and self._is_commanded):
+            return None
+        time = self._state.time
+        if not self._holds:
+            self._holds = tuple(hold(time, value) for value in self._command)
+        joints = self.spec.joint_models
+        return Setpoint(joints, self._holds, self._select, self._state)
+
+    def stop(self) -> None:
+        """Do nothing: there is no goal to end."""

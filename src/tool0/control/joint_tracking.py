@@ -1,0 +1,103 @@
+"""The joints of a trajectory controller: desired and measured motion, PIDs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import final
+
+from tool0.control.law import REAL_CLOCK, TrajectoryClock, TrajectoryLaw
+from tool0.control.parameters import Pid
+from tool0.control.sampler import GoalMonitor, TrajectorySampler
+from tool0.control.spline import JointSpline, hold
+from tool0.control.trajectory import Setpoint
+from tool0.control.trajectory_monitor import TrajectoryMonitor
+from tool0.description.model import Joint, JointType, shortest_turn
+from tool0.hardware.engine import JointState, joint_selector
+from tool0.protocol.controllers import Gains
+
+
+@final
+class JointTracking:
+    """Splines that joints follow, by PID and feed-forward where gains are given.
+
+    A controller decides which splines, from when on, and what ends them.
+    """
+
+    def __init__(
+        self,
+        joints: tuple[Joint, ...],
+        gains: Sequence[Gains],
+        velocity_ff: Sequence[float],
+        indices: Sequence[int],
+        state: JointState,
+    ) -> None:
+        """Hold the measured positions.
+
+        Args:
+            joints: The joints of the controller.
+            gains: One per joint; none commands the desired positions.
+            velocity_ff: Command per desired velocity, one per joint, or none.
+            indices: Indices of the joints in the lists of a state.
+            state: The measured state.
+        """
+        self.joints = joints
+        self.select = joint_selector(indices)
+        self.pid = Pid(gains) if gains else None
+        self.state = state
+        """The measured state of the last tick."""
+        self._wrapping = [
+            k for k, joint in enumerate(joints) if joint.type is JointType.CONTINUOUS
+        ]
+        self.set_feed_forward(velocity_ff)
+        held = [hold(state.time, q) for q in self.select(state.position)]
+        self.sampler = TrajectorySampler(held, state.time)
+
+    def set_feed_forward(self, velocity_ff: Sequence[float]) -> None:
+        """Change the command per desired velocity, one per joint, or none."""
+        self.feed_forward = velocity_ff if any(velocity_ff) else ()
+
+    def follow(self, splines: Sequence[JointSpline], time: float) -> None:
+        """Follow other splines, sampled at ``time`` [s] first."""
+        self.sampler = TrajectorySampler(splines, time)
+
+    def merged(self, splines: Mapping[int, JointSpline]) -> list[JointSpline]:
+        """Return the splines of all joints, with those of some replaced, by number."""
+        return [splines.get(k, old) for k, old in enumerate(self.sampler.splines)]
+
+    def errors(self, time: float) -> tuple[list[float], list[float]]:
+        """Return desired minus measured positions, and the same of velocities."""
+        position, velocity = self.state.position, self.state.velocity
+        select = self.select
+        errors, rates = self.sampler.errors(time, select(position), select(velocity))
+        for k in self._wrapping:
+            errors[k] = shortest_turn(0.0, errors[k])
+        return errors, rates
+
+    def law(
+        self,
+        monitor: GoalMonitor | TrajectoryMonitor | None,
+        *,
+        lead: float = 0.0,
+        clock: TrajectoryClock = REAL_CLOCK,
+    ) -> TrajectoryLaw:
+        """Return how the joints follow the splines until an event."""
+        return TrajectoryLaw(
+            self.sampler,
+            monitor,
+            self.pid,
+            self.feed_forward,
+            self._wrapping,
+            lead,
+            clock,
+        )
+
+    def setpoint(self, *, lag: float = 0.0, speed_scaling: float = 1.0) -> Setpoint:
+        """Return the setpoints of the joints; ``lag`` [s] as in ``Setpoint``."""
+        return Setpoint(
+            self.joints,
+            self.sampler.splines,
+            self.select,
+            self.state,
+            lag,
+            speed_scaling,
+        )

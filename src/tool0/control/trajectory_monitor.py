@@ -1,0 +1,106 @@
+"""The check of a trajectory in every tick: all joints together, as in ROS 2."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import final
+
+from tool0.protocol.goals import Goal, GoalResult, GoalStatus, Tolerance
+
+REACHED = GoalResult(
+    status=GoalStatus.SUCCEEDED, error_string="Goal successfully reached!"
+)
+STRAYED = GoalResult(
+    status=GoalStatus.ABORTED,
+    error_code=GoalResult.PATH_TOLERANCE_VIOLATED,
+    error_string="Aborted due to path tolerance violation",
+)
+TIMED_OUT = GoalResult(
+    status=GoalStatus.ABORTED,
+    error_code=GoalResult.GOAL_TOLERANCE_VIOLATED,
+    error_string="Aborted due to command timeout",
+)
+
+
+@final
+class TrajectoryMonitor:
+    """Checks the trajectory that is executed, with or without a goal, in every tick.
+
+    Times are those of the trajectory.  It counts as ended one period early, when its
+    end is commanded.
+    """
+
+    def __init__(
+        self,
+        goal: Goal | None,
+        *,
+        end: float,
+        path: Sequence[Tolerance],
+        at_goal: Sequence[Tolerance],
+        goal_time: float,
+        timeout: float,
+    ) -> None:
+        """Check a trajectory until its ``end`` [s], and its arrival.
+
+        Args:
+            goal: The goal that it is for; None for a command of the topic.
+            end: When the last joint's motion ends [s].
+            path: One tolerance per joint on the way.
+            at_goal: One per joint at the end: they count if all hold at once.
+            goal_time: Grace after the end [s]; inf waits for ever.
+            timeout: When the trajectory is given up after the end [s]; inf is never.
+        """
+        self.goal = goal
+        self.end = end
+        self.path, self.at_goal = tuple(path), tuple(at_goal)
+        self.goal_time, self.timeout = goal_time, timeout
+        limits = [one.position for one in path if one.position > 0.0]
+        self._path_limit = min(limits, default=math.inf)
+        self._checks_path_velocity = any(one.velocity > 0.0 for one in path)
+
+    def check(
+        self,
+        time: float,
+        ahead: float,
+        errors: Sequence[float],
+        rates: Sequence[float],
+        *,
+        is_first: bool,
+    ) -> GoalResult | None:
+        """Return the end of the trajectory by the errors at ``time``; None before.
+
+        ``ahead`` [s] is when the commanded motion is; the path also counts in the
+        ``is_first`` tick of a trajectory that has ended by then.
+        """
+        is_moving = ahead < self.end
+        if (is_moving or is_first) and not self._is_on_path(errors, rates):
+            return STRAYED
+        if is_moving:
+            return None
+        past = time - self.end
+        if _allow(self.at_goal, errors, rates):
+            if self.goal is not None:
+                return REACHED
+        elif past > self.goal_time:
+            return GoalResult(
+                status=GoalStatus.ABORTED,
+                error_code=GoalResult.GOAL_TOLERANCE_VIOLATED,
+                error_string="Aborted due to goal_time_tolerance exceeding by "
+                f"{past:f} seconds",
+            )
+        return TIMED_OUT if past > self.timeout else None
+
+    def _is_on_path(self, errors: Sequence[float], rates: Sequence[float]) -> bool:
+        if not self._checks_path_velocity and max(map(abs, errors)) <= self._path_limit:
+            return True
+        return _allow(self.path, errors, rates)
+
+
+def _allow(
+    tolerances: Sequence[Tolerance], errors: Sequence[float], rates: Sequence[float]
+) -> bool:
+    return all(
+        tolerance.allows(error, rate)
+        for tolerance, error, rate in zip(tolerances, errors, rates, strict=True)
+    )

@@ -1,0 +1,148 @@
+"""Forward kinematics of many joint positions at once, by the joints that move.
+
+Fixed joints are merged into the placement of the moving ones.  ``forward_kinematics``
+computes one posture by names, ``flat_frames`` one posture for the tick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple, final
+
+import numpy as np
+
+from tool0.description.forward_kinematics import TURNING, joint_position
+from tool0.description.model import Joint, JointType, RobotModel
+from tool0.description.transform import Transform, Vector3, to_transform
+from tool0.description.transform_arrays import (
+    Array,
+    Frames,
+    cross_matrices,
+    rotations_about,
+)
+
+
+class TreeJoint(NamedTuple):
+    """A joint that turns or slides."""
+
+    parent: int
+    """Index of the joint that carries it; -1 is the root."""
+    placement: Array
+    """Its frame at 0 in that of its parent, shape (4, 4)."""
+    axis: Vector3
+    is_prismatic: bool
+
+
+class JointFrames(NamedTuple):
+    """The frames of m joints in the root, after their motion, at n positions."""
+
+    rotations: list[Array]
+    """m arrays of shape (n, 3, 3)."""
+    origins: Array
+    """[m], shape (n, m, 3)."""
+    axes: Array
+    """Unit vectors, shape (n, m, 3)."""
+
+
+@final
+class JointTree:
+    """Joints, each placed in the frame of one before it or in the root."""
+
+    def __init__(self, joints: Sequence[TreeJoint]) -> None:
+        self._joints = tuple(joints)
+        axes = np.array([joint.axis for joint in joints]).reshape(-1, 3)
+        self._axes = axes
+        self._crosses = cross_matrices(axes)
+        self._squares = self._crosses @ self._crosses
+
+    def forward(self, q: Array) -> JointFrames:
+        """Return the frames at positions ``q`` [rad | m], shape (n, m)."""
+        turns = rotations_about(self._crosses, self._squares, q)
+        n, m = q.shape
+        rotations: list[Array] = []
+        origins, axes = np.empty((n, m, 3)), np.empty((n, m, 3))
+        for k, (parent, T, _, is_prismatic) in enumerate(self._joints):
+            R, p = T[:3, :3], T[:3, 3]
+            if parent >= 0:
+                carrier = rotations[parent]
+                R, p = carrier @ R, origins[:, parent] + carrier @ p
+            axes[:, k] = axis = R @ self._axes[k]
+            if is_prismatic:
+                p = p + q[:, k, None] * axis
+                R = np.broadcast_to(R, (n, 3, 3))
+            else:
+                R = R @ turns[:, k]
+            origins[:, k] = p
+            rotations.append(R)
+        return JointFrames(rotations, origins, axes)
+
+
+class PlacedLinks(NamedTuple):
+    """Links by the moving joints that carry them."""
+
+    joints: tuple[Joint, ...]
+    """The joints that turn or slide, parents first."""
+    tree: tuple[TreeJoint, ...]
+    """The same joints."""
+    placements: dict[str, tuple[int, Transform]]
+    """Link → index of the joint that carries it, -1 for none, and its pose there."""
+
+
+def place_links(
+    model: RobotModel, links: Iterable[str], root: str | None = None
+) -> PlacedLinks:
+    """Return ``links`` with all links above them, as far as ``root``.
+
+    Raises:
+        ModelError: If the robot lacks one of the links.
+    """
+    above: set[str] = set()
+    first = model.root if root is None else root
+    for link in links:
+        name = model.link(link).name
+        while name != first and (joint := model.parent_joint.get(name)):
+            above.add(joint.name)
+            name = joint.parent
+    joints: list[Joint] = []
+    tree: list[TreeJoint] = []
+    placed = {first: (-1, Transform())}
+    for joint in model.joints:
+        if joint.name not in above:
+            continue
+        parent, pose = placed[joint.parent]
+        pose = pose @ to_transform(joint.origin)
+        is_prismatic = joint.type is JointType.PRISMATIC
+        if is_prismatic or joint.type in TURNING:
+            tree.append(TreeJoint(parent, pose.matrix, joint.axis, is_prismatic))
+            joints.append(joint)
+            parent, pose = len(tree) - 1, Transform()
+        placed[joint.child] = (parent, pose)
+    return PlacedLinks(tuple(joints), tuple(tree), placed)
+
+
+@final
+class LinkFrames:
+    """The poses of some links of a model in its root, for n joint positions."""
+
+    def __init__(self, model: RobotModel, links: Sequence[str]) -> None:
+        """Collect the joints above ``links``; ModelError if there is no such link."""
+        self._links = tuple(links)
+        self._joints, tree, self._placements = place_links(model, links)
+        self._tree = JointTree(tree)
+
+    def poses(self, position: Mapping[str, Array], n: int) -> dict[str, Frames]:
+        """Return the links' poses by positions [rad | m] of shape (n,).
+
+        A joint without a position is at 0, or follows the one that it mimics.
+        """
+        q = np.empty((n, len(self._joints)))
+        for k, joint in enumerate(self._joints):
+            q[:, k] = joint_position(joint, position)
+        rotations, origins, _ = self._tree.forward(q)
+        root = Frames(np.zeros((n, 3)), np.broadcast_to(np.eye(3), (n, 3, 3)))
+        found = {}
+        for link in self._links:
+            k, pose = self._placements[link]
+            carrier = root if k < 0 else Frames(origins[:, k], rotations[k])
+            found[link] = carrier @ pose
+        return found

@@ -1,0 +1,1 @@
+"""Planning of motions: joints, lines, arcs and blends, as paths over time."""

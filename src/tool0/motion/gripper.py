@@ -1,0 +1,104 @@
+"""Motion of a gripper's pads from one opening to another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from tool0.description.model import ParallelGripper
+from tool0.motion.path import Path
+
+RAMP_TIME = 1.0 / 15.0
+"""Time in which the pads reach their full speed, and stop from it [s]: a guess, for
+lack of a datasheet; it keeps the fingers from overshooting."""
+SPACING = 0.005
+"""Distance between the knots of a planned motion [m]."""
+
+
+def opening_path(
+    geometry: ParallelGripper, start: float, end: float, speed: float
+) -> Path:
+    """Return a path of the driven joint along which the pads ramp up, cruise and stop.
+
+    A linkage turns a steady opening into an unsteady angle, so its knots lie close.
+    ``start`` and ``end`` are distances between the pads [m], ``end`` within 0 …
+    ``geometry.max_opening``; ``speed`` is that of the pads towards each other [m/s].
+    """
+    widest, longest_ramp = geometry.max_opening, geometry.speed[1] * RAMP_TIME / 2.0
+    start = min(start, widest)
+    distance = abs(end - start)
+    ramp = min(longest_ramp, distance / 2.0)
+    speed *= math.sqrt(ramp / longest_ramp)  # a short motion ends before full speed
+    n_points = max(2, math.ceil(distance / SPACING))
+    times, positions = [0.0], [geometry.position(max(0.0, start))]
+    velocities = [0.0]
+    for k in range(1, n_points + 1):
+        done = distance * k / n_points
+        at, rate = _ramped(done, distance, ramp, speed)
+        reached = start + math.copysign(done, end - start)
+        q = geometry.position(min(max(0.0, reached), widest))  # rounding
+        times.append(max(at, 1e-3 * k))
+        positions.append(q)
+        velocities.append(-math.copysign(rate, end - start) / geometry.lever(q))
+    return _path(geometry, times, positions, velocities)
+
+
+def direct_path(
+    geometry: ParallelGripper, start: float, end: float, speed: float, shortest: float
+) -> Path:
+    """Return a path to rest that is a single cubic of the driven joint.
+
+    Its mean speed is two thirds of ``speed`` [m/s], which a cubic from rest reaches
+    halfway; a short motion takes as long as the pads need at their largest
+    acceleration.
+
+    Args:
+        geometry: The gripper.
+        start: Present setpoint of the joint [rad | m].
+        end: Distance between the pads at the end [m], within 0 …
+            ``geometry.max_opening``.
+        speed: Of the pads towards each other [m/s].
+        shortest: Least duration [s].
+    """
+    distance = abs(end - geometry.opening(start))
+    cruise = 1.5 * distance / speed
+    ramp = math.sqrt(6.0 * distance * RAMP_TIME / geometry.speed[1])
+    duration = max(cruise, ramp, shortest)
+    ends = [start, geometry.position(end)]
+    return _path(geometry, [0.0, duration], ends, [0.0, 0.0])
+
+
+def _path(
+    geometry: ParallelGripper,
+    times: Sequence[float],
+    positions: Sequence[float],
+    velocities: Sequence[float],
+) -> Path:
+    return Path(
+        joint_names=(geometry.joint,),
+        times=np.array(times),
+        positions=np.array(positions)[:, None],
+        velocities=np.array(velocities)[:, None],
+    )
+
+
+def _ramped(
+    done: float, distance: float, ramp: float, speed: float
+) -> tuple[float, float]:
+    """Return when [s] ``done`` of ``distance`` [m] is travelled, and the speed then.
+
+    Constant acceleration over ``ramp`` at both ends, reaching ``speed`` between.
+    """
+    if ramp <= 0.0:
+        return 0.0, 0.0
+    ramp_time = 2.0 * ramp / speed
+    if done < ramp:
+        return ramp_time * math.sqrt(done / ramp), speed * math.sqrt(done / ramp)
+    cruise_time = ramp_time + (min(done, distance - ramp) - ramp) / speed
+    left = distance - done
+    if left >= ramp:
+        return cruise_time, speed
+    slow = math.sqrt(max(0.0, left / ramp))
+    return cruise_time + ramp_time * (1.0 - slow), speed * slow

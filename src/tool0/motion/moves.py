@@ -1,0 +1,189 @@
+"""Motions of Universal Robots' arms: movej, movel, movep, movec and their blends.
+
+The rules are those of the URScript manual (e-Series 5.x; CB3 3.x has the same ones):
+
+* movej turns all joints in proportion; ``a`` and ``v`` are those of the joint that
+  turns most.  The others move the tool on a line or an arc, with ``a`` and ``v`` of the
+  TCP.  On a line the tool turns at most at 4 rad/s for each m/s of ``v``, the same for
+  ``a``; the slower of displacement and turn sets the pace
+  (https://forum.universal-robots.com/t/movel-tool-angular-speed/15912).
+* Speed is a trapezoid over time, or a triangle.  A time ``t`` replaces ``a`` and
+  ``v``; the manual does not say how: each ramp from or to rest takes a quarter of it.
+* A move with a radius ``r`` is left where the tool comes within ``r`` of its target,
+  and the next one is entered as far away at most.  Speed at the entry does not depend
+  on the next move: the arm can still stop at the target.  Without a next move it does.
+* Between two movej the blend is a smooth curve of the joints, otherwise of the tool;
+  between two movep it is an arc at constant speed.
+* Overlapping blends: UR skips the waypoint with a warning; here both become smaller,
+  with a warning.
+* Where a joint would be too fast, the whole move is slower than asked.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, final
+
+from tool0.description.transform_arrays import rotation_vector
+from tool0.errors import ControlError, UnreachableError
+from tool0.kinematics.chain import Array
+from tool0.motion.blend import TURN_RATIO
+from tool0.motion.path import Path
+from tool0.motion.profile import SpeedProfile, braking
+from tool0.motion.segments import PathSegment
+
+MoveKind = Literal["joint", "linear", "process", "circular", "servo_circular"]
+FUNCTIONS: dict[MoveKind, str] = {
+    "joint": "movej",
+    "linear": "movel",
+    "process": "movep",
+    "circular": "movec",
+    "servo_circular": "servoc",
+}
+"""The functions of URScript."""
+WarningKind = Literal["blend", "stop", "speed"]
+"""A blend is smaller, or a stop instead; a speed is lower."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Move:
+    """One motion; poses are p[x, y, z, rx, ry, rz] of the TCP in a frame of choice."""
+
+    kind: MoveKind
+    q: Sequence[float] | None = None
+    """Target positions of the joints [rad]; either these or a pose."""
+    pose: Sequence[float] | None = None
+    """Target pose."""
+    via: Sequence[float] | None = None
+    """Pose on the way, of an arc; only its position is used."""
+    a: float
+    """[rad/s²] of the leading joint, or [m/s²] of the TCP."""
+    v: float
+    """[rad/s] of the leading joint, or [m/s] of the TCP."""
+    t: float = 0.0
+    """Duration [s]; if above 0, it replaces ``a`` and ``v``."""
+    r: float = 0.0
+    """Blend radius [m]."""
+    w: float | None = None
+    """Angular speed of the tool on a line [rad/s]; TURN_RATIO times ``v``, if left
+    out."""
+    mode: int = 0
+    """On an arc, 0: the orientation is interpolated to the target's; 1: it keeps its
+    angle to the arc, and the target's is not used."""
+
+    def __post_init__(self) -> None:
+        if (self.q is None) == (self.pose is None):
+            raise ControlError(f"{self} needs joint positions or a pose, one of them")
+        if (self.kind == "circular") != (self.via is not None):
+            raise ControlError("an arc needs a via pose, and nothing else has one")
+        if self.mode not in {0, 1}:
+            raise ControlError(f"{self}: mode must be 0 or 1, got {self.mode}")
+        if not 0.0 <= self.t < math.inf or not 0.0 <= self.r < math.inf:
+            raise ControlError(f"{self}: t and r must be at least 0 and finite")
+        if self.t == 0.0 and not (0.0 < self.a < math.inf and 0.0 < self.v < math.inf):
+            raise ControlError(
+                f"{self}: acceleration and speed must be above 0 and finite, got "
+                f"a={self.a}, v={self.v}"
+            )
+        if self.w is not None and not 0.0 < self.w < math.inf:
+            raise ControlError(f"{self}: w must be above 0 and finite, got {self.w}")
+        for values in (self.q, self.pose, self.via):
+            if values is not None and (
+                len(values) != 6 or not all(math.isfinite(x) for x in values)
+            ):
+                raise ControlError(f"{self} needs six finite numbers, got {values}")
+
+    @property
+    def turn_ratio(self) -> float:
+        """Angular speed of the tool on a line for each speed [rad/m]."""
+        return TURN_RATIO if self.w is None else self.w / self.v
+
+    def __str__(self) -> str:
+        """Return the function of URScript."""
+        return FUNCTIONS[self.kind]
+
+
+def pose_numbers(T: Array) -> tuple[float, ...]:
+    """Return a pose, shape (4, 4), as moves have it: with a rotation vector."""
+    return (*T[:3, 3].tolist(), *rotation_vector(T[:3, :3]).tolist())
+
+
+@final
+class MoveError(UnreachableError):
+    """A move of a sequence that cannot be done."""
+
+    def __init__(self, number: int, move: Move, reason: object) -> None:
+        super().__init__(f"move {number} ({move}): {reason}")
+        self.number = number
+        """In the sequence, from 1 on."""
+        self.reason = str(reason)
+
+
+class MoveWarning(NamedTuple):
+    """What is other than asked in a move of a sequence."""
+
+    number: int
+    """In the sequence, from 1 on."""
+    move: Move
+    kind: WarningKind
+    text: str
+
+    def __str__(self) -> str:
+        """Return it with the number and the function of URScript."""
+        return f"move {self.number} ({self.move}): {self.text}"
+
+
+class Tail(NamedTuple):
+    """The end of a plan: within the radius of its last target."""
+
+    segment: PathSegment
+    kind: MoveKind
+    radius: float
+    """[m]"""
+    remaining: float
+    """Distance to the target, in x of the segment."""
+    speed: float
+    acceleration: float
+    """Of the move."""
+    T_tip_tool: Array
+    """Pose of its tool in the flange, shape (4, 4)."""
+    entry: float
+    """Path time at which the tool comes within the radius [s]."""
+
+    @property
+    def brake(self) -> SpeedProfile:
+        """To rest at the target."""
+        return braking(self.remaining, self.speed, self.acceleration)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MovePlan:
+    """The path through a sequence of moves."""
+
+    path: Path
+    """Cubics."""
+    begins: tuple[float, ...]
+    """Path time at which each move begins, with the blend into it [s]."""
+    zones: tuple[float, ...]
+    """Path time at which each move comes within its blend radius, or ends [s]."""
+    warnings: tuple[MoveWarning, ...]
+    tail: Tail | None
+    """If the last move has a radius: how it goes on into another one."""
+
+    @property
+    def duration(self) -> float:
+        """Of the whole motion [s]."""
+        return self.path.duration
+
+    @property
+    def end(self) -> Array:
+        """Joint positions at the end, at rest [rad], shape (6,)."""
+        return self.path.end
+
+    def move_at(self, time: float) -> int:
+        """Return the index of the move at a path time."""
+        return max(sum(begin <= time for begin in self.begins) - 1, 0)

@@ -1,0 +1,158 @@
+"""The result of planning: joint positions over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.kinematics.chain import Array
+
+_QUINTIC = np.array(
+    [
+        [1, 0, 0, -10, 15, -6],
+        [0, 1, 0, -6, 8, -3],
+        [0, 0, 0.5, -1.5, 1.5, -0.5],
+        [0, 0, 0, 10, -15, 6],
+        [0, 0, 0, -4, 7, -3],
+        [0, 0, 0, 0.5, -1, 0.5],
+    ]
+)
+"""Quintics over 0 … 1 of which one end value is 1 and the others are 0: position,
+velocity and acceleration at the start, then at the end; coefficients from u⁰ to u⁵."""
+_POWERS = np.arange(6)
+
+
+class Cubics(NamedTuple):
+    """Joint positions over time, or over a path parameter; cubics between the knots."""
+
+    times: Array
+    """[s], or the parameter, shape (n,)."""
+    q: Array
+    """[rad], shape (n, n_joints)."""
+    qd: Array
+    """[rad/s], or per parameter, shape (n, n_joints)."""
+
+    def at(self, times: Array) -> Cubics:
+        """Return the motion at other times within it."""
+        k, h, u = _intervals(self.times, times)
+        here, there = self.q[k], self.q[k + 1]
+        out, into = h * self.qd[k], h * self.qd[k + 1]
+        q = (
+            (1 + 2 * u) * (1 - u) ** 2 * here
+            + u * (1 - u) ** 2 * out
+            + u**2 * (3 - 2 * u) * there
+            + u**2 * (u - 1) * into
+        )
+        slope = (
+            6 * u * (1 - u) * (there - here)
+            + (1 - u) * (1 - 3 * u) * out
+            + u * (3 * u - 2) * into
+        )
+        return Cubics(times, q, slope / h)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Path:
+    """A motion of joints to rest, at knots: every planner returns one.
+
+    Between two knots is the cubic that meets both, or the quintic if there are
+    accelerations.  Arrays have shape (n_knots, n_joints).
+    """
+
+    joint_names: tuple[str, ...]
+    times: Array
+    """[s], increasing, shape (n_knots,).  The first one is 0: the start."""
+    positions: Array
+    """[rad | m]"""
+    velocities: Array
+    """[rad/s | m/s]"""
+    accelerations: Array | None = None
+    """[rad/s² | m/s²]; None for cubics."""
+
+    @property
+    def duration(self) -> float:
+        """Duration of the motion [s]."""
+        return float(self.times[-1])
+
+    @property
+    def end(self) -> Array:
+        """Positions at the end, at rest [rad | m], shape (n_joints,)."""
+        return np.asarray(self.positions[-1])
+
+    def at(self, times: Array) -> Path:
+        """Return the same motion with its knots at ``times`` within it [s]."""
+        if self.accelerations is None:
+            q, qd = Cubics(self.times, self.positions, self.velocities).at(times)[1:]
+            return self._at(times, q, qd)
+        k, h, u = _intervals(self.times, times)
+        values = (self.positions, self.velocities, self.accelerations)
+        ends = np.array(
+            [h**n * rows[end] for end in (k, k + 1) for n, rows in enumerate(values)]
+        )
+        found, terms = [], _QUINTIC
+        for order in range(3):
+            basis = u ** _POWERS[: terms.shape[1]] @ terms.T
+            found.append(np.einsum("tb,btj->tj", basis, ends) / h**order)
+            terms = terms[:, 1:] * _POWERS[1 : terms.shape[1]]  # the derivative's
+        return self._at(times, *found)
+
+    def since(self, time: float) -> Path:
+        """Return the path without the knots before ``time`` [s]; the last one stays."""
+        keep = self.times >= time
+        keep[-1] = True
+        a = self.accelerations
+        return self._at(
+            self.times[keep],
+            self.positions[keep],
+            self.velocities[keep],
+            None if a is None else a[keep],
+        )
+
+    def beside(self, standing: Mapping[str, float]) -> Path:
+        """Return the path with the joints of ``standing``, in their order.
+
+        Those that do not move stay at its positions [rad | m].
+        """
+        if tuple(standing) == self.joint_names:
+            return self
+        columns = [list(standing).index(name) for name in self.joint_names]
+        still = np.zeros((len(self.times), len(standing)))
+
+        def widened(rows: Array, others: Array) -> Array:
+            wide = others.copy()
+            wide[:, columns] = rows
+            return wide
+
+        a = self.accelerations
+        return Path(
+            joint_names=tuple(standing),
+            times=self.times,
+            positions=widened(self.positions, still + list(standing.values())),
+            velocities=widened(self.velocities, still),
+            accelerations=None if a is None else widened(a, still),
+        )
+
+    def _at(self, times: Array, q: Array, qd: Array, qdd: Array | None = None) -> Path:
+        return Path(
+            joint_names=self.joint_names,
+            times=times,
+            positions=q,
+            velocities=qd,
+            accelerations=qdd,
+        )
+
+
+def _intervals(knots: Array, times: Array) -> tuple[NDArray[np.intp], Array, Array]:
+    """Return interval, its duration and the part of it that has passed, by time.
+
+    The last two have shape (n, 1).
+    """
+    k = np.searchsorted(knots, times, side="right") - 1
+    k = np.clip(k, 0, len(knots) - 2)
+    h = (knots[k + 1] - knots[k])[:, None]
+    return k, h, (times - knots[k])[:, None] / h

@@ -1,0 +1,237 @@
+"""Moves with their timing: which part of a segment is passed at which speed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+import numpy as np
+
+from tool0.description.model import Joint
+from tool0.errors import UnreachableError
+from tool0.motion.line import LinePath
+from tool0.motion.moves import Move, Tail, WarningKind
+from tool0.motion.path import Cubics
+from tool0.motion.profile import SpeedProfile, braking, smoothed, trapezoid
+from tool0.motion.rules import MoveRules
+from tool0.motion.segments import (
+    JointSegment,
+    PathSegment,
+    ToolSegment,
+    distance_within,
+    passage,
+)
+
+_RAMP_SHARE = 0.25
+"""Part of a given time for each ramp from or to rest."""
+_ROUNDS = 16
+_ROUNDING = 1e-9
+_SPEED_SHARE = 0.999
+"""Part of a joint's largest velocity that is planned with: between two knots it may be
+a little faster."""
+_SHORTEST = 2e-4
+"""Intervals whose acceleration is judged [s]: in shorter ones it is rounding."""
+
+
+@final
+class ArmLimits:
+    """What the joints of an arm can do."""
+
+    def __init__(self, joints: tuple[Joint, ...], rules: MoveRules) -> None:
+        self.rules = rules
+        self.names = tuple(joint.name for joint in joints)
+        velocities = [joint.max_velocity for joint in joints]
+        self.fastest = _SPEED_SHARE * np.array(velocities)
+        """[rad/s], shape (6,)."""
+        self.strongest = np.array(rules.accelerations)
+        """[rad/s²], shape (6,)."""
+        self.braking = np.array([joint.max_acceleration for joint in joints])
+        """Accelerations where moves blend, at least [rad/s²], shape (6,)."""
+
+    def excess(self, motion: Cubics) -> tuple[float, float, int]:
+        """Return velocity and acceleration relative to the limits, and the joint."""
+        times, q, qd = motion
+        ratios = (np.abs(qd) / self.fastest).max(axis=0)
+        h = np.diff(times)
+        long = h > _SHORTEST
+        h, change = h[long, None], np.diff(q, axis=0)[long]
+        before, after = qd[:-1][long], qd[1:][long]
+        first = 6.0 * change / h - 4.0 * before - 2.0 * after
+        last = 2.0 * before + 4.0 * after - 6.0 * change / h
+        accelerations = np.maximum(np.abs(first), np.abs(last)) / h
+        strongest = float((accelerations / self.strongest).max(initial=0.0))
+        return float(ratios.max()), strongest, int(ratios.argmax())
+
+
+class TimingWarning(NamedTuple):
+    """What is other than asked."""
+
+    kind: WarningKind
+    text: str
+
+
+class _Speeds(NamedTuple):
+    speed: float
+    acceleration: float
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TimedSegment:
+    """A segment between the blends at its ends."""
+
+    segment: PathSegment
+    zone_in: float
+    """Length of the blend from the move before, in x; 0 from rest."""
+    zone_out: float
+    """Length of the blend into the next move, in x; 0 to rest."""
+    profile: SpeedProfile
+    """Between the two."""
+    acceleration: float
+    motion: Cubics
+    """Between the two."""
+    radius: float
+    """The blend radius at its end, which may have been reduced [m]."""
+    warnings: tuple[TimingWarning, ...]
+
+    @property
+    def speed_in(self) -> float:
+        return float(self.profile.speeds[0])
+
+    @property
+    def speed_out(self) -> float:
+        return float(self.profile.speeds[-1])
+
+
+def timed_segment(
+    segment: PathSegment,
+    move: Move,
+    tail: Tail | None,
+    limits: ArmLimits,
+    *,
+    entry: float = 1.0,
+    is_symmetric: bool = False,
+) -> TimedSegment:
+    """Return the fastest motion along a segment within the limits.
+
+    Args:
+        segment: Where the move goes.
+        move: Its speeds and its radius.
+        tail: The end of the move before, to blend with; None from rest.
+        limits: Of the joints.
+        entry: Part of the speed that it may have after the blend.
+        is_symmetric: Whether the blend may not be longer than the tail.
+
+    Raises:
+        UnreachableError: If it would have to be extremely slow.
+    """
+    warnings: list[TimingWarning] = []
+    zone_in, zone_out, scale = _zones(segment, move, tail)
+    if scale < 1.0:
+        text = f"overlapping blends: the radius is reduced to {scale:.0%}"
+        warnings.append(TimingWarning("blend", text))
+    if tail is not None and is_symmetric:
+        zone_in = min(zone_in, tail.remaining)
+    n_rests = (tail is None) + (move.r == 0.0)
+    speed, acceleration = wanted = _speeds(segment, move, n_rests, limits)
+    harder_in, harder_out = _end_accelerations(segment, limits)
+    inner = max(segment.length - zone_in - zone_out, 0.0)
+    joint, remedy = 0, limits.rules.remedy
+    for k in range(_ROUNDS):
+        out = min(speed, math.sqrt(2.0 * max(acceleration, harder_out) * zone_out))
+        into = min(
+            speed,
+            math.sqrt(2.0 * max(acceleration, harder_in) * zone_in),
+            math.sqrt(out**2 + 2.0 * acceleration * inner),
+        )
+        into *= entry
+        out = min(out, math.sqrt(into**2 + 2.0 * acceleration * inner))
+        profile = trapezoid(inner, speed, acceleration, into, out)
+        if limits.rules.smoothing and into == out == 0.0:
+            profile = smoothed(profile, limits.rules.smoothing)
+        motion = passage(segment, profile, zone_in)
+        too_fast, too_strong, joint = limits.excess(motion)
+        if zone_out > 0.0:  # it may have to stop there
+            stop = braking(zone_out, out, acceleration)
+            stopping = passage(segment, stop, segment.length - zone_out)
+            worse = limits.excess(stopping)
+            joint = worse[2] if worse[0] > too_fast else joint
+            too_fast = max(too_fast, worse[0])
+            too_strong = max(too_strong, worse[1])
+        if max(too_fast, too_strong) <= 1.0 + limits.rules.excess:
+            break
+        slower = max(too_fast, math.sqrt(too_strong), 1.0)
+        speed = min(speed, profile.peak) / slower
+        if too_strong > 1.0 or k >= _ROUNDS // 4:
+            acceleration /= slower**2
+        if speed < limits.rules.slowest * min(wanted.speed, profile.peak):
+            raise UnreachableError(
+                f"the path passes a singularity: joint '{limits.names[joint]}' would "
+                f"have to turn {too_fast:.0f} times as fast as it can; {remedy}"
+            )
+    else:
+        raise UnreachableError(f"the path passes too close to a singularity; {remedy}")
+    if speed < wanted.speed * (1.0 - _ROUNDING) and k > 0:
+        text = (
+            f"at most {speed:.4g} instead of {wanted.speed:.4g} per second: joint "
+            f"'{limits.names[joint]}' would be too fast"
+        )
+        warnings.append(TimingWarning("speed", text))
+    return TimedSegment(
+        segment=segment,
+        zone_in=zone_in,
+        zone_out=zone_out,
+        profile=profile,
+        acceleration=acceleration,
+        motion=motion,
+        radius=move.r * scale,
+        warnings=tuple(warnings),
+    )
+
+
+def is_straight(segment: PathSegment) -> bool:
+    """Return whether the tool goes on a line."""
+    return (
+        isinstance(segment, ToolSegment)
+        and isinstance(segment.path, LinePath)
+        and segment.path.length > 1e-6
+    )
+
+
+def _zones(
+    segment: PathSegment, move: Move, tail: Tail | None
+) -> tuple[float, float, float]:
+    """Return the lengths of both blends, and how much the radius is reduced."""
+    length = segment.length
+    into = out = 0.0
+    if tail is not None:
+        into = distance_within(segment, tail.radius, at_end=False)
+    if move.r > 0.0:
+        out = distance_within(segment, move.r, at_end=True)
+    # From rest and to rest, half of the segment remains to change the speed.
+    most = length if into > 0.0 and out > 0.0 else length / 2.0
+    scale = min(1.0, most / max(into + out, 1e-300))
+    return into * scale, out * scale, scale
+
+
+def _speeds(
+    segment: PathSegment, move: Move, n_rests: int, limits: ArmLimits
+) -> _Speeds:
+    """Return speed and acceleration that a move asks for."""
+    speed, acceleration = move.v, move.a
+    if move.t > 0.0:
+        speed = segment.length / (move.t * (1.0 - _RAMP_SHARE * n_rests / 2.0))
+        acceleration = speed / (move.t * _RAMP_SHARE)
+    if isinstance(segment, JointSegment):
+        rate = np.maximum(np.abs(segment.rate), 1e-12)
+        speed = min(speed, float((limits.fastest / rate).min()))
+        acceleration = min(acceleration, float((limits.strongest / rate).min()))
+    return _Speeds(speed, acceleration)
+
+
+def _end_accelerations(segment: PathSegment, limits: ArmLimits) -> tuple[float, float]:
+    """Return the accelerations along the path that the joints allow at its ends."""
+    _, rates = segment.at(np.array([0.0, segment.length]))
+    allowed = (limits.braking / np.maximum(np.abs(rates), 1e-12)).min(axis=1)
+    return float(allowed[0]), float(allowed[1])

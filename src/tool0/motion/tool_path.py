@@ -1,0 +1,157 @@
+"""Paths of a tool, and the joint positions that follow them without jumps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, final
+
+import numpy as np
+
+from tool0.description.transform import from_matrix
+from tool0.errors import UnreachableError
+from tool0.kinematics.chain import Array
+from tool0.kinematics.geometry import wrapped
+from tool0.kinematics.inverse import InverseKinematics
+from tool0.motion.rules import MoveRules
+
+MAX_JOINT_STEP = 0.3
+"""A joint that turns more in a step [rad] jumps: at 2 mm a step, that is 150 rad/m,
+so that a line at 20 mm/s would take the joint to its largest velocity."""
+
+
+class ToolPath(Protocol):
+    """Poses of a tool over a path parameter s from 0 to 1.
+
+    Poses are in the link that carries the arm.
+    """
+
+    @property
+    def noun(self) -> str:
+        """What it is, for messages: ``line``."""
+
+    @property
+    def length(self) -> float:
+        """Of the tool's way [m]."""
+
+    @property
+    def angle(self) -> float:
+        """By which the tool turns [rad]."""
+
+    def tool(self, s: Array) -> Array:
+        """Return the tool's pose at each s, shape (n, 4, 4)."""
+
+    def twist(self, s: Array, T_base_tip: Array) -> Array:
+        """Return the motion per s of a frame fixed to the tool, shape (n, 6).
+
+        Linear above angular; the frame is where ``T_base_tip`` is, shape (n, 4, 4).
+        """
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ToolOfArm:
+    """An arm with its tool, and the rules of its moves."""
+
+    kinematics: InverseKinematics
+    T_tip_tool: Array
+    """Pose of the tool in the flange, shape (4, 4)."""
+    T_root_base: Array
+    """Pose of the link that carries the arm, for messages, shape (4, 4)."""
+    rules: MoveRules
+
+    def pose(self, q: Array) -> Array:
+        """Return the tool's pose at positions ``q`` [rad], shape (n, 4, 4)."""
+        return np.asarray(self.kinematics.chain.forward(q).T_base_tip @ self.T_tip_tool)
+
+
+@final
+class PathFollower:
+    """Joint positions and their rates along a path."""
+
+    def __init__(self, tool: ToolOfArm, path: ToolPath) -> None:
+        self._kinematics, self._path = tool.kinematics, path
+        self._T_tool_tip = np.linalg.inv(tool.T_tip_tool)
+        self._T_root_base, self._remedy = tool.T_root_base, tool.rules.remedy
+
+    def tip(self, s: Array) -> Array:
+        """Return the flange's pose at each s, shape (n, 4, 4)."""
+        return np.asarray(self._path.tool(s) @ self._T_tool_tip)
+
+    def place(self, s: float) -> str:
+        """Return the place of s on the path, as text."""
+        pose = from_matrix(self._T_root_base @ self._path.tool(np.array([s]))[0])
+        return f"at {s:.0%} of the {self._path.noun}, where the tool is at {pose}"
+
+    def check_end(self, start: Array) -> None:
+        """Raise UnreachableError, before solving a long path, if its end is too far."""
+        end = self.tip(np.ones(1))[0]
+        if not len(self._kinematics.postures(end, start)):
+            raise self._no_solution(1.0, start)
+
+    def follow(self, s: Array, start: Array) -> Array:
+        """Return joint positions at every s, each nearest to the ones before, (n, 6).
+
+        Raises:
+            UnreachableError: If a pose cannot be reached, a joint jumps or leaves its
+                limits, with the place.
+        """
+        kinematics, noun = self._kinematics, self._path.noun
+        poses = self.tip(s)
+        every = kinematics.geometry.solve(poses)
+        found = np.empty((len(poses), 6))
+        found[0] = q = start
+        for k in range(1, len(poses)):
+            turns = wrapped(every[k] - q)
+            sizes = np.abs(turns).max(axis=1)
+            sizes[np.isnan(sizes)] = np.inf
+            nearest = int(sizes.argmin())
+            if np.isinf(sizes[nearest]):
+                raise self._no_solution(s[k], q)
+            if sizes[nearest] > MAX_JOINT_STEP:
+                joint = kinematics.chain.joints[int(np.abs(turns[nearest]).argmax())]
+                raise UnreachableError(
+                    f"the {noun} passes a singularity, or the reach of "
+                    f"'{kinematics.branch(q)}' ends: joint '{joint.name}' would have "
+                    f"to jump by {sizes[nearest]:.2f} rad {self.place(s[k])}; "
+                    f"{self._remedy}"
+                )
+            found[k] = q = q + turns[nearest]
+        refined = kinematics.refined(found, poses)
+        if len(refined) != len(found):
+            raise UnreachableError(
+                f"the {noun} passes too close to a singularity; {self._remedy}"
+            )
+        self._check_limits(s, refined)
+        return refined
+
+    def rate(self, s: Array, q: Array) -> Array:
+        """Return dq/ds, shape (n, 6)."""
+        posture = self._kinematics.chain.forward(q)
+        twist = self._path.twist(s, posture.T_base_tip)
+        try:
+            solved = np.linalg.solve(posture.jacobian, twist[..., None])
+        except np.linalg.LinAlgError:
+            raise UnreachableError(
+                f"the {self._path.noun} starts or passes where the arm is singular; "
+                f"{self._remedy}"
+            ) from None
+        return np.asarray(solved[..., 0], dtype=np.float64)
+
+    def _no_solution(self, s: float, q: Array) -> UnreachableError:
+        noun, place = self._path.noun, self.place(s)
+        try:
+            self._kinematics.solutions(self.tip(np.array([s]))[0], q)
+        except UnreachableError as error:
+            return UnreachableError(f"the {noun} cannot be followed: {error}; {place}")
+        return UnreachableError(f"the {noun} cannot be followed {place}")
+
+    def _check_limits(self, s: Array, q: Array) -> None:
+        for k, joint in enumerate(self._kinematics.chain.joints):
+            lower, upper = joint.limits.range_from(float(q[0, k]))
+            outside = (q[:, k] < lower - 1e-6) | (q[:, k] > upper + 1e-6)
+            if outside.any():
+                raise UnreachableError(
+                    f"joint '{joint.name}' would leave its limits "
+                    f"[{joint.limits.lower:.3f}, {joint.limits.upper:.3f}] rad "
+                    f"{self.place(s[outside.argmax()])}"
+                )

@@ -1,0 +1,43 @@
+"""The programs and the machine on which the results of a simulation depend."""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import version
+
+from tool0.engines.registry import batch_engine, engine_definition
+from tool0.kernel.build import source_digest
+from tool0.kernel.library import kernel_status
+
+
+def current_versions(engine: str) -> dict[str, str]:
+    """Return the versions of tool0, of Python and of an engine's package."""
+    found = {"tool0": version("tool0"), "python": platform.python_version()}
+    return found | engine_definition(engine).versions()
+
+
+def batch_versions() -> dict[str, str]:
+    """Return the versions of tool0, of the batch engine's package and of numpy."""
+    engine = engine_definition(batch_engine())
+    found = {"tool0": version("tool0")} | engine.versions()
+    return found | {"numpy": version("numpy")}
+
+
+def kernel_digest() -> str:
+    """Return a digest of the kernel's sources and of the flags that compile it."""
+    return source_digest()[:16]
+
+
+def current_platform() -> str:
+    """Return operating system and processor of this machine."""
+    return f"{platform.system()} {platform.machine()}"
+
+
+def is_kernel_compiled() -> bool:
+    """Return whether compiled code executes the ticks; the results are the same."""
+    return kernel_status().library is not None
+
+
+def is_deterministic(engine: str) -> bool:
+    """Return whether equal input gives bit-identical results on an engine."""
+    return engine_definition(engine).is_deterministic

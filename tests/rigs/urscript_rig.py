@@ -1,0 +1,232 @@
+"""Runs URScript programs: on a bring-up's control box, or with time alone."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable, Coroutine, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+from tool0.api.connect import SocketChannel
+from tool0.errors import Tool0Error
+from tool0.interfaces.ur.control_box import UrControlBox
+from tool0.interfaces.ur.messages import Message, MessageKind, Messages
+from tool0.interfaces.ur.registers import Registers
+from tool0.interfaces.ur.urscript.execution import Execution
+from tool0.interfaces.ur.urscript.program import compile_program
+from tool0.protocol.arm import ListArms
+from tool0.protocol.updates import ArmUpdate, SubscribeUpdates, UpdateMessage
+
+R = TypeVar("R")
+PROGRAMS = Path(__file__).parents[1] / "data" / "urscript"
+ZEROS = (0.0,) * 6
+TIMEOUT = 60.0  # [wall s]
+
+
+@dataclass
+class Run:
+    """What a program did."""
+
+    messages: list[Message] = field(default_factory=list)
+    times: list[float] = field(default_factory=list)
+    """Of the messages, since the start [s]."""
+    error: Tool0Error | None = None
+    duration: float = 0.0
+    """Simulated [s]."""
+
+    @property
+    def texts(self) -> list[str]:
+        return [item.text for item in self.messages if item.kind is MessageKind.TEXT]
+
+    @property
+    def errors(self) -> list[str]:
+        return [item.text for item in self.messages if item.kind is MessageKind.ERROR]
+
+    def time_of(self, text: str, which: int = 0) -> float:
+        """When a text was sent, since the start [s]."""
+        pairs = zip(self.messages, self.times, strict=True)
+        return [time for item, time in pairs if item.text == text][which]
+
+
+class _Slot:
+    is_paused = False
+
+    def __init__(self, box: TimeBox) -> None:
+        self._box = box
+
+    def pause(self) -> None:
+        self.is_paused = True
+
+    def resume(self) -> None:
+        self.is_paused = False
+
+    async def gate(self) -> None:
+        while self.is_paused:
+            await self._box.next_update()
+
+
+class TimeBox:
+    """A control box whose time passes when a program waits; nothing moves."""
+
+    arm = "arm"
+    rate = 500.0
+    allow_sockets = False
+    gripper, why_no_gripper = None, "the arm carries no gripper"
+    q = qd = effort = tcp = ZEROS
+
+    def __init__(self) -> None:
+        self.ticks = 0
+        self.messages = Messages()
+        self.registers = Registers()
+        self.programs = _Slot(self)
+        self.when_updated: set[Callable[[], None]] = set()
+        self.arm_update = ArmUpdate(
+            target_position=ZEROS,
+            target_velocity=ZEROS,
+            target_acceleration=ZEROS,
+            mode="hold",
+            path=0,
+            path_time=0.0,
+            is_done=True,
+            force_mode=False,
+            wrench=ZEROS,
+        )
+        self._next: asyncio.Future[None] | None = None
+
+    @property
+    def time(self) -> float:
+        return self.ticks * 0.002
+
+    async def next_update(self) -> None:
+        loop = asyncio.get_running_loop()
+        if self._next is None:
+            self._next = loop.create_future()
+            loop.call_soon(self._advance, 2)
+        await asyncio.shield(self._next)
+
+    def _advance(self, turns: int) -> None:
+        """Let every task that can run do so before time passes."""
+        if turns:
+            asyncio.get_running_loop().call_soon(self._advance, turns - 1)
+            return
+        self.ticks += 1
+        for callback in tuple(self.when_updated):
+            callback()
+        waiting, self._next = self._next, None
+        if waiting is not None:
+            waiting.set_result(None)
+
+    async def sleep(self, duration: float) -> None:
+        end = self.ticks + round(duration / 0.002)
+        while self.ticks < end:
+            await self.next_update()
+
+
+def run_in_time(text: str, box: TimeBox | None = None) -> Run:
+    """Run a program that needs no robot."""
+
+    async def run() -> Run:
+        return await run_on(cast("UrControlBox", box or TimeBox()), text)
+
+    return asyncio.run(run())
+
+
+async def run_on(box: UrControlBox, text: str, name: str = "p") -> Run:
+    """Run a program on a box, without taking the arm."""
+    outcome = Run()
+    box.messages.listeners.add(outcome.messages.append)
+    start = box.time
+    try:
+        program = compile_program(text, name)
+        if isinstance(box, TimeBox):
+            await Execution(name, box, cast("Any", None)).run(program._code)
+        else:
+            await program.run(box)
+    except Tool0Error as error:
+        outcome.error = error
+    finally:
+        box.messages.listeners.discard(outcome.messages.append)
+    outcome.duration = box.time - start
+    return outcome
+
+
+class BoxRig:
+    """The control box of a bring-up, in an event loop of its own thread."""
+
+    def __init__(self, name: str = "tool0") -> None:
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
+        self._channel = SocketChannel(name)
+        self.box = self.do(self._connect())
+
+    def do(self, action: Coroutine[Any, Any, R]) -> R:
+        """Await something in the loop."""
+        return asyncio.run_coroutine_threadsafe(action, self._loop).result(TIMEOUT)
+
+    async def _connect(self) -> UrControlBox:
+        first: asyncio.Future[UpdateMessage] = self._loop.create_future()
+        boxes: list[UrControlBox] = []
+
+        def take(update: UpdateMessage) -> None:
+            if not first.done():
+                first.set_result(update)
+            for box in boxes:
+                box.take(update)
+
+        def when_updated(update: UpdateMessage) -> None:
+            with suppress(RuntimeError):
+                self._loop.call_soon_threadsafe(take, update)
+
+        channel = self._channel
+        channel.when_updated = when_updated
+        (arm,) = await asyncio.to_thread(channel.call, ListArms())
+        request = SubscribeUpdates(arms=(arm.name,))
+        await asyncio.to_thread(channel.call, request)
+        boxes.append(UrControlBox(channel, arm.name, await first))
+        return boxes[0]
+
+    def run(self, text: str) -> Run:
+        """Run a program as clients do, in the slot of the box."""
+        return self.do(self._run(text))
+
+    async def _run(self, text: str) -> Run:
+        box, outcome = self.box, Run()
+        start = box.time
+
+        def listen(message: Message) -> None:
+            outcome.messages.append(message)
+            outcome.times.append(box.time - start)
+
+        box.messages.listeners.add(listen)
+        try:
+            program = await asyncio.to_thread(compile_program, text, "p")
+            await box.next_update()
+            start = box.time
+            await box.programs.start(program, box.programs.n_stops)
+            while box.programs.is_running:
+                await box.next_update()
+            outcome.duration = box.time - start
+        finally:
+            box.messages.listeners.discard(listen)
+        return outcome
+
+    def close(self) -> None:
+        if self.box.gripper is not None:
+            self.do(self.box.gripper.close())
+        self._channel.close()
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()
+
+
+@contextmanager
+def box_rig(name: str = "tool0") -> Iterator[BoxRig]:
+    rig = BoxRig(name)
+    try:
+        yield rig
+    finally:
+        rig.close()
