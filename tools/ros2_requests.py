@@ -255,7 +255,10 @@ def module_text() -> str:
         for name, kinds in names.items()
         if len(kinds) > 1
     ]
-    return formatted("\n\n".join([HEAD, *values.texts(), *unions, *functions]), MODULE)
+    kinds = ", ".join(map(repr, sorted(codec.ERRORS)))
+    errors = f"ErrorKind = Literal[{kinds}]\n" + '"""A class of tool0\'s error tree."""'
+    parts = [HEAD, errors, *values.texts(), *unions, *functions]
+    return formatted("\n\n".join(parts), MODULE)
 
 
 def _function(kind: type[Request[Any]], values: _Values) -> str:

@@ -146,14 +146,14 @@ class Context:
     """Those of the command line: ``tf_rate``, ``camera_rate`` [Hz], …"""
 
     def ask(self, request: Request[T], use: str) -> T | None:
-        """Return the response to a request, or None where the robot refuses it.
+        """Return the response to a request, or None where the robot has no answer.
 
         Not every robot offers every request: a warning says that ``use`` is left out.
         """
         try:
             return self.connection.call(request)
         except RequestFailedError as error:
-            if error.kind != "ControlError":
+            if error.kind != "NotOfferedError":
                 raise
             self.report.warning(f"left out: {use}, since {error}")
             return None

@@ -20,6 +20,7 @@ from tool0_ros2.requests import (
     MAX_REQUEST,
     PROTOCOL,
     ErrorInfo,
+    ErrorKind,
     GoalEnded,
     Hello,
     Message,
@@ -41,10 +42,9 @@ T = TypeVar("T")
 class RequestFailedError(Exception):
     """The simulation refused a request."""
 
-    def __init__(self, kind: str, message: str, code: int | None = None) -> None:
+    def __init__(self, kind: ErrorKind, message: str, code: int | None = None) -> None:
         super().__init__(message)
         self.kind = kind
-        """A class of tool0's error tree, such as ``GoalRejectedError``."""
         self.code = code
 
 
@@ -232,7 +232,8 @@ class Connection:
 
 def failure(error: ErrorInfo) -> RequestFailedError:
     """Return the error of a reply."""
-    return RequestFailedError(error["type"], error["message"], error.get("code"))
+    kind: Any = error["type"]
+    return RequestFailedError(kind, error["message"], error.get("code"))
 
 
 _ENDED = RequestFailedError("TransportError", "the bring-up has ended")

@@ -149,9 +149,8 @@ class Controllers:
         return node, values
 
     def _read(self, name: str) -> dict[str, Any]:
-        return self._context.connection.call(
-            requests.read_controller_parameters(controller=name)
-        )
+        request = requests.read_controller_parameters(controller=name)
+        return self._context.ask(request, "the parameters of controllers") or {}
 
     def _close(self, name: str) -> None:
         with self._lock:

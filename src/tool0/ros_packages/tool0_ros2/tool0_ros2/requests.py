@@ -24,6 +24,34 @@ class Request(Generic[Response]):
         self.params = {k: v for k, v in params.items() if v is not _UNSET}
 
 
+ErrorKind = Literal[
+    "ClaimError",
+    "CollectError",
+    "ConfigError",
+    "ControlError",
+    "DescriptionError",
+    "DivergenceError",
+    "EngineError",
+    "EngineUnavailableError",
+    "GoalRejectedError",
+    "GoalTimeoutError",
+    "GymUnavailableError",
+    "LimitsError",
+    "ModelError",
+    "NotOfferedError",
+    "PenetrationError",
+    "ProgramError",
+    "RecordingError",
+    "RenderError",
+    "RequestError",
+    "RosUnavailableError",
+    "Tool0Error",
+    "TransportError",
+    "UnreachableError",
+]
+"""A class of tool0's error tree."""
+
+
 class Hello(TypedDict):
     type: Literal["hello"]
     protocol: int

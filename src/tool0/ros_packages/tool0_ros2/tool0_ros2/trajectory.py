@@ -27,7 +27,8 @@ class JointTrajectoryPart:
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
         names, node, parameters = context.names, context.node, context.parameters
-        self._full = list(parameters.get("joints", []))
+        claimed = (name for _, joints in context.status["claimed"] for name in joints)
+        self._full = list(parameters.get("joints") or dict.fromkeys(claimed))
         self._joints = list(map(names.own, self._full))
         self._outputs = [
             _OUTPUT_FIELDS[kind]
