@@ -3,7 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tool0.hardware.speed_governor import FAST, GovernedDrive, SpeedGovernor
+from tool0.hardware.speed_governor import (
+    FAST,
+    LARGEST_TURN,
+    GovernedDrive,
+    SpeedGovernor,
+)
 
 DT = 1e-3
 MASSES = np.array([[2.0, 0.3, 0.02], [0.3, 0.5, 0.03], [0.02, 0.03, 0.05]])
@@ -21,6 +26,19 @@ def governor() -> SpeedGovernor:
     return made
 
 
+AT = [0.1, 0.2, 0.3]
+"""Positions of the joints [rad]."""
+
+
+def test_a_mobility_holds_near_the_posture_it_was_computed_at() -> None:
+    made = governor()
+    assert made.is_mobility_due(AT)
+    made.update(np.eye(3).tolist(), AT)
+    near, far = ([q + share * LARGEST_TURN for q in AT] for share in (0.99, 1.01))
+    assert not made.is_mobility_due(near)
+    assert made.is_mobility_due(far)
+
+
 def largest_share(masses: np.ndarray, seed: int) -> float:
     """Return the largest speed ÷ limit under random efforts and constant loads."""
     rng = np.random.default_rng(seed)
@@ -32,8 +50,8 @@ def largest_share(masses: np.ndarray, seed: int) -> float:
             wanted = rng.uniform(-3.0, 3.0, 3) * EFFORTS
         effort = wanted.tolist()
         if made.is_fast(v.tolist()):
-            if k >= made.state.due:
-                made.update((DT * np.linalg.inv(MASSES)).tolist(), k)
+            if made.is_mobility_due(AT):
+                made.update((DT * np.linalg.inv(MASSES)).tolist(), AT)
             made.limit(effort, applied, v.tolist())
         made.note(v.tolist())
         effort = np.clip(effort, [-u for u in EFFORTS], EFFORTS).tolist()
@@ -55,7 +73,7 @@ def test_a_load_that_it_does_not_know_slows_the_joints_down(seed: int) -> None:
 
 def test_efforts_that_exceed_no_speed_are_left_alone() -> None:
     made, effort = governor(), [20.0, -10.0, 3.0]
-    made.update((DT * np.linalg.inv(MASSES)).tolist(), 0)
+    made.update((DT * np.linalg.inv(MASSES)).tolist(), AT)
     made.note([2.0, 0.0, 0.0])
     made.limit(effort, [0.0] * 3, [2.0, 0.0, 0.0])
     assert effort == [20.0, -10.0, 3.0]
@@ -63,7 +81,7 @@ def test_efforts_that_exceed_no_speed_are_left_alone() -> None:
 
 def test_a_joint_beyond_its_speed_is_braked() -> None:
     made, effort = governor(), [100.0, 0.0, 0.0]
-    made.update((DT * np.linalg.inv(MASSES)).tolist(), 0)
+    made.update((DT * np.linalg.inv(MASSES)).tolist(), AT)
     made.note([4.0, 0.0, 0.0])
     made.limit(effort, [0.0] * 3, [4.0, 0.0, 0.0])
     assert effort[0] == pytest.approx(-EFFORTS[0])
