@@ -538,9 +538,9 @@ class RobotHardware:
         """Limit efforts so that no joint exceeds its speed in the next step."""
         governor, velocity = self._governor, state.velocity
         if governor.is_fast(velocity):
-            if self._steps >= governor.state.due:
+            if governor.is_mobility_due(state.position):
                 mobility = self._dynamics.mobility(governor.setup.free, state)
-                governor.update(mobility.tolist(), self._steps)
+                governor.update(mobility.tolist(), state.position)
             governor.limit(effort, state.effort, velocity)
         governor.note(velocity)
 

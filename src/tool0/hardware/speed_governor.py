@@ -21,8 +21,8 @@ SWEEPS: Final = 20
 """Most sweeps over all joints."""
 TOLERANCE: Final = 1e-6
 """Excess of speed that ends the sweeps [rad/s | m/s]."""
-PERIOD: Final = 64
-"""Steps for which a mobility is used: in 64 ms the fastest wrist turns 0.4 rad."""
+LARGEST_TURN: Final = 0.2
+"""Motion of a joint for which a mobility is used [rad | m]."""
 
 
 class GovernedDrive(NamedTuple):
@@ -46,13 +46,13 @@ class GovernorSetup(NamedTuple):
     mobility: tuple[tuple[float, ...], ...] = ()
     """Change of the velocities of the free joints in a step, by row, for the efforts of
     each [rad/s/(N·m)]; empty if it is to be computed."""
+    posture: tuple[float, ...] = ()
+    """Positions of the free joints at which it was computed [rad | m]."""
 
 
 class GovernorState(NamedTuple):
     """Data that change in each step."""
 
-    due: int = 0
-    """Step from which the mobility is computed again, if a joint is fast."""
     before: Sequence[float] = ()
     """Velocity of each joint in the last step [rad/s | m/s]; empty before the first."""
 
@@ -88,14 +88,25 @@ class SpeedGovernor:
                 return True
         return False
 
-    def update(self, mobility: Sequence[Sequence[float]], steps: int) -> None:
-        """Use a mobility of the free joints from the step of that number on."""
-        self.setup = self.setup._replace(mobility=tuple(map(tuple, mobility)))
-        self.state = self.state._replace(due=steps + PERIOD)
+    def is_mobility_due(self, position: Sequence[float]) -> bool:
+        """Return whether ``limit`` needs the mobility at other positions."""
+        _, free, mobility, posture = self._setup
+        return not mobility or any(
+            abs(position[i] - q) > LARGEST_TURN
+            for i, q in zip(free, posture, strict=True)
+        )
+
+    def update(
+        self, mobility: Sequence[Sequence[float]], position: Sequence[float]
+    ) -> None:
+        """Use a mobility of the free joints, computed at these positions of all."""
+        posture = tuple(position[i] for i in self.setup.free)
+        rows = tuple(map(tuple, mobility))
+        self.setup = self.setup._replace(mobility=rows, posture=posture)
 
     def note(self, velocity: Sequence[float]) -> None:
         """Remember the velocities of a step."""
-        self.state = GovernorState(self.state.due, velocity)
+        self.state = GovernorState(velocity)
 
     def limit(
         self, effort: list[float], applied: Sequence[float], velocity: Sequence[float]
@@ -104,7 +115,7 @@ class SpeedGovernor:
         before = self.state.before
         if not before:
             return
-        drives, free, mobility = self.setup
+        drives, free, mobility, _ = self.setup
         coming = [velocity[i] + (velocity[i] - before[i]) for i in free]
         wanted = [effort[i] for i in free]
         for k, drive in enumerate(drives):
@@ -136,7 +147,7 @@ class SpeedGovernor:
 
         Each by its effect on that joint (Kaczmarz's method).
         """
-        drives, _, mobility = self.setup
+        drives, _, mobility, _ = self.setup
         for _ in range(SWEEPS):
             is_within = True
             for k, slowed in enumerate(drives):

@@ -239,6 +239,18 @@ static int is_fast(const DriveGovernor *governor, const double *velocity)
     return 0;
 }
 
+/* SpeedGovernor.is_mobility_due */
+static int is_mobility_due(const DriveGovernor *governor, const double *position)
+{
+    if (!governor->has_mobility)
+        return 1;
+    for (int k = 0; k < governor->n_free; k++)
+        if (fabs(position[governor->free[k]] - governor->posture[k])
+            > governor->largest_turn)
+            return 1;
+    return 0;
+}
+
 static void change(double *coming, const double *row, int n, double by)
 {
     for (int j = 0; j < n; j++)
@@ -332,7 +344,7 @@ static int needs_python(const Drives *drives, const double *command,
             || !(fabs(velocity[i]) <= DBL_MAX) || !(fabs(effort[i]) <= DBL_MAX))
             return 1;
     const DriveGovernor *governor = &drives->governor;
-    if (drives->steps >= governor->due && is_fast(governor, velocity))
+    if (is_fast(governor, velocity) && is_mobility_due(governor, position))
         return 1;
     if (!drives->n_servos)
         return 0;

@@ -74,12 +74,12 @@ typedef struct DriveGoverned {
 
 /* What keeps joints within their speeds (speed_governor.py, SpeedGovernor). */
 typedef struct DriveGovernor {
-    long long due;
-    int n_drives, n_free, has_before, sweeps;
-    double tolerance;
+    int n_drives, n_free, has_mobility, has_before, sweeps;
+    double tolerance, largest_turn;
     DriveGoverned *drives; /* (n_drives) */
     int *free;             /* (n_free), joints, the governed ones first */
     double *mobility;      /* (n_free, n_free) */
+    double *posture;       /* (n_free), where it was computed */
     double *before;        /* (n_joints), velocity in the last step */
 } DriveGovernor;
 

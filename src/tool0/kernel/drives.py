@@ -33,6 +33,7 @@ from tool0.hardware.servos import (
     ServoState,
 )
 from tool0.hardware.speed_governor import (
+    LARGEST_TURN,
     SWEEPS,
     TOLERANCE,
     GovernorSetup,
@@ -116,12 +117,12 @@ class _Governed(ctypes.Structure):
 
 class _Governor(ctypes.Structure):
     _fields_ = (
-        ("due", c_longlong),
-        *_integers("n_drives", "n_free", "has_before", "sweeps"),
-        *_numbers("tolerance"),
+        *_integers("n_drives", "n_free", "has_mobility", "has_before", "sweeps"),
+        *_numbers("tolerance", "largest_turn"),
         ("drives", POINTER(_Governed)),
         ("free", POINTER(c_int)),
         ("mobility", POINTER(c_double)),
+        ("posture", POINTER(c_double)),
         ("before", POINTER(c_double)),
     )
 
@@ -174,6 +175,7 @@ class NativeDrives:
         self._governor_drives = (_Governed * n_drives)()
         self._free: ctypes.Array[Any] = (c_int * n_drives)()
         self._mobility: ctypes.Array[Any] = (c_double * n_drives**2)()
+        self._posture: ctypes.Array[Any] = (c_double * n_drives)()
         self._velocity: ctypes.Array[Any] = (c_double * n_joints)()
         self._table = table
         self.struct = Drives(
@@ -183,8 +185,9 @@ class NativeDrives:
             *(self._goals, self._servos, self._masses, self._brakes),
             self._governed,
             _Governor(
-                *(0, 0, 0, 0, SWEEPS, TOLERANCE),
-                *(self._governor_drives, self._free, self._mobility, self._velocity),
+                *(0, 0, 0, 0, SWEEPS, TOLERANCE, LARGEST_TURN),
+                *(self._governor_drives, self._free, self._mobility),
+                *(self._posture, self._velocity),
             ),
         )
         self.load()
@@ -205,8 +208,8 @@ class NativeDrives:
             self._compensation[:] = state.compensation
         for i, velocity in state.velocities.items():
             self._before[i] = math.nan if velocity is None else velocity
-        governor, before = struct.governor, state.governor.before
-        governor.due, governor.has_before = state.governor.due, bool(before)
+        before = state.governor.before
+        struct.governor.has_before = bool(before)
         if before:
             self._velocity[:] = list(before)
         for servo, memory in zip(self._servos, state.servos, strict=False):
@@ -221,10 +224,7 @@ class NativeDrives:
             self._gravity[:],
             self._compensation[:] if struct.has_compensation else [],
             {i: None if math.isnan(v := before[i]) else v for i in bounded},
-            GovernorState(
-                struct.governor.due,
-                self._velocity[:] if struct.governor.has_before else (),
-            ),
+            GovernorState(self._velocity[:] if struct.governor.has_before else ()),
             [
                 ServoState(servo.target, servo.integral, servo.speed)
                 for servo in self._servos[: struct.n_servos]
@@ -282,6 +282,8 @@ class NativeDrives:
         self._free[: len(setup.free)] = list(setup.free)
         values = [value for row in setup.mobility for value in row]
         self._mobility[: len(values)] = values
+        self._posture[: len(setup.posture)] = list(setup.posture)
+        governor.has_mobility = bool(values)
 
     def _set_goal(self, index: int, limits: DriveLimits | None) -> None:
         if limits is not None:
