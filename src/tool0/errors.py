@@ -14,6 +14,7 @@ Tool0Error
 │   ├── ClaimError              two controllers want one joint
 │   ├── GoalRejectedError       carries a reason; edges map it to ROS codes
 │   ├── GoalTimeoutError        a goal is still active; a TimeoutError too
+│   ├── NotOfferedError         a request that this robot never answers
 │   ├── ProgramError            a program that cannot be executed
 │   └── RequestError            a value of the wrong type or out of bounds
 ├── GymUnavailableError         Gymnasium is not installed; an ImportError too
@@ -125,6 +126,10 @@ class ControlError(Tool0Error):
 
 class ClaimError(ControlError):
     """Two controllers want one joint."""
+
+
+class NotOfferedError(ControlError):
+    """A request that this robot does not offer; another one may."""
 
 
 class GoalRejectedError(ControlError):

@@ -22,6 +22,7 @@ OFFERED = {
     "read_snapshot",
     "list_controllers",
     "move_joints",
+    "follow_trajectory",
 }
 
 

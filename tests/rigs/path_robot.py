@@ -14,6 +14,7 @@ from tool0.protocol.live_backend import LiveBackend, LiveStates
 from tool0.protocol.motion import MoveJoints
 from tool0.protocol.robot import LimitsInfo, ReadInfo, SimulationInfo
 from tool0.protocol.state import Snapshot
+from tool0.protocol.trajectories import FollowTrajectory
 
 PERIOD: Final = 0.008  # [s]
 REASON: Final = "this robot only follows joint paths"
@@ -40,7 +41,11 @@ class PathRobot:
         self._goal: Goal | None = None
         self._closed = threading.Event()
         self.states = LiveStates(description, self._state(), self._closed.set)
-        handlers = {ReadInfo: self._info, MoveJoints: self._move}
+        handlers = {
+            ReadInfo: self._info,
+            MoveJoints: self._move,
+            FollowTrajectory: self._follow,
+        }
         self.backend = LiveBackend(self.states, handlers, REASON)
         threading.Thread(target=self._run, daemon=True).start()
 
@@ -55,6 +60,12 @@ class PathRobot:
         self._end = tuple({**here, **request.positions}.values())
         self._goal = goal = Goal("paths")
         return (GoalStarted(goal=self.states.goals.add(goal), controller="paths"),)
+
+    def _follow(self, request: FollowTrajectory) -> GoalStarted:
+        end = request.points[-1]
+        places = dict(zip(request.joint_names or (), end.positions, strict=True))
+        (goal,) = self._move(MoveJoints(positions=places, duration=end.time_from_start))
+        return goal
 
     def _state(self) -> Snapshot:
         now = time.monotonic()

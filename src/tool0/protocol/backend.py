@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, Any, Protocol
 
-from tool0.errors import ControlError
+from tool0.errors import NotOfferedError
 from tool0.protocol.request import Request, method_name
 
 if TYPE_CHECKING:
@@ -137,6 +137,6 @@ class Backend(Protocol):
         """Return the controllers whose setpoint streams are ended by a request."""
 
 
-def missing(request: type[Request[Any]], reason: str) -> ControlError:
+def missing(request: type[Request[Any]], reason: str) -> NotOfferedError:
     """Return the error for a request that a backend does not offer."""
-    return ControlError(f"'{method_name(request)}' is not offered: {reason}")
+    return NotOfferedError(f"'{method_name(request)}' is not offered: {reason}")

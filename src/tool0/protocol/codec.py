@@ -70,11 +70,12 @@ class Outcome(Struct, frozen=True, kw_only=True, omit_defaults=True):
     holds: bool | None = None
 
 
-_ERRORS: Final[dict[str, type[Tool0Error]]] = {
+ERRORS: Final[dict[str, type[Tool0Error]]] = {
     name: kind
     for name, kind in vars(errors).items()
     if isinstance(kind, type) and issubclass(kind, Tool0Error) and name[0] != "_"
 }
+"""The errors that keep their type on a connection."""
 
 
 def error_info(error: BaseException) -> ErrorInfo:
@@ -84,7 +85,7 @@ def error_info(error: BaseException) -> ErrorInfo:
             type="InternalError",
             message=f"the request failed with {error!r}; the bring-up's log says more",
         )
-    known = next(kind for kind in type(error).__mro__ if kind in _ERRORS.values())
+    known = next(kind for kind in type(error).__mro__ if kind in ERRORS.values())
     return ErrorInfo(
         type=known.__name__,
         message=str(error),
@@ -96,7 +97,7 @@ def error_info(error: BaseException) -> ErrorInfo:
 
 def error_of(info: ErrorInfo) -> Tool0Error:
     """Return the error that was sent."""
-    kind = _ERRORS.get(info.type, TransportError)
+    kind = ERRORS.get(info.type, TransportError)
     if kind is GoalRejectedError:
         return GoalRejectedError(
             info.message,

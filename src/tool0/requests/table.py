@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
-from tool0.errors import ControlError
+from tool0.errors import NotOfferedError
 from tool0.protocol.methods import register
 from tool0.protocol.request import Request, RequestType, Response, method_name
 
@@ -94,11 +94,11 @@ def entry_of(request: type[Request[Any]]) -> Entry:
     """Return the row of a request class.
 
     Raises:
-        ControlError: If a simulation does not offer it.
+        NotOfferedError: If a simulation does not offer it.
     """
     entry = _BY_TYPE.get(request)
     if entry is None:
-        raise ControlError(f"a simulation does not offer '{method_name(request)}'")
+        raise NotOfferedError(f"a simulation does not offer '{method_name(request)}'")
     return entry
 
 

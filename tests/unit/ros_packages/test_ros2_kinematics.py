@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tool0_ros2.kinematics import from_rpy, read_joints
+from tool0_ros2.kinematics import LinkTree, read_joints
+from tools.ros2_copies import MODULE, module_text
 
-from tool0.description.forward_kinematics import joint_transform
+from tool0.description.forward_kinematics import link_poses
 from tool0.description.robot import assemble
-from tool0.description.transform import from_quaternion
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 
@@ -40,17 +40,15 @@ def test_frames_are_those_of_the_model(urdf: str) -> None:
         for joint in model.movable_joints
         if joint.mimic is None
     }
-    for joint in joints:
-        position, quat_xyzw = joint.transform(given)
-        x, y, z, w = quat_xyzw
-        actual = from_quaternion(position, (w, x, y, z))
-        expected = joint_transform(model.joint_by_name[joint.name], given)
-        np.testing.assert_allclose(actual.position, expected.position, atol=1e-12)
-        np.testing.assert_allclose(actual.rotation, expected.rotation, atol=1e-12)
+    tree, expected = LinkTree(urdf), link_poses(model, given)
+    assert tree.root == model.root
+    for link in model.link_by_name:
+        actual = tree.pose(link, given)
+        np.testing.assert_allclose(actual.position, expected[link].position, atol=1e-12)
+        np.testing.assert_allclose(actual.rotation, expected[link].rotation, atol=1e-12)
 
 
-def test_angles_about_fixed_axes_are_a_unit_quaternion() -> None:
-    rng = np.random.default_rng(seed=5)
-    for angles in rng.uniform(-3.0, 3.0, size=(20, 3)):
-        assert np.linalg.norm(from_rpy(*angles)) == pytest.approx(1.0)
-    np.testing.assert_allclose(from_rpy(0.0, 0.0, np.pi), (0, 0, 1, 0), atol=1e-15)
+def test_what_the_node_shares_with_tool0_is_copied() -> None:
+    assert MODULE.read_text("utf-8") == module_text(), (
+        "tool0's modules have changed; run `python -m tools.ros2_copies`"
+    )

@@ -17,9 +17,17 @@ OLDEST_PYTHON = (3, 10)
 
 
 def imported(tree: ast.AST) -> set[str]:
-    """Return the top-level packages that a module imports, anywhere in it."""
+    """Return the top-level packages that a module imports, anywhere in it.
+
+    Not those for annotations: under ``if TYPE_CHECKING`` at its top level.
+    """
     found = set()
-    for node in ast.walk(tree):
+    executed = [
+        node
+        for node in getattr(tree, "body", [tree])
+        if not (isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")
+    ]
+    for node in (inner for part in executed for inner in ast.walk(part)):
         if isinstance(node, ast.Import):
             found |= {name.name.partition(".")[0] for name in node.names}
         elif isinstance(node, ast.ImportFrom):

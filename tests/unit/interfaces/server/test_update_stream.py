@@ -11,11 +11,12 @@ from typing import Any
 
 import pytest
 from served import serving, use_folder
+from tool0_ros2 import requests
 from tool0_ros2.connection import (
     Connection,
-    ConnectionFailedError,
     RequestFailedError,
 )
+from tool0_ros2.errors import TransportError
 from waits import until
 
 import tool0
@@ -28,7 +29,7 @@ class Listener:
     """A connection whose messages are kept."""
 
     def __init__(self) -> None:
-        self.messages: queue.Queue[dict[str, Any]] = queue.Queue()
+        self.messages: queue.Queue[Any] = queue.Queue()
         self.end: queue.Queue[str] = queue.Queue()
         self.connection = Connection("tool0")
         self.connection.on_message = self.messages.put
@@ -67,7 +68,7 @@ def listener(robot: tool0.Robot) -> Iterator[Listener]:
 
 
 def test_every_update_comes_once_and_in_order(listener: Listener) -> None:
-    listener.connection.call("subscribe_updates", rate=500.0)
+    listener.connection.call(requests.subscribe_updates(rate=500.0))
     first = listener.next()
     times = [first["time"], *listener.times(200)]
     steps = [after - before for before, after in pairwise(times)]
@@ -82,7 +83,7 @@ def test_every_update_comes_once_and_in_order(listener: Listener) -> None:
 def test_names_and_controllers_come_only_when_they_change(
     robot: tool0.Robot, listener: Listener
 ) -> None:
-    listener.connection.call("subscribe_updates", rate=125.0)
+    listener.connection.call(requests.subscribe_updates(rate=125.0))
     listener.next()
     assert not {"joint_names", "controllers"} & listener.next().keys()
     robot.pause()
@@ -95,7 +96,7 @@ def test_names_and_controllers_come_only_when_they_change(
 
 
 def test_motions_come_for_those_who_ask(listener: Listener) -> None:
-    listener.connection.call("subscribe_updates", motions=[ARM, "absent"])
+    listener.connection.call(requests.subscribe_updates(motions=[ARM, "absent"]))
     message = listener.next()
     (name,) = message["motions"]
     motion = message["motions"][name]
@@ -111,7 +112,7 @@ def test_motions_come_for_those_who_ask(listener: Listener) -> None:
 
 
 def test_fast_time_sends_fewer_updates(robot: tool0.Robot, listener: Listener) -> None:
-    listener.connection.call("subscribe_updates", rate=500.0)
+    listener.connection.call(requests.subscribe_updates(rate=500.0))
     listener.times(5)
     robot.set_speed(2.0)
     steps = [0.0]
@@ -124,17 +125,17 @@ def test_streams_that_were_replaced_cost_nothing_any_more(
     robot: tool0.Robot, listener: Listener
 ) -> None:
     for _ in range(30):
-        listener.connection.submit("subscribe_updates", rate=500.0)
-    listener.connection.call("subscribe_updates", rate=500.0)
+        listener.connection.submit(requests.subscribe_updates(rate=500.0))
+    listener.connection.call(requests.subscribe_updates(rate=500.0))
     listener.next()
-    listener.connection.call("unsubscribe")
+    listener.connection.call(requests.Request("unsubscribe", {}))
     until(lambda: not robot.simulation.bus.has_subscribers, "no subscriber left")
 
 
 def test_warnings_come_along_and_are_still_printed(
     listener: Listener, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    listener.connection.call("subscribe_updates", rate=125.0)
+    listener.connection.call(requests.subscribe_updates(rate=125.0))
     listener.next()
     logging.getLogger("tool0.control").warning("the arm is %s", "cold")
     message = listener.next("log")
@@ -145,7 +146,7 @@ def test_warnings_come_along_and_are_still_printed(
 
 
 def test_a_reset_is_reported(robot: tool0.Robot, listener: Listener) -> None:
-    listener.connection.call("subscribe_updates", rate=500.0)
+    listener.connection.call(requests.subscribe_updates(rate=500.0))
     listener.next()
     robot.reset()
     assert listener.next("reset")["time"] == 0.0
@@ -154,27 +155,30 @@ def test_a_reset_is_reported(robot: tool0.Robot, listener: Listener) -> None:
 
 def test_goals_report_their_end_once(listener: Listener) -> None:
     call = listener.connection.call
-    call("subscribe_updates", rate=125.0)
-    ended: queue.Queue[dict[str, Any]] = queue.Queue()
+    call(requests.subscribe_updates(rate=125.0))
+    ended: queue.Queue[Any] = queue.Queue()
     names = listener.next()["joint_names"]
     elbow = next(name for name in names if "elbow" in name)
-    (started,) = call("move_joints", positions={elbow: 0.1})
-    call("cancel_goal", goal=started["goal"])
+    move: requests.Request[Any] = requests.Request(
+        "move_joints", {"positions": {elbow: 0.1}}
+    )
+    (started,) = call(move)
+    call(requests.cancel_goal(goal=started["goal"]))
     listener.connection.when_finished(started["goal"], ended.put)
     assert ended.get(timeout=LONG)["status"] == "PREEMPTED"
-    call("read_info")
+    call(requests.read_info())
     assert ended.empty()
 
 
 def test_refusals_have_type_and_code(listener: Listener) -> None:
     with pytest.raises(RequestFailedError, match="nope") as caught:
-        listener.connection.call("unload_controller", name="nope")
+        listener.connection.call(requests.unload_controller(name="nope"))
     assert caught.value.kind == "ControlError"
     with pytest.raises(RequestFailedError, match="NaN"):
         listener.connection.call(
-            "command_joints", controller=ARM, values=[float("nan")]
+            requests.command_joints(controller=ARM, values=[float("nan")])
         )
-    listener.connection.post("command_joints", controller=ARM, values=[0.0])
+    listener.connection.post(requests.command_joints(controller=ARM, values=[0.0]))
     refusal = listener.next("reply")
     assert refusal["id"] is None
     assert ARM in refusal["error"]["message"]
@@ -185,12 +189,12 @@ def test_the_end_of_the_bringup_is_noticed(robot: tool0.Robot) -> None:
         listener = Listener()
     assert listener.end.get(timeout=LONG) == "the bring-up has ended"
     with pytest.raises(RequestFailedError, match="ended"):
-        listener.connection.call("read_info")
+        listener.connection.call(requests.read_info())
 
 
 @pytest.mark.parametrize("name", ["tool0", "../tool0", "x" * 70])
 def test_without_a_bringup_there_is_no_connection(name: str) -> None:
-    with pytest.raises(ConnectionFailedError):
+    with pytest.raises(TransportError):
         Connection(name)
 
 
@@ -199,5 +203,5 @@ def test_a_folder_open_to_others_is_not_trusted(folder: Path) -> None:
     place.mkdir(exist_ok=True)
     place.chmod(0o777)
     (place / "tool0.sock").touch()
-    with pytest.raises(ConnectionFailedError, match="chmod 700"):
+    with pytest.raises(TransportError, match="chmod 700"):
         Connection("tool0")

@@ -46,9 +46,9 @@ def _run(options: argparse.Namespace, rest: list[str]) -> int:
 
         from tool0_ros2.connection import (
             Connection,
-            ConnectionFailedError,
             RequestFailedError,
         )
+        from tool0_ros2.errors import TransportError
         from tool0_ros2.node import RobotNode
     except ImportError as error:
         print(f"tool0_ros2: {_explained(error)}", file=sys.stderr)
@@ -68,7 +68,7 @@ def _run(options: argparse.Namespace, rest: list[str]) -> int:
         gc.freeze()  # what exists now stays: nothing to look through 500 times a second
         _report(ready=True, node=robot.node.get_fully_qualified_name())
         robot.has_ended.wait()
-    except (ConnectionFailedError, RequestFailedError) as error:
+    except (TransportError, RequestFailedError) as error:
         print(f"tool0_ros2: {error}", file=sys.stderr)
         return 1
     finally:

@@ -9,8 +9,10 @@ from typing import Any
 
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import ControllerContext, Rate
 from tool0_ros2.connection import RequestFailedError
+from tool0_ros2.requests import GoalStarted, Outcome, Request
 
 _SUCCEEDED, _PREEMPTED = "SUCCEEDED", "PREEMPTED"
 
@@ -55,13 +57,13 @@ class SimulatedAction:
         kind: Any,
         name: str,
         *,
-        start: Callable[[Any], int],
-        result: Callable[[dict[str, Any]], Any],
+        start: Callable[[Any], Request[GoalStarted]],
+        result: Callable[[Outcome], Any],
         monitor_rate: float,
     ) -> None:
         """Offer an action of class ``kind``, with feedback at ``monitor_rate`` [Hz].
 
-        ``start`` sends the message of a goal and returns the goal's number, or raises
+        ``start`` returns the request for the message of a goal, or raises
         RequestFailedError.  ``result`` returns the result of an outcome.
         """
         self._context = context
@@ -109,11 +111,12 @@ class SimulatedAction:
 
     def _accept(self, request: Any) -> GoalResponse:
         try:
-            self._started = self._start(request)
+            started = self._context.connection.call(self._start(request))
         except RequestFailedError as error:
             text = self._context.names.text(error)
             self._context.node.get_logger().error(f"goal rejected: {text}")
             return GoalResponse.REJECT
+        self._started = started["goal"]
         return GoalResponse.ACCEPT
 
     def _follow(self, handle: Any) -> None:
@@ -129,16 +132,16 @@ class SimulatedAction:
     def _cancel(self, handle: Any) -> CancelResponse:
         for goal in self.active:
             if goal.handle is handle:
-                self._context.connection.submit("cancel_goal", goal=goal.number)
+                self._context.connection.submit(requests.cancel_goal(goal=goal.number))
         return CancelResponse.ACCEPT
 
-    def _end(self, goal: ActiveGoal, outcome: dict[str, Any]) -> None:
+    def _end(self, goal: ActiveGoal, outcome: Outcome) -> None:
         """End a goal, from any thread."""
         with self._lock:
             self._active.pop(goal.number, None)
         self._server.end(goal.handle, lambda handle: self._finished(handle, outcome))
 
-    def _finished(self, handle: Any, outcome: dict[str, Any]) -> Any:
+    def _finished(self, handle: Any, outcome: Outcome) -> Any:
         """Give a goal its final status; return its result."""
         status = outcome["status"]
         if status == _SUCCEEDED:

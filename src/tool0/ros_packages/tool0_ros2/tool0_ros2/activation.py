@@ -1,9 +1,11 @@
 """The service of Robotiq's activation controller."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from std_srvs.srv import Trigger
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import ControllerContext, Update
 from tool0_ros2.connection import RequestFailedError
 
@@ -17,8 +19,8 @@ class ActivationPart:
             Trigger, "~/reactivate_gripper", self._answer
         )
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         """Publish nothing: it has a service only."""
@@ -29,7 +31,7 @@ class ActivationPart:
     def _answer(self, request: Any, response: Any) -> Any:
         try:
             self._context.connection.call(
-                "reactivate_gripper", controller=self._context.name
+                requests.reactivate_gripper(controller=self._context.name)
             )
         except RequestFailedError as error:
             response.success, response.message = False, str(error)

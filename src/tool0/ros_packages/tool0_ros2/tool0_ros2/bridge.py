@@ -1,14 +1,24 @@
 """What the parts of the node have in common: their context, and the updates."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from tool0_ros2.clock import Clock
-from tool0_ros2.connection import Connection
+from tool0_ros2.connection import Connection, RequestFailedError
 from tool0_ros2.names import Names
+from tool0_ros2.requests import (
+    ControlBoxState,
+    ControllerStatus,
+    DescriptionInfo,
+    Motion,
+    Request,
+    SimulationInfo,
+    UpdateMessage,
+)
 
+T = TypeVar("T")
 REPEAT_PERIOD = 1.0
 """Interval at which a repeated error is logged again [wall s]."""
 
@@ -17,16 +27,16 @@ class Update:
     """The state of the robot at one control update, in the order of the joints."""
 
     __slots__ = (
-        *("command", "control_boxes", "effort", "extra", "index", "motions"),
+        *("command", "control_boxes", "effort", "index", "motions"),
         *("position", "stamp", "tick", "time", "velocity"),
     )
 
     def __init__(
         self,
-        message: dict[str, Any],
+        message: UpdateMessage,
         index: dict[str, int],
         stamp: Any,
-        control_boxes: list[dict[str, Any]],
+        control_boxes: list[ControlBoxState],
     ) -> None:
         self.time: float = message["time"]
         """Simulated [s]."""
@@ -43,12 +53,10 @@ class Update:
         """Applied [N·m | N]."""
         self.command: list[float] = message.get("command", [])
         """The last commands, if a part of the node wants a motion."""
-        self.motions: dict[str, Any] = message.get("motions", {})
+        self.motions: dict[str, Motion] = message.get("motions", {})
         """Motion of each controller that was asked for, by its full name."""
         self.control_boxes = control_boxes
         """The control box of each arm: the same list until one changes."""
-        self.extra = message
-        """The whole message."""
 
 
 class Part(Protocol):
@@ -59,8 +67,8 @@ class Part(Protocol):
     is always called.  Without subscribers it should cost little.
     """
 
-    def wants(self) -> dict[str, list[str]]:
-        """Return what it needs in the updates now: field of the request → names."""
+    def wants(self) -> Sequence[str]:
+        """Return the controllers whose motion it needs in the updates now."""
 
     def publish(self, update: Update) -> None:
         """Publish what is due.  Time may have gone back to zero."""
@@ -90,10 +98,11 @@ class Rate:
 
 
 class Reporter:
-    """Logs errors on /rosout; the same one at most once a second."""
+    """Logs on /rosout: the same error at most once a second, a warning once."""
 
     def __init__(self, logger: Any) -> None:
         self._logger = logger
+        self._warnings: set[str] = set()
         self._last = ("", float("-inf"))
 
     def error(self, text: str) -> None:
@@ -102,6 +111,11 @@ class Reporter:
         if text != last or now - when >= REPEAT_PERIOD:
             self._last = (text, now)
             self._logger.error(text)
+
+    def warning(self, text: str) -> None:
+        if text not in self._warnings:
+            self._warnings.add(text)
+            self._logger.warning(text)
 
 
 @dataclass
@@ -124,12 +138,25 @@ class Context:
     new_node: Callable[[str], Any]
     """Returns another rclpy.Node of this name in the namespace, for services that may
     take long: its callbacks run in a thread of their own."""
-    description: dict[str, Any]
+    description: DescriptionInfo
     """The response to ``read_description``."""
-    info: dict[str, Any]
+    info: SimulationInfo
     """The response to ``read_info``."""
     options: Any
     """Those of the command line: ``tf_rate``, ``camera_rate`` [Hz], …"""
+
+    def ask(self, request: Request[T], use: str) -> T | None:
+        """Return the response to a request, or None where the robot has no answer.
+
+        Not every robot offers every request: a warning says that ``use`` is left out.
+        """
+        try:
+            return self.connection.call(request)
+        except RequestFailedError as error:
+            if error.kind != "NotOfferedError":
+                raise
+            self.report.warning(f"left out: {use}, since {error}")
+            return None
 
 
 @dataclass
@@ -144,5 +171,5 @@ class ControllerContext(Context):
 
     They change when somebody sets one.
     """
-    status: dict[str, Any]
+    status: ControllerStatus
     """Its entry of ``list_controllers`` when it was loaded."""

@@ -5,6 +5,7 @@ import math
 import threading
 import zlib
 from array import array
+from collections.abc import Sequence
 from typing import Any
 
 from geometry_msgs.msg import TransformStamped
@@ -12,13 +13,17 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import CameraInfo, Image
 from tf2_msgs.msg import TFMessage
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import Context, Rate, Update
 from tool0_ros2.connection import (
     Connection,
-    ConnectionFailedError,
     RequestFailedError,
 )
-from tool0_ros2.kinematics import LinkTree, from_rpy
+from tool0_ros2.copied import Pose, to_transform
+from tool0_ros2.errors import TransportError
+from tool0_ros2.kinematics import LinkTree
+from tool0_ros2.messages import fill_frame, to_vector
+from tool0_ros2.requests import Camera, Picture
 
 _WAIT = 0.5
 """Longest wait of the thread for its end [wall s]."""
@@ -36,7 +41,7 @@ class CamerasPart:
         self._context = context
         names = context.names
         root = LinkTree(context.description["urdf"]).root
-        listed = context.connection.call("list_cameras")
+        listed = context.ask(requests.list_cameras(), "cameras") or []
         full = [item["name"] for item in listed if names.owns(item["link"] or "")]
         self._cameras = [
             _Camera(
@@ -64,8 +69,8 @@ class CamerasPart:
             )
             self._thread.start()
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         """Let the thread take the pictures that somebody subscribes to."""
@@ -100,9 +105,9 @@ class CamerasPart:
                         connection = Connection(self._context.connection.name)
                         connection.start()
                     camera.publish_picture(
-                        connection.call("take_picture", camera=camera.full_name)
+                        connection.call(requests.take_picture(camera=camera.full_name))
                     )
-                except (ConnectionFailedError, RequestFailedError) as error:
+                except (TransportError, RequestFailedError) as error:
                     self._context.report.error(f"{camera.full_name}: {error}")
         if connection is not None:
             connection.close()
@@ -114,12 +119,10 @@ class _Camera:
     Both belong to one image, so they share the optical frame of the colours.
     """
 
-    def __init__(
-        self, context: Context, camera: dict[str, Any], name: str, link: str
-    ) -> None:
+    def __init__(self, context: Context, camera: Camera, name: str, link: str) -> None:
         """Take an item of ``list_cameras``, its own name and its link."""
         self._context, self._camera, self._link = context, camera, link
-        self.full_name: str = camera["name"]
+        self.full_name = camera["name"]
         names, node = context.names, context.node
         self._frame = names.frame(names.full(f"{name}_camera_color_optical_frame"))
         qos = QoSProfile(depth=2)
@@ -142,18 +145,22 @@ class _Camera:
         message.header.frame_id = self._context.names.frame(self._link)
         message.child_frame_id = self._frame
         pose, transform = self._camera["pose"], message.transform
-        place, turn = transform.translation, transform.rotation
-        place.x, place.y, place.z = map(float, pose["xyz"])
-        turn.x, turn.y, turn.z, turn.w = from_rpy(*pose["rpy"])
+        frame = to_transform(
+            Pose(xyz=to_vector(pose["xyz"]), rpy=to_vector(pose["rpy"]))
+        )
+        fill_frame(transform.translation, transform.rotation, frame)
         return message
 
-    def publish_picture(self, picture: dict[str, Any]) -> None:
+    def publish_picture(self, picture: Picture) -> None:
         """Publish the response to ``take_picture``."""
         stamp = self._context.clock.to_ros(picture["time"])
         if self._colors.get_subscription_count():
-            self._colors.publish(self._image(picture, stamp, "rgb8", "rgb", 3))
+            colors = self._image(picture, stamp, "rgb8", picture["rgb"], 3)
+            self._colors.publish(colors)
         if self._depths.get_subscription_count():
-            self._depths.publish(self._image(picture, stamp, "32FC1", "depth", 4))
+            self._depths.publish(
+                self._image(picture, stamp, "32FC1", picture["depth"], 4)
+            )
         self.publish_info(stamp, picture["K"])
 
     def publish_info(self, stamp: Any, K: Any = None) -> None:
@@ -187,10 +194,10 @@ class _Camera:
 
     def _image(
         self,
-        picture: dict[str, Any],
+        picture: Picture,
         stamp: Any,
         encoding: str,
-        field: str,
+        pixels: str,
         pixel_size: int,
     ) -> Any:
         message = Image()
@@ -199,5 +206,5 @@ class _Camera:
         message.width, message.height = picture["width"], picture["height"]
         message.encoding = encoding
         message.step = pixel_size * picture["width"]
-        message.data = array("B", zlib.decompress(base64.b64decode(picture[field])))
+        message.data = array("B", zlib.decompress(base64.b64decode(pixels)))
         return message

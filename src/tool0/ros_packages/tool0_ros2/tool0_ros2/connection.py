@@ -6,44 +6,45 @@
 import itertools
 import json
 import math
-import os
-import re
 import socket
-import stat
-import struct
-import tempfile
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
-from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-PROTOCOL = 2
+from tool0_ros2.copied import folders, insecurity, is_foreign, socket_path
+from tool0_ros2.errors import TransportError
+from tool0_ros2.requests import (
+    MAX_REQUEST,
+    PROTOCOL,
+    ErrorInfo,
+    ErrorKind,
+    GoalEnded,
+    Hello,
+    Message,
+    Outcome,
+    Reply,
+    Request,
+)
+
 ANSWER_TIMEOUT = 30.0
 """Longest wait for an answer [wall s]."""
-MAX_REQUEST = 1 << 23
-"""Longest request [bytes]."""
 RETRY_PERIOD = 0.02
 """Between two attempts to connect [wall s]."""
 OUTCOMES_KEPT = 1000
 """Ends of goals that are kept for a goal whose number is not known yet."""
 
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
-
-
-class ConnectionFailedError(Exception):
-    """There is no bring-up of this name, or its socket cannot be trusted."""
+T = TypeVar("T")
 
 
 class RequestFailedError(Exception):
     """The simulation refused a request."""
 
-    def __init__(self, kind: str, message: str, code: int | None = None) -> None:
+    def __init__(self, kind: ErrorKind, message: str, code: int | None = None) -> None:
         super().__init__(message)
         self.kind = kind
-        """A class of tool0's error tree, such as ``GoalRejectedError``."""
         self.code = code
 
 
@@ -60,30 +61,31 @@ class Connection:
         With ``wait``, wait until there is one.
 
         Raises:
-            ConnectionFailedError: If that is impossible.
+            TransportError: If that is impossible.
         """
         self.name = name
         self._peer = _connected(name, wait=wait)
         self._lines = self._peer.makefile("rb")
-        hello = json.loads(self._lines.readline() or b"{}")
-        if hello.get("protocol") != PROTOCOL:
-            raise ConnectionFailedError(
-                f"the bring-up '{name}' speaks protocol {hello.get('protocol')}, this "
+        hello: Hello = json.loads(self._lines.readline() or b"{}")
+        protocol = hello.get("protocol")
+        if protocol != PROTOCOL:
+            raise TransportError(
+                f"the bring-up '{name}' speaks protocol {protocol}, this "
                 f"node {PROTOCOL}; run both from the same version of tool0"
             )
-        if hello.get("mode") != "simulation":
-            raise ConnectionFailedError(
+        if hello["mode"] != "simulation":
+            raise TransportError(
                 f"'{name}' is a robot without physics; start one with `tool0 bringup`"
             )
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
         self._sending = threading.Lock()
-        self._pending: dict[int, Future[Any]] = {}
-        self._goals: dict[int, Callable[[dict[str, Any]], None]] = {}
-        self._outcomes: dict[int, dict[str, Any]] = {}
+        self._pending: dict[int | str | None, Future[Any]] = {}
+        self._goals: dict[int, Callable[[Outcome], None]] = {}
+        self._outcomes: dict[int, Outcome] = {}
         self._has_ended = False
         self._reader = threading.Thread(target=self._read, name="tool0", daemon=True)
-        self.on_message: Callable[[dict[str, Any]], None] = lambda message: None
+        self.on_message: Callable[[Message], None] = lambda message: None
         """Receives every message that answers nothing, in the reader's thread."""
         self.on_end: Callable[[str], None] = lambda reason: None
         """Called once, in the reader's thread, when the connection has ended."""
@@ -94,9 +96,7 @@ class Connection:
 
     # ---- requests -----------------------------------------------------------------
 
-    def call(
-        self, method: str, timeout: float | None = ANSWER_TIMEOUT, **params: Any
-    ) -> Any:
+    def call(self, request: Request[T], timeout: float | None = ANSWER_TIMEOUT) -> T:
         """Return the response to a request.
 
         Never call it in the reader's thread, which would wait for itself.
@@ -105,40 +105,39 @@ class Connection:
             RequestFailedError: If it is refused, or not answered in time.
         """
         try:
-            return self.submit(method, **params).result(timeout)
+            return self.submit(request).result(timeout)
         except FutureTimeoutError:
             raise RequestFailedError(
-                "TransportError", f"no answer to '{method}' within {timeout:g} s"
+                "TransportError",
+                f"no answer to '{request.method}' within {timeout:g} s",
             ) from None
 
-    def submit(self, method: str, **params: Any) -> "Future[Any]":
+    def submit(self, request: Request[T]) -> "Future[T]":
         """Send a request and return its future, in any thread."""
         number = next(self._numbers)
-        future: Future[Any] = Future()
+        future: Future[T] = Future()
         with self._lock:
             if self._has_ended:
                 future.set_exception(_ENDED)
                 return future
             self._pending[number] = future
         try:
-            self._send({"id": number, "method": method, "params": params})
+            self._send({"id": number, **vars(request)})
         except RequestFailedError as error:
             with self._lock:
                 self._pending.pop(number, None)
             future.set_exception(error)
         return future
 
-    def post(self, method: str, **params: Any) -> None:
+    def post(self, request: Request[Any]) -> None:
         """Send a request without waiting: an answer comes only if it is refused.
 
         Raises:
             RequestFailedError: If it cannot be sent.
         """
-        self._send({"method": method, "params": params})
+        self._send(vars(request))
 
-    def when_finished(
-        self, goal: int, callback: Callable[[dict[str, Any]], None]
-    ) -> None:
+    def when_finished(self, goal: int, callback: Callable[[Outcome], None]) -> None:
         """Call ``callback`` with the outcome of a goal, in any thread, once."""
         with self._lock:
             outcome = self._outcomes.pop(goal, None)
@@ -198,16 +197,15 @@ class Connection:
         if not was_closed:
             self.on_end(reason)
 
-    def _take(self, message: dict[str, Any]) -> None:
-        kind = message["type"]
-        if kind == "reply" and message["id"] is not None:
+    def _take(self, message: Message) -> None:
+        if message["type"] == "reply" and message["id"] is not None:
             self._resolve(message)
             return
-        if kind == "goal_finished":
+        if message["type"] == "goal_finished":
             self._finish(message)
         self.on_message(message)
 
-    def _resolve(self, message: dict[str, Any]) -> None:
+    def _resolve(self, message: Reply) -> None:
         with self._lock:
             future = self._pending.pop(message["id"], None)
         if future is None:
@@ -218,7 +216,7 @@ class Connection:
         else:
             future.set_exception(failure(error))
 
-    def _finish(self, message: dict[str, Any]) -> None:
+    def _finish(self, message: GoalEnded) -> None:
         number = message["goal"]
         if number is None:
             return
@@ -232,29 +230,28 @@ class Connection:
             callback(message["outcome"])
 
 
-def failure(error: dict[str, Any]) -> RequestFailedError:
+def failure(error: ErrorInfo) -> RequestFailedError:
     """Return the error of a reply."""
-    return RequestFailedError(error["type"], error["message"], error.get("code"))
+    kind: Any = error["type"]
+    return RequestFailedError(kind, error["message"], error.get("code"))
 
 
 _ENDED = RequestFailedError("TransportError", "the bring-up has ended")
 
 
 def _connected(name: str, *, wait: bool) -> socket.socket:
-    if not _NAME.fullmatch(name):
-        raise ConnectionFailedError(f"a bring-up cannot be named '{name}'")
     end = math.inf if wait else time.monotonic()
     while True:
         problem = f"no bring-up named '{name}' is running; start `tool0 bringup`"
-        for folder in _folders():
-            path = folder / f"{name}.sock"
+        for folder in folders():
+            path = socket_path(folder, name)
             if not path.exists():
                 continue
-            _check_folder(folder)
+            if found := insecurity(folder):
+                raise TransportError(found)
             peer = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             try:
                 peer.connect(str(path))
-                _check_user(peer, path)
             except (FileNotFoundError, ConnectionRefusedError):
                 peer.close()  # of a bring-up that was killed
                 continue
@@ -262,37 +259,10 @@ def _connected(name: str, *, wait: bool) -> socket.socket:
                 peer.close()
                 problem = f"cannot connect to {path}: {error.strerror}"
                 continue
+            if is_foreign(peer):
+                peer.close()
+                raise TransportError(f"another user's program listens on {path}")
             return peer
         if time.monotonic() >= end:
-            raise ConnectionFailedError(problem)
+            raise TransportError(problem)
         time.sleep(RETRY_PERIOD)
-
-
-def _folders() -> list[Path]:
-    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
-    fallback = Path(tempfile.gettempdir()) / f"tool0-{os.getuid()}"
-    if runtime and Path(runtime).is_absolute():
-        return [Path(runtime) / "tool0", fallback]
-    return [fallback]
-
-
-def _check_folder(folder: Path) -> None:
-    """Raise unless only this user can place a socket in ``folder``."""
-    status = folder.lstat()
-    if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.getuid():
-        raise ConnectionFailedError(f"{folder} is not a folder of this user; remove it")
-    if status.st_mode & 0o077:
-        raise ConnectionFailedError(
-            f"{folder} is open to other users; run: chmod 700 {folder}"
-        )
-
-
-def _check_user(peer: socket.socket, path: Path) -> None:
-    """Raise unless the process at the other end is this user's."""
-    if not hasattr(socket, "SO_PEERCRED"):
-        return
-    credentials = struct.Struct("3i")
-    data = peer.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, credentials.size)
-    if credentials.unpack(data)[1] != os.getuid():
-        peer.close()
-        raise ConnectionFailedError(f"another user's program listens on {path}")

@@ -1,9 +1,9 @@
 """The control box of an arm in the updates, and requests to it."""
 
-from typing import Any
-
+from tool0_ros2 import requests
 from tool0_ros2.bridge import Context, ControllerContext, Update
 from tool0_ros2.connection import RequestFailedError
+from tool0_ros2.requests import ControlBoxState
 
 NORMAL_MODES = (1, 2)
 """Safety modes in which the arm may move: NORMAL and REDUCED."""
@@ -13,7 +13,7 @@ _POWERED_MODES = (6, 7)
 """Robot modes with released brakes: BACKDRIVE and RUNNING."""
 
 
-def is_program_running(state: dict[str, Any]) -> bool:
+def is_program_running(state: ControlBoxState) -> bool:
     """Return whether ROS can move the arm: the program plays, and nothing stops it."""
     return (
         state["program"] == "PLAYING"
@@ -45,25 +45,25 @@ class ControlBox:
         self.flange: str = f"{prefix}tool0"
         """The full name of the link at the arm's end."""
 
-    def state(self, update: Update) -> dict[str, Any]:
+    def state(self, update: Update) -> ControlBoxState:
         """Return its state: the same object until something changes."""
         return next(box for box in update.control_boxes if box["arm"] == self.arm)
 
-    def read(self) -> dict[str, Any]:
+    def read(self) -> ControlBoxState:
         """Ask for its state now."""
-        state: dict[str, Any] = self.call("read_io")
-        return state
-
-    def call(self, method: str, **params: Any) -> Any:
-        """Send a request about this arm."""
-        return self._context.connection.call(method, arm=self.arm, **params)
+        return self._context.connection.call(requests.read_io(arm=self.arm))
 
 
-def read_boxes(context: Context) -> list[dict[str, Any]]:
+def read_boxes(context: Context) -> list[ControlBoxState]:
     """Return the control box of each arm of the namespace."""
-    call = context.connection.call
-    arms = [arm for arm in call("list_arms") if context.names.owns(arm["tip"])]
-    return [call("read_io", arm=arm["name"]) for arm in arms]
+    use = "the control boxes of arms"
+    arms = context.ask(requests.list_arms(), use) or []
+    boxes = (
+        context.ask(requests.read_io(arm=arm["name"]), use)
+        for arm in arms
+        if context.names.owns(arm["tip"])
+    )
+    return [box for box in boxes if box is not None]
 
 
 def flange_of(context: Context, name: str) -> str:
@@ -87,6 +87,6 @@ def is_running(context: ControllerContext) -> bool:
     """Return whether the controller of a part is active now."""
     return any(
         status["is_running"]
-        for status in context.connection.call("list_controllers")
+        for status in context.connection.call(requests.list_controllers())
         if status["name"] == context.name
     )

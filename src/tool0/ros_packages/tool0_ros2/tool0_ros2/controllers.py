@@ -7,11 +7,13 @@ from typing import Any
 
 from rclpy.node import Node
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import Context, ControllerContext, Part, Reporter, Update
 from tool0_ros2.connection import RequestFailedError
 from tool0_ros2.parameters import ControllerParameters
 from tool0_ros2.quiet import only_log_lines
 from tool0_ros2.registry import CONTROLLERS, part_class
+from tool0_ros2.requests import ControllerStatus
 
 UNCONFIGURED = "unconfigured"
 _BROADCASTER = "JointStateBroadcaster"
@@ -62,7 +64,7 @@ class Controllers:
             except Exception as error:  # must not stop the others
                 self._context.report.error(f"{type(part).__name__}: {error!r}")
 
-    def update(self) -> list[dict[str, Any]]:
+    def update(self) -> list[ControllerStatus]:
         """Follow the simulation; in the executor's thread.
 
         Return the status of each controller of the namespace.
@@ -70,7 +72,7 @@ class Controllers:
         context = self._context
         statuses = [
             status
-            for status in context.connection.call("list_controllers")
+            for status in context.ask(requests.list_controllers(), "controllers") or []
             if context.names.owns(status["name"])
         ]
         by_name = {status["name"]: status for status in statuses}
@@ -95,7 +97,7 @@ class Controllers:
         context.refresh()
         return statuses
 
-    def has_active_broadcaster(self, statuses: list[dict[str, Any]]) -> bool:
+    def has_active_broadcaster(self, statuses: list[ControllerStatus]) -> bool:
         """Return whether joint states are published."""
         return any(
             status["is_running"] and status["type"].endswith(_BROADCASTER)
@@ -107,7 +109,7 @@ class Controllers:
         for name in list(self._loaded):
             self._close(name)
 
-    def _follow(self, status: dict[str, Any]) -> None:
+    def _follow(self, status: ControllerStatus) -> None:
         """Create the node and the part of a controller if they are due."""
         name, context = status["name"], self._context
         item = self._loaded.get(name)
@@ -135,23 +137,20 @@ class Controllers:
             item.part = part
 
     def _new_node(self, name: str) -> tuple[Any, dict[str, Any]]:
-        context = self._context
+        context, values = self._context, self._read(name)
         node = Node(
             context.names.own(name),
             namespace=context.names.root or "/",
             context=context.node.context,
             use_global_arguments=False,
         )
-        values = self._read(name)
         ControllerParameters(context, name, node, values)
         self._executor.add_node(node)
         return node, values
 
     def _read(self, name: str) -> dict[str, Any]:
-        values: dict[str, Any] = self._context.connection.call(
-            "read_controller_parameters", controller=name
-        )
-        return values
+        request = requests.read_controller_parameters(controller=name)
+        return self._context.ask(request, "the parameters of controllers") or {}
 
     def _close(self, name: str) -> None:
         with self._lock:

@@ -3,13 +3,14 @@
 What the simulation does not have is refused with the reason.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from types import ModuleType
 from typing import Any
 
 from std_srvs.srv import Trigger
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import Context, Reporter, Update
 from tool0_ros2.connection import RequestFailedError
 from tool0_ros2.control_box import (
@@ -20,6 +21,7 @@ from tool0_ros2.control_box import (
     read_boxes,
 )
 from tool0_ros2.messages import fill, optional_module
+from tool0_ros2.requests import Request
 
 NODE_NAME = "dashboard_client"
 
@@ -59,8 +61,8 @@ class DashboardPart:
             node = context.new_node(name)
             _Dashboard(context, node, ControlBox(context, box["prefix"]), messages)
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         """Publish nothing: it has services only."""
@@ -77,21 +79,29 @@ class _Dashboard:
     ) -> None:
         self._context, self._node, self._box = context, node, box
         self._report = Reporter(node.get_logger())
+        changes = {
+            "brake_release": (
+                requests.release_brakes(arm=box.arm),
+                "the arm is powered, and its brakes are released",
+            ),
+            "pause": (requests.pause_program(arm=box.arm), "the program is paused"),
+            "play": (requests.play_program(arm=box.arm), "the program is playing"),
+            "power_off": (requests.power_off(arm=box.arm), "the arm is powered off"),
+            "power_on": (requests.power_on(arm=box.arm), "the arm is powered"),
+            "stop": (requests.stop_program(arm=box.arm), "the program is stopped"),
+            "unlock_protective_stop": (
+                requests.unlock_protective_stop(arm=box.arm),
+                "the arm is unlocked",
+            ),
+        }
         triggers: dict[str, Callable[[], str]] = {
-            "brake_release": self._release_brakes,
             "close_popup": lambda: "there is no popup",
             "close_safety_popup": lambda: "there is no popup",
             "connect": lambda: "connected to the simulation",
-            "pause": partial(self._change_program, "pause_program", "paused"),
-            "play": partial(self._change_program, "play_program", "playing"),
-            "power_off": partial(self._change, "power_off", "the arm is powered off"),
-            "power_on": partial(self._change, "power_on", "the arm is powered"),
             "restart_safety": self._restart_safety,
-            "stop": partial(self._change_program, "stop_program", "stopped"),
-            "unlock_protective_stop": partial(
-                self._change, "unlock_protective_stop", "the arm is unlocked"
-            ),
         }
+        for name, (request, effect) in changes.items():
+            triggers[name] = partial(self._change, request, effect)
         for name, reason in _REFUSED.items():
             triggers[name] = partial(_refuse, reason)
         for name, action in triggers.items():
@@ -129,26 +139,19 @@ class _Dashboard:
 
     # ---- what has an effect ---------------------------------------------------------
 
-    def _change(self, method: str, effect: str) -> str:
-        self._box.call(method)
+    def _change(self, request: Request[None], effect: str) -> str:
+        self._context.connection.call(request)
         return effect
-
-    def _change_program(self, method: str, state: str) -> str:
-        return self._change(method, f"the program is {state}")
-
-    def _release_brakes(self) -> str:
-        return self._change(
-            "release_brakes", "the arm is powered, and its brakes are released"
-        )
 
     def _restart_safety(self) -> str:
         mode = self._box.read()["safety_mode"]
         if mode == ROBOT_EMERGENCY_STOP:
-            self._context.connection.call("emergency_stop", engaged=False)
-            return "the emergency stop is released"
+            release = requests.emergency_stop(engaged=False)
+            return self._change(release, "the emergency stop is released")
         if mode in NORMAL_MODES:
             return "the safety system has stopped nothing"
-        return self._change("restart_safety", "the arm is powered off")
+        restart = requests.restart_safety(arm=self._box.arm)
+        return self._change(restart, "the arm is powered off")
 
     def _add_to_log(self, request: Any, response: Any) -> str:
         self._node.get_logger().info(request.message)

@@ -2,22 +2,19 @@
 
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlparse
 from xml.etree import ElementTree
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import Context
 from tool0_ros2.connection import RequestFailedError
-from tool0_ros2.kinematics import (
-    IDENTITY,
-    LinkTree,
-    Pose,
-    Quaternion,
-    compose,
-    inverse,
-    rotate,
-)
+from tool0_ros2.copied import Transform, Vector3, from_quaternion
+from tool0_ros2.kinematics import LinkTree
+from tool0_ros2.messages import fill_frame
+from tool0_ros2.requests import ObjectState, SnapshotMessage
 
 _UNSUPPORTED, _NOT_FOUND, _FAILED = 0, 2, 4
 """Of simulation_interfaces/Result."""
@@ -28,6 +25,7 @@ _INVALID_STATE_POSE = 101
 """Of SetEntityState."""
 _MAX_FILE = 1_000_000
 """[bytes]"""
+_IDENTITY = Transform()
 
 
 class RefusedError(Exception):
@@ -49,7 +47,7 @@ class Entities:
         urdf = context.description["urdf"]
         self._tree = LinkTree(urdf)
         self._robot = ElementTree.fromstring(urdf).get("name") or "robot"
-        self._spawned: dict[str, Pose] = {}
+        self._spawned: dict[str, Transform] = {}
         """Pose of the object in its model's frame, of entities spawned here."""
 
     def list_names(self, request: Any, response: Any) -> None:
@@ -76,33 +74,33 @@ class Entities:
         snapshot = self._snapshot()
         name = self._free_name(request, text, snapshot)
         T_root_model = self._asked_pose(request.initial_pose, snapshot, _INVALID_POSE)
-        position, quat_xyzw = T_root_model
         try:
             placed = self._context.connection.call(
-                "add_model",
-                name=name,
-                model=text,
-                xyz=position,
-                quat_wxyz=_to_wxyz(quat_xyzw),
+                requests.add_model(
+                    name=name,
+                    model=text,
+                    xyz=T_root_model.position,
+                    quat_wxyz=T_root_model.quat_wxyz,
+                )
             )
         except RequestFailedError as error:
             wrong = error.kind in ("DescriptionError", "ModelError")
             code = _PARSE_ERROR if wrong else _FAILED
             raise RefusedError(code, str(error)) from None
-        self._spawned[name] = tuple(placed["xyz"]), _to_xyzw(placed["quat_wxyz"])
+        self._spawned[name] = from_quaternion(placed["xyz"], placed["quat_wxyz"])
         response.entity_name = name
 
     def delete(self, request: Any, response: Any) -> None:
         self._object(request.entity, self._snapshot())
-        self._context.connection.call("remove_object", name=request.entity)
+        self._context.connection.call(requests.remove_object(name=request.entity))
         self._spawned.pop(request.entity, None)
 
     def delete_spawned(self) -> None:
         """Remove what was spawned here and is still there."""
-        present = {item[0] for item in _objects(self._snapshot())}
+        present = {item["name"] for item in self._snapshot()["objects"]}
         for name in self._spawned:
             if name in present:
-                self._context.connection.call("remove_object", name=name)
+                self._context.connection.call(requests.remove_object(name=name))
         self._spawned.clear()
 
     def set_state(self, request: Any, response: Any) -> None:
@@ -113,31 +111,31 @@ class Entities:
         has_pose = getattr(request, "set_pose", True)
         has_twist = getattr(request, "set_twist", True)
         frame = self._frame(state.header.frame_id, snapshot, _INVALID_STATE_POSE)
-        shape: Pose = tuple(now[1]), _to_xyzw(now[2])
+        shape = _placed(now)
         if has_pose:
             asked = _pose(state.pose, _INVALID_STATE_POSE)
-            T_root_model = compose(frame, asked)
-            shape = compose(T_root_model, self._spawned.get(name, IDENTITY))
-        linear, angular = now[3], now[4]
+            shape = frame @ asked @ self._spawned.get(name, _IDENTITY)
+        linear: Sequence[float] = now["linear"]
+        angular: Sequence[float] = now["angular"]
         if has_twist:
-            linear = rotate(frame[1], _vector(state.twist.linear))
-            angular = rotate(frame[1], _vector(state.twist.angular))
+            linear = frame.rotate(_vector(state.twist.linear))
+            angular = frame.rotate(_vector(state.twist.angular))
         self._context.connection.call(
-            "place_object",
-            name=name,
-            xyz=shape[0],
-            quat_wxyz=_to_wxyz(shape[1]),
-            linear=linear,
-            angular=angular,
+            requests.place_object(
+                name=name,
+                xyz=shape.position,
+                quat_wxyz=shape.quat_wxyz,
+                linear=linear,
+                angular=angular,
+            )
         )
 
     # ---- parts ----------------------------------------------------------------------
 
-    def _snapshot(self) -> dict[str, Any]:
-        snapshot: dict[str, Any] = self._context.connection.call("read_snapshot")
-        return snapshot
+    def _snapshot(self) -> SnapshotMessage:
+        return self._context.connection.call(requests.read_snapshot())
 
-    def _matching(self, filters: Any, snapshot: dict[str, Any]) -> list[str]:
+    def _matching(self, filters: Any, snapshot: SnapshotMessage) -> list[str]:
         tags, bounds = filters.tags.tags, filters.bounds.type
         if tags or bounds or filters.categories:
             raise RefusedError(_UNSUPPORTED, "entities are filtered by name only")
@@ -145,61 +143,59 @@ class Entities:
             pattern = re.compile(filters.filter)
         except re.error as error:
             raise RefusedError(_FAILED, f"filter '{filters.filter}': {error}") from None
-        names = [self._robot, *(item[0] for item in _objects(snapshot))]
+        names = [self._robot, *(item["name"] for item in snapshot["objects"])]
         return [name for name in names if pattern.search(name)]
 
-    def _object(self, name: str, snapshot: dict[str, Any]) -> Any:
-        """Return the state of an object, in the order of ``ObjectState``."""
+    def _object(self, name: str, snapshot: SnapshotMessage) -> ObjectState:
         if name == self._robot:
             raise RefusedError(
                 _FAILED, f"'{name}' is the robot, which is fixed to the world"
             )
-        for item in _objects(snapshot):
-            if item[0] == name:
+        for item in snapshot["objects"]:
+            if item["name"] == name:
                 return item
         raise RefusedError(_NOT_FOUND, f"there is no entity '{name}'")
 
-    def _fill_state(self, state: Any, name: str, snapshot: dict[str, Any]) -> None:
+    def _fill_state(self, state: Any, name: str, snapshot: SnapshotMessage) -> None:
         state.header.stamp = self._context.clock.to_ros(snapshot["time"])
         state.header.frame_id = self._context.names.frame(self._tree.root)
-        pose = IDENTITY
+        pose = _IDENTITY
         if name != self._robot:
-            _, position, quat_wxyz, linear, angular = self._object(name, snapshot)
-            T_root_shape: Pose = tuple(position), _to_xyzw(quat_wxyz)
-            T_model_shape = self._spawned.get(name, IDENTITY)
-            pose = compose(T_root_shape, inverse(T_model_shape))
-            twist = state.twist
-            twist.linear.x, twist.linear.y, twist.linear.z = map(float, linear)
-            twist.angular.x, twist.angular.y, twist.angular.z = map(float, angular)
-        place, turn = state.pose.position, state.pose.orientation
-        place.x, place.y, place.z = map(float, pose[0])
-        turn.x, turn.y, turn.z, turn.w = map(float, pose[1])
+            item, twist = self._object(name, snapshot), state.twist
+            T_model_shape = self._spawned.get(name, _IDENTITY)
+            pose = _placed(item) @ T_model_shape.inverse()
+            twist.linear.x, twist.linear.y, twist.linear.z = map(float, item["linear"])
+            x, y, z = map(float, item["angular"])
+            twist.angular.x, twist.angular.y, twist.angular.z = x, y, z
+        fill_frame(state.pose.position, state.pose.orientation, pose)
 
-    def _asked_pose(self, stamped: Any, snapshot: dict[str, Any], code: int) -> Pose:
+    def _asked_pose(
+        self, stamped: Any, snapshot: SnapshotMessage, code: int
+    ) -> Transform:
         frame = self._frame(stamped.header.frame_id, snapshot, code)
-        return compose(frame, _pose(stamped.pose, code))
+        return frame @ _pose(stamped.pose, code)
 
-    def _frame(self, frame: str, snapshot: dict[str, Any], code: int) -> Pose:
+    def _frame(self, frame: str, snapshot: SnapshotMessage, code: int) -> Transform:
         """Return the pose of a frame in the root: a link, an entity or the world."""
         if frame in ("", "world", self._robot):
-            return IDENTITY
+            return _IDENTITY
         for link in self._tree.links:
             if frame in (link, self._context.names.frame(link)):
                 values = dict(zip(snapshot["joint_names"], snapshot["position"]))
                 return self._tree.pose(link, values)
-        for item in _objects(snapshot):
-            if item[0] == frame:
-                shape: Pose = tuple(item[1]), _to_xyzw(item[2])
-                return compose(shape, inverse(self._spawned.get(frame, IDENTITY)))
+        for item in snapshot["objects"]:
+            if item["name"] == frame:
+                T_model_shape = self._spawned.get(frame, _IDENTITY)
+                return _placed(item) @ T_model_shape.inverse()
         raise RefusedError(
             code, f"there is no frame '{frame}'; use a link or an entity"
         )
 
-    def _free_name(self, request: Any, text: str, snapshot: dict[str, Any]) -> str:
+    def _free_name(self, request: Any, text: str, snapshot: SnapshotMessage) -> str:
         name = request.name or _name_in(text)
         if not name and not request.allow_renaming:
             raise RefusedError(_NAME_INVALID, "the name is empty")
-        taken = {self._robot, *(item[0] for item in _objects(snapshot))}
+        taken = {self._robot, *(item["name"] for item in snapshot["objects"])}
         if name and name not in taken:
             return name
         if not request.allow_renaming:
@@ -209,10 +205,9 @@ class Entities:
         return next(other for other in numbers if other not in taken)
 
 
-def _objects(snapshot: dict[str, Any]) -> Any:
-    """Return name, position, quaternion (wxyz) and velocities of each object."""
-    fields = ("name", "position", "quat_wxyz", "linear", "angular")
-    return [[item[field] for field in fields] for item in snapshot["objects"]]
+def _placed(item: ObjectState) -> Transform:
+    """Return the pose of an object in the root."""
+    return from_quaternion(item["position"], item["quat_wxyz"])
 
 
 def _entity_state() -> Any:
@@ -244,26 +239,15 @@ def _name_in(text: str) -> str:
     return found.group(1) if found else ""
 
 
-def _pose(message: Any, code: int) -> Pose:
+def _pose(message: Any, code: int) -> Transform:
     turn = message.orientation
-    quat = (turn.x, turn.y, turn.z, turn.w)
-    length = math.sqrt(sum(value * value for value in quat))
+    quat_wxyz = (turn.w, turn.x, turn.y, turn.z)
+    length = math.hypot(*quat_wxyz)
     place = _vector(message.position)
     if not 0.0 < length < math.inf or not all(map(math.isfinite, place)):
         raise RefusedError(code, "the pose needs finite numbers and a quaternion")
-    x, y, z, w = (value / length for value in quat)
-    return place, (x, y, z, w)
+    return from_quaternion(place, quat_wxyz)
 
 
-def _vector(message: Any) -> tuple[float, float, float]:
+def _vector(message: Any) -> Vector3:
     return message.x, message.y, message.z
-
-
-def _to_wxyz(quat_xyzw: Quaternion) -> list[float]:
-    x, y, z, w = quat_xyzw
-    return [w, x, y, z]
-
-
-def _to_xyzw(quat_wxyz: Any) -> Quaternion:
-    w, x, y, z = quat_wxyz
-    return x, y, z, w

@@ -1,10 +1,12 @@
 """The topic of a controller that forwards commands."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from rclpy.qos import QoSProfile
 from std_msgs.msg import Float64MultiArray
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import ControllerContext, Update
 from tool0_ros2.connection import RequestFailedError
 
@@ -18,8 +20,8 @@ class ForwardCommandPart:
             Float64MultiArray, "~/commands", self._take, QoSProfile(depth=10)
         )
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         """Publish nothing: it has no state topic."""
@@ -31,7 +33,9 @@ class ForwardCommandPart:
         context = self._context
         try:
             context.connection.post(
-                "command_joints", controller=context.name, values=list(message.data)
+                requests.command_joints(
+                    controller=context.name, values=list(message.data)
+                )
             )
         except RequestFailedError as error:
             context.report.error(f"commands: {error}")

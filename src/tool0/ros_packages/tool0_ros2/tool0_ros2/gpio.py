@@ -1,6 +1,6 @@
 """The topics and services of UR's io_and_status_controller."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,10 +8,12 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import ControllerContext, Update
 from tool0_ros2.connection import RequestFailedError
 from tool0_ros2.control_box import ControlBox, is_program_running, is_running
 from tool0_ros2.messages import fill, optional_module
+from tool0_ros2.requests import AnalogPin, ControlBoxState, Request
 
 _DEFAULT = QoSProfile(depth=10)
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -22,7 +24,7 @@ class _Topic:
     """A topic of the control box's state."""
 
     publisher: Any
-    message_of: Callable[[dict[str, Any]], Any]
+    message_of: Callable[[ControlBoxState], Any]
     message: Any = None
     """The last one."""
 
@@ -34,7 +36,7 @@ class GpioPart:
         self._context = context
         prefix = context.parameters.get("tf_prefix") or context.names.prefix
         self._box = ControlBox(context, prefix)
-        self._seen: dict[str, Any] | None = None
+        self._seen: ControlBoxState | None = None
         self._pins = self._pin_topics()
         self._latched = self._mode_topics()
         self._services = [
@@ -79,8 +81,8 @@ class GpioPart:
             ]
         return topics
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         state = self._box.state(update)
@@ -122,16 +124,29 @@ class GpioPart:
 
         return self._context.node.create_service(kind, f"~/{name}", answer)
 
+    def _send(self, request: Request[None]) -> None:
+        self._context.connection.call(request)
+
+    def _set_output(self, pin: int, level: float, domain: Any) -> None:
+        self._send(
+            requests.set_analog_output(
+                pin=pin, level=level, domain=domain, arm=self._box.arm
+            )
+        )
+
     def _set_io(self, request: Any) -> str:
         pin, state, fun = request.pin, request.state, request.fun
         if fun == request.FUN_SET_DIGITAL_OUT:
-            self._box.call("set_io", digital_outputs={pin: bool(state)})
+            self._send(
+                requests.set_io(digital_outputs={pin: bool(state)}, arm=self._box.arm)
+            )
         elif fun == request.FUN_SET_ANALOG_OUT:
             outputs = self._box.read()["analog_outputs"]
             domain = outputs[pin]["domain"] if 0 <= pin < len(outputs) else 1
-            self._box.call("set_analog_output", pin=pin, level=state, domain=domain)
+            self._set_output(pin, state, domain)
         elif fun == request.FUN_SET_TOOL_VOLTAGE:
-            self._box.call("set_io", tool_voltage=int(state))
+            voltage: Any = int(state)  # checked by the bring-up
+            self._send(requests.set_io(tool_voltage=voltage, arm=self._box.arm))
         else:
             raise _refused(
                 f"fun {fun} is not supported; valid: digital output "
@@ -143,34 +158,35 @@ class GpioPart:
 
     def _set_analog(self, request: Any) -> str:
         data = request.data
-        self._box.call(
-            "set_analog_output", pin=data.pin, level=data.state, domain=data.domain
-        )
+        self._set_output(data.pin, data.state, data.domain)
         return ""
 
     def _set_speed(self, request: Any) -> str:
-        self._box.call("set_speed_slider", fraction=request.speed_slider_fraction)
+        fraction = request.speed_slider_fraction
+        self._send(requests.set_speed_slider(fraction=fraction, arm=self._box.arm))
         return ""
 
     def _set_payload(self, request: Any) -> str:
         center = request.center_of_gravity
-        self._box.call(
-            "set_payload",
-            mass=request.mass,
-            center_of_gravity=[center.x, center.y, center.z],
+        self._send(
+            requests.set_payload(
+                mass=request.mass,
+                center_of_gravity=[center.x, center.y, center.z],
+                arm=self._box.arm,
+            )
         )
         return ""
 
     def _resend_program(self, request: Any) -> str:
-        self._box.call("play_program")
+        self._send(requests.play_program(arm=self._box.arm))
         return "the program is running"
 
     def _hand_back_control(self, request: Any) -> str:
-        self._box.call("stop_program")
+        self._send(requests.stop_program(arm=self._box.arm))
         return "the program has ended"
 
     def _zero_sensor(self, request: Any) -> str:
-        self._context.connection.call("tare_force_torque", link=self._box.flange)
+        self._send(requests.tare_force_torque(link=self._box.flange))
         return "the sensor is tared"
 
 
@@ -178,29 +194,29 @@ def _refused(reason: str) -> RequestFailedError:
     return RequestFailedError("ControlError", reason)
 
 
-def _program(state: dict[str, Any]) -> Any:
+def _program(state: ControlBoxState) -> Any:
     return Bool(data=is_program_running(state))
 
 
-def _robot(state: dict[str, Any]) -> Any:
+def _robot(state: ControlBoxState) -> Any:
     from ur_dashboard_msgs.msg import RobotMode
 
     return RobotMode(mode=state["robot_mode"])
 
 
-def _safety(state: dict[str, Any]) -> Any:
+def _safety(state: ControlBoxState) -> Any:
     from ur_dashboard_msgs.msg import SafetyMode
 
     return SafetyMode(mode=state["safety_mode"])
 
 
-def _io_states(state: dict[str, Any]) -> Any:
+def _io_states(state: ControlBoxState) -> Any:
     from ur_msgs.msg import Analog, Digital, IOStates
 
     def digital(pins: list[bool]) -> list[Any]:
         return [Digital(pin=k, state=value) for k, value in enumerate(pins)]
 
-    def analog(pins: list[dict[str, Any]]) -> list[Any]:
+    def analog(pins: list[AnalogPin]) -> list[Any]:
         return [
             Analog(pin=k, domain=pin["domain"], state=pin["value"])
             for k, pin in enumerate(pins)
@@ -214,7 +230,7 @@ def _io_states(state: dict[str, Any]) -> Any:
     )
 
 
-def _tool_data(state: dict[str, Any]) -> Any:
+def _tool_data(state: ControlBoxState) -> Any:
     from ur_msgs.msg import ToolDataMsg
 
     first, second = state["tool_analog_inputs"]

@@ -1,12 +1,15 @@
 """The actions of gripper controllers."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from control_msgs import action
 
+from tool0_ros2 import requests
 from tool0_ros2.actions import ActiveGoal, SimulatedAction
 from tool0_ros2.bridge import ControllerContext, Update
 from tool0_ros2.messages import rejected
+from tool0_ros2.requests import GoalStarted, Outcome, Request
 
 
 class _Gripper:
@@ -18,17 +21,14 @@ class _Gripper:
 
     def command(
         self, position: float, max_effort: float | None, max_velocity: float | None
-    ) -> int:
-        """Start a goal and return its number."""
-        given = {"max_effort": max_effort, "max_velocity": max_velocity}
-        started = self.context.connection.call(
-            "command_gripper",
+    ) -> Request[GoalStarted]:
+        """Return the request for a goal."""
+        return requests.command_gripper(
             controller=self.context.name,
             position=position,
-            **{name: value for name, value in given.items() if value is not None},
+            max_effort=max_effort,
+            max_velocity=max_velocity,
         )
-        number: int = started["goal"]
-        return number
 
     def state(self, update: Update) -> tuple[float, float, float]:
         """Return position, velocity and effort of the joint."""
@@ -52,8 +52,8 @@ class GripperCommandPart:
             monitor_rate=context.parameters.get("action_monitor_rate", 20.0),
         )
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         self._action.publish(update.time, lambda goal: self._feedback(update))
@@ -82,8 +82,8 @@ class ParallelGripperPart:
             monitor_rate=context.parameters.get("action_monitor_rate", 20.0),
         )
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         self._last = self._gripper.state(update)
@@ -92,7 +92,7 @@ class ParallelGripperPart:
     def close(self) -> None:
         self._action.close()
 
-    def _start(self, goal: Any) -> int:
+    def _start(self, goal: Any) -> Request[GoalStarted]:
         command = goal.command
         if len(command.position) != 1:
             raise rejected(f"need exactly one position, got {len(command.position)}")
@@ -107,7 +107,7 @@ class ParallelGripperPart:
         self._fill(message.state)
         return message
 
-    def _result(self, outcome: dict[str, Any]) -> Any:
+    def _result(self, outcome: Outcome) -> Any:
         message = action.ParallelGripperCommand.Result()
         self._fill(message.state)
         message.stalled = bool(outcome.get("stalled"))
@@ -121,7 +121,7 @@ class ParallelGripperPart:
         state.effort = [effort]
 
 
-def _command_result(outcome: dict[str, Any]) -> Any:
+def _command_result(outcome: Outcome) -> Any:
     return action.GripperCommand.Result(
         position=outcome.get("position") or 0.0,
         effort=outcome.get("effort") or 0.0,

@@ -1,6 +1,7 @@
 """The topics of a joint_state_broadcaster."""
 
 from array import array
+from collections.abc import Sequence
 from typing import Any
 
 from control_msgs.msg import DynamicJointState, InterfaceValue
@@ -45,8 +46,8 @@ class JointStatePart:
         self._message.header.frame_id = parameters.get("frame_id", "base_link")
         self._picked: list[int] | None = None
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         picked = self._picked

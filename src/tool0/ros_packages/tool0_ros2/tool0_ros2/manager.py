@@ -1,19 +1,27 @@
 """controller_manager: its services, its parameters and its topic."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any
+from itertools import chain
+from typing import Any, Protocol
 
 from controller_manager_msgs import msg, srv
 from lifecycle_msgs.msg import State
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import Context
 from tool0_ros2.connection import RequestFailedError
 from tool0_ros2.messages import fill
 from tool0_ros2.parameters import to_parameters
+from tool0_ros2.requests import (
+    ControllerStatus,
+    HardwareComponentState,
+    HardwareInterfaceState,
+    Request,
+)
 
 NAME = "controller_manager"
 STRICT = 2
@@ -62,32 +70,38 @@ class ControllerManager:
         """
         self._context = context
         self._follow = follow
+        self._call = context.connection.call
         self._offer("ListControllers", self._list_controllers)
         self._offer("ListControllerTypes", self._list_types)
         self._offer("ListHardwareComponents", self._list_components)
         self._offer("ListHardwareInterfaces", self._list_interfaces)
         self._offer("LoadController", self._changing(self._load))
-        for verb in ("Configure", "Unload", "Cleanup"):
-            request = f"{verb.lower()}_controller"
-            operation = partial(self._call_by_name, request)
-            self._offer(f"{verb}Controller", self._changing(operation))
+        for kind, request in (
+            ("ConfigureController", requests.configure_controller),
+            ("UnloadController", requests.unload_controller),
+            ("CleanupController", requests.cleanup_controller),
+        ):
+            self._offer(kind, self._changing(partial(self._call_by_name, request)))
         self._offer("SwitchController", self._changing(self._switch))
         self._offer("ReloadControllerLibraries", self._changing(self._reload))
         self._offer("SetHardwareComponentState", self._set_component)
         self._activity: Any = None
-        kind = getattr(msg, "ControllerManagerActivity", None)
-        if kind is not None:  # not in Humble
+        activity = getattr(msg, "ControllerManagerActivity", None)
+        if activity is not None:  # not in Humble
             latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-            self._activity = context.node.create_publisher(kind, "~/activity", latched)
+            self._activity = context.node.create_publisher(
+                activity, "~/activity", latched
+            )
         self._last_activity: Any = None
 
-    def publish_activity(self, statuses: list[dict[str, Any]]) -> None:
+    def publish_activity(self, statuses: list[ControllerStatus]) -> None:
         """Publish the states of the controllers if they have changed."""
         states = [(item["name"], item["state"]) for item in statuses]
         if self._activity is None or states == self._last_activity:
             return
         self._last_activity = states
         own = self._context.names.own
+        components = self._context.ask(requests.list_hardware(), "hardware components")
         message = msg.ControllerManagerActivity()
         message.header.stamp = self._context.clock.now()
         message.controllers = [
@@ -96,7 +110,7 @@ class ControllerManager:
         ]
         message.hardware_components = [
             msg.NamedLifecycleState(name=item["name"], state=_lifecycle(item["state"]))
-            for item in self._components()
+            for item in self._owned(components or [])
         ]
         self._activity.publish(message)
 
@@ -130,19 +144,21 @@ class ControllerManager:
 
         return handle
 
-    def _call(self, method: str, **params: Any) -> Any:
-        return self._context.connection.call(method, **params)
+    def _call_by_name(self, request: "_OfController", message: Any) -> None:
+        self._call(request(name=self._context.names.full(message.name)))
 
-    def _call_by_name(self, method: str, message: Any) -> Any:
-        return self._call(method, name=self._context.names.full(message.name))
-
-    def _controllers(self) -> list[dict[str, Any]]:
+    def _controllers(self) -> list[ControllerStatus]:
         owns = self._context.names.owns
-        return [c for c in self._call("list_controllers") if owns(c["name"])]
+        return [c for c in self._call(requests.list_controllers()) if owns(c["name"])]
 
-    def _components(self) -> list[dict[str, Any]]:
+    def _components(self) -> list[HardwareComponentState]:
+        return self._owned(self._call(requests.list_hardware()))
+
+    def _owned(
+        self, components: list[HardwareComponentState]
+    ) -> list[HardwareComponentState]:
         owns = self._context.names.owns
-        return [c for c in self._call("list_hardware") if owns(c["name"])]
+        return [item for item in components if owns(item["name"])]
 
     def _list_controllers(self, request: Any, response: Any) -> Any:
         names, rate = self._context.names, self._update_rate()
@@ -171,7 +187,7 @@ class ControllerManager:
         return rate
 
     def _list_types(self, request: Any, response: Any) -> Any:
-        types = self._call("list_controller_types")
+        types = self._call(requests.list_controller_types())
         return fill(
             response,
             types=[item["name"] for item in types],
@@ -187,11 +203,12 @@ class ControllerManager:
         }
         files = params["params_file"] or []
         self._call(
-            "load_controller",
-            name=self._context.names.full(name),
-            type=params["type"] or None,
-            files=[files] if isinstance(files, str) else list(files),
-            configure=False,
+            requests.load_controller(
+                name=self._context.names.full(name),
+                type=params["type"] or None,
+                files=[files] if isinstance(files, str) else list(files),
+                configure=False,
+            )
         )
 
     def _switch(self, request: Any) -> None:
@@ -210,10 +227,11 @@ class ControllerManager:
             strict = strictness == STRICT
         full = self._context.names.full
         self._call(
-            "switch_controllers",
-            start=list(map(full, start)),
-            stop=list(map(full, stop)),
-            strict=strict,
+            requests.switch_controllers(
+                start=list(map(full, start)),
+                stop=list(map(full, stop)),
+                strict=strict,
+            )
         )
 
     def _reload(self, request: Any) -> None:
@@ -230,9 +248,9 @@ class ControllerManager:
                 f"still loaded: {', '.join(loaded)}; unload them or use force_kill",
             )
         running = [item["name"] for item in controllers if item["is_running"]]
-        self._call("switch_controllers", stop=running, strict=False)
+        self._call(requests.switch_controllers(stop=running, strict=False))
         for name in loaded:
-            self._call("unload_controller", name=name)
+            self._call(requests.unload_controller(name=name))
 
     def _list_components(self, request: Any, response: Any) -> Any:
         rate = self._update_rate()
@@ -254,13 +272,13 @@ class ControllerManager:
 
     def _list_interfaces(self, request: Any, response: Any) -> Any:
         components = self._components()
-        for field in ("command_interfaces", "state_interfaces"):
-            every = [entry for item in components for entry in item[field]]
-            every.sort(key=lambda entry: entry["name"])
-            setattr(response, field, self._interfaces(every))
+        commands = (item["command_interfaces"] for item in components)
+        states = (item["state_interfaces"] for item in components)
+        response.command_interfaces = self._interfaces(_sorted(commands))
+        response.state_interfaces = self._interfaces(_sorted(states))
         return response
 
-    def _interfaces(self, entries: list[dict[str, Any]]) -> list[Any]:
+    def _interfaces(self, entries: list[HardwareInterfaceState]) -> list[Any]:
         own = self._context.names.own
         return [
             fill(
@@ -291,6 +309,18 @@ class ControllerManager:
                 f"the simulated hardware '{request.name}' stays {state.label}"
             )
         return response
+
+
+class _OfController(Protocol):
+    """Makes a request about one controller."""
+
+    def __call__(self, *, name: str) -> Request[None]: ...
+
+
+def _sorted(
+    groups: Iterable[list[HardwareInterfaceState]],
+) -> list[HardwareInterfaceState]:
+    return sorted(chain.from_iterable(groups), key=lambda entry: entry["name"])
 
 
 def _lifecycle(state: str) -> State:

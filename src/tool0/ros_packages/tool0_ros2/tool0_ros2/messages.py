@@ -10,6 +10,8 @@ from builtin_interfaces.msg import Duration
 
 from tool0_ros2.clock import NANOSECONDS, to_seconds
 from tool0_ros2.connection import RequestFailedError
+from tool0_ros2.copied import Transform, Vector3
+from tool0_ros2.requests import TrajectoryPoint
 
 INVALID_GOAL = -1
 """Of control_msgs/FollowJointTrajectory."""
@@ -24,6 +26,18 @@ def fill(item: Any, /, **values: Any) -> Any:
     return item
 
 
+def fill_frame(place: Any, turn: Any, frame: Transform) -> None:
+    """Set a position or translation, and a rotation."""
+    place.x, place.y, place.z = map(float, frame.position)
+    turn.w, turn.x, turn.y, turn.z = frame.quat_wxyz
+
+
+def to_vector(values: Sequence[float]) -> Vector3:
+    """Return three numbers of a response."""
+    x, y, z = values
+    return x, y, z
+
+
 def rejected(reason: str) -> RequestFailedError:
     """Return the error of a goal that is rejected here."""
     return RequestFailedError("GoalRejectedError", reason, INVALID_GOAL)
@@ -35,7 +49,7 @@ def to_duration(seconds: float) -> Duration:
     return Duration(sec=whole, nanosec=part)
 
 
-def to_points(points: Sequence[Any]) -> list[dict[str, Any]]:
+def to_points(points: Sequence[Any]) -> list[TrajectoryPoint]:
     """Return trajectory_msgs/JointTrajectoryPoints as values of a request.
 
     Raises:
@@ -49,15 +63,18 @@ def to_points(points: Sequence[Any]) -> list[dict[str, Any]]:
                 f"point {k + 1} has an effort field, which no controller here follows: "
                 "leave it empty"
             )
-        value: dict[str, Any] = {"time_from_start": to_seconds(point.time_from_start)}
         for name in ("positions", "velocities", "accelerations"):
             numbers = getattr(point, name)
             if not all(map(math.isfinite, numbers)):
                 raise rejected(
                     f"{name} of point {k + 1} must be finite, got {list(numbers)}"
                 )
-            if numbers or name == "positions":
-                value[name] = numbers.tolist()
+        value: TrajectoryPoint = {
+            "positions": point.positions.tolist(),
+            "velocities": point.velocities.tolist() or None,
+            "accelerations": point.accelerations.tolist() or None,
+            "time_from_start": to_seconds(point.time_from_start),
+        }
         found.append(value)
     return found
 

@@ -14,6 +14,7 @@ from rclpy.executors import (
 from rclpy.node import Node
 from rclpy.qos import qos_profile_rosout_default
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import Context, Part, Reporter, Update
 from tool0_ros2.clock import Clock
 from tool0_ros2.connection import Connection, RequestFailedError, failure
@@ -22,6 +23,14 @@ from tool0_ros2.manager import ControllerManager, manager_node
 from tool0_ros2.names import Names
 from tool0_ros2.quiet import only_log_lines
 from tool0_ros2.registry import ROBOT, SIMULATION, part_class
+from tool0_ros2.requests import (
+    ControlBoxState,
+    DescriptionInfo,
+    LogMessage,
+    Message,
+    SimulationInfo,
+    UpdateMessage,
+)
 from tool0_ros2.robot import RobotPart
 
 NODE_NAME = "tool0"
@@ -129,13 +138,13 @@ class RobotNode:
         self._rosout = self.node.create_publisher(
             Log, "/rosout", qos_profile_rosout_default
         )
-        self._connection: Any = None
+        self._connection: Connection | None = None
         self._namespaces: list[_Namespace] = []
         self._nodes = [self.node]
         self._parts: list[Part] = []
         self._index: dict[str, int] = {}
-        self._control_boxes: list[dict[str, Any]] = []
-        self._wanted: dict[str, list[str]] | None = None
+        self._control_boxes: list[ControlBoxState] = []
+        self._wanted: list[str] | None = None
         self._has_updates = threading.Event()
 
     def start(self, connection: Connection, options: Any) -> None:
@@ -149,11 +158,11 @@ class RobotNode:
         connection.on_message = self._take
         connection.on_end = self._end
         connection.start()
-        description = connection.call("read_description")
-        info = connection.call("read_info")
+        description = connection.call(requests.read_description())
+        info = connection.call(requests.read_info())
         self._rate = rate = min(MAX_RATE, 1.0 / info["control_period"])
         for names, urdf in _namespaces(self._root, description):
-            context = self._context(names, description, info, options)
+            context = self._context(connection, names, description, info, options)
             with only_log_lines():
                 space = _Namespace(
                     context,
@@ -168,7 +177,9 @@ class RobotNode:
             space.update()
             self._nodes.append(space.manager_node)
             self._services.executor.add_node(space.manager_node)
-        context = self._context(Names(self._root), description, info, options)
+        context = self._context(
+            connection, Names(self._root), description, info, options
+        )
         self._parts = self._made(SIMULATION, context)
         self._control.executor.add_node(self.node)
         self.node.create_timer(_REFRESH_PERIOD, self._refresh)
@@ -205,10 +216,15 @@ class RobotNode:
         return found
 
     def _context(
-        self, names: Names, description: Any, info: Any, options: Any
+        self,
+        connection: Connection,
+        names: Names,
+        description: DescriptionInfo,
+        info: SimulationInfo,
+        options: Any,
     ) -> Context:
         return Context(
-            connection=self._connection,
+            connection=connection,
             names=names,
             clock=self._clock,
             node=self.node,
@@ -233,18 +249,17 @@ class RobotNode:
 
     # ---- in the reader's thread -----------------------------------------------------
 
-    def _take(self, message: dict[str, Any]) -> None:
-        kind = message["type"]
-        if kind == "update":
+    def _take(self, message: Message) -> None:
+        if message["type"] == "update":
             self._publish(message)
-        elif kind == "fault":
+        elif message["type"] == "fault":
             self._report.error(f"the simulation has stopped: {message['message']}")
-        elif kind == "log":
+        elif message["type"] == "log":
             self._log(message)
-        elif kind == "reply" and "error" in message:
+        elif message["type"] == "reply" and "error" in message:
             self._report.error(str(failure(message["error"])))
 
-    def _log(self, message: dict[str, Any]) -> None:
+    def _log(self, message: LogMessage) -> None:
         """Publish a line of the simulation's log; it is printed there already."""
         level = Log.ERROR if message["level"] == "error" else Log.WARN
         stamp = self.node.get_clock().now().to_msg()
@@ -255,7 +270,7 @@ class RobotNode:
                 name, text = space.controllers.names.own(begin), rest
         self._rosout.publish(Log(stamp=stamp, level=level, name=name, msg=text))
 
-    def _publish(self, message: dict[str, Any]) -> None:
+    def _publish(self, message: UpdateMessage) -> None:
         names = message.get("joint_names")
         if names is not None:
             self._index = {name: k for k, name in enumerate(names)}
@@ -301,15 +316,19 @@ class RobotNode:
 
     def _refresh(self) -> None:
         """Ask for what the parts want in the updates."""
-        wanted: dict[str, list[str]] = {}
-        for space in self._namespaces:
-            for part in space.parts:
-                for field, names in part.wants().items():
-                    wanted.setdefault(field, []).extend(names)
-        if wanted == self._wanted:
+        wanted = [
+            name
+            for space in self._namespaces
+            for part in space.parts
+            for name in part.wants()
+        ]
+        connection = self._connection
+        if connection is None or wanted == self._wanted:
             return
         self._wanted = wanted
-        future = self._connection.submit("subscribe_updates", rate=self._rate, **wanted)
+        future = connection.submit(
+            requests.subscribe_updates(rate=self._rate, motions=wanted)
+        )
         future.add_done_callback(self._report_refusal)
 
     def _report_refusal(self, future: Any) -> None:
@@ -323,9 +342,9 @@ class RobotNode:
             space.robot.look_for_publisher()
 
 
-def _namespaces(root: str, description: dict[str, Any]) -> list[tuple[Names, str]]:
+def _namespaces(root: str, description: DescriptionInfo) -> list[tuple[Names, str]]:
     """Return the names of each namespace, and the URDF that is in it."""
-    cell = description.get("namespaces", [])
+    cell = description["namespaces"]
     if not cell:
         return [(Names(root), _with_mesh_files(description["urdf"], description))]
     prefixes = [f"{item['name']}_" for item in cell]
@@ -343,11 +362,11 @@ def _namespaces(root: str, description: dict[str, Any]) -> list[tuple[Names, str
     ]
 
 
-def _with_mesh_files(urdf: str, description: dict[str, Any]) -> str:
+def _with_mesh_files(urdf: str, description: DescriptionInfo) -> str:
     """Return the URDF with ``file://`` URIs for meshes of tool0's own packages.
 
     ROS does not know the packages inside tool0: RViz would show no robot.
     """
-    for package, uri in description.get("packages", {}).items():
+    for package, uri in description["packages"].items():
         urdf = urdf.replace(f"package://{package}/", f"{uri}/")
     return urdf

@@ -6,7 +6,9 @@ from typing import Any
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.parameter import Parameter
 
+from tool0_ros2.bridge import Context
 from tool0_ros2.connection import RequestFailedError
+from tool0_ros2.requests import set_controller_parameters
 
 
 def to_parameters(values: Mapping[str, Any]) -> list[Parameter]:
@@ -33,7 +35,7 @@ class ControllerParameters:
     """Passes changes of a controller's parameters on to the simulation."""
 
     def __init__(
-        self, context: Any, controller: str, node: Any, values: dict[str, Any]
+        self, context: Context, controller: str, node: Any, values: dict[str, Any]
     ) -> None:
         """Declare ``values`` as parameters of ``node``, and take changes.
 
@@ -66,9 +68,9 @@ class ControllerParameters:
             return SetParametersResult(successful=True)
         try:
             self._context.connection.call(
-                "set_controller_parameters",
-                controller=self._controller,
-                parameters=changes,
+                set_controller_parameters(
+                    controller=self._controller, parameters=changes
+                )
             )
         except RequestFailedError as error:
             reason = self._context.names.text(error)

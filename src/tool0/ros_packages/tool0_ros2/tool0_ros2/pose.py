@@ -1,5 +1,6 @@
 """The topic and the frame of a pose_broadcaster."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped, TransformStamped
@@ -9,7 +10,9 @@ from tf2_msgs.msg import TFMessage
 from tool0_ros2.bridge import ControllerContext, Rate, Update
 from tool0_ros2.connection import RequestFailedError
 from tool0_ros2.control_box import flange_of
-from tool0_ros2.kinematics import LinkTree, Pose, compose, inverse
+from tool0_ros2.copied import Transform
+from tool0_ros2.kinematics import LinkTree
+from tool0_ros2.messages import fill_frame
 
 
 class PosePart:
@@ -41,8 +44,8 @@ class PosePart:
                 TFMessage, "/tf", QoSProfile(depth=100)
             )
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         is_read = self._poses.get_subscription_count() > 0
@@ -51,18 +54,16 @@ class PosePart:
         is_due = is_heard and self._rate.is_due(update.time)
         if not (is_read or is_due):
             return
-        position, quat_xyzw = self._pose(update)
+        pose = self._pose(update)
         if is_read:
             message = self._message
             message.header.stamp = update.stamp
-            _fill(message.pose.position, position)
-            _fill_rotation(message.pose.orientation, quat_xyzw)
+            fill_frame(message.pose.position, message.pose.orientation, pose)
             self._poses.publish(message)
         if is_due:
             item = self._transform
             item.header.stamp = update.stamp
-            _fill(item.transform.translation, position)
-            _fill_rotation(item.transform.rotation, quat_xyzw)
+            fill_frame(item.transform.translation, item.transform.rotation, pose)
             frames.publish(TFMessage(transforms=[item]))
 
     def close(self) -> None:
@@ -71,16 +72,8 @@ class PosePart:
         if self._frames is not None:
             node.destroy_publisher(self._frames)
 
-    def _pose(self, update: Update) -> Pose:
+    def _pose(self, update: Update) -> Transform:
         position, index = update.position, update.index
         values = {name: position[k] for name, k in index.items()}
-        in_root = self._tree.pose(self._flange, values)
-        return compose(inverse(self._tree.pose(self._link, values)), in_root)
-
-
-def _fill(message: Any, position: Any) -> None:
-    message.x, message.y, message.z = position
-
-
-def _fill_rotation(message: Any, quat_xyzw: Any) -> None:
-    message.x, message.y, message.z, message.w = quat_xyzw
+        T_root_link = self._tree.pose(self._link, values)
+        return T_root_link.inverse() @ self._tree.pose(self._flange, values)

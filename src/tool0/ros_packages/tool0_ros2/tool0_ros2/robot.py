@@ -1,5 +1,6 @@
 """The whole robot of a namespace: its description and its frames."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from geometry_msgs.msg import TransformStamped
@@ -8,7 +9,9 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 from tool0_ros2.bridge import Context, Rate, Update
+from tool0_ros2.copied import joint_transform
 from tool0_ros2.kinematics import Joint, read_joints
+from tool0_ros2.messages import fill_frame
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """The last message also reaches those who subscribe later."""
@@ -44,8 +47,8 @@ class RobotPart:
         self._description.publish(String(data=urdf))
         self._start()
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         frames = self._frames
@@ -56,8 +59,8 @@ class RobotPart:
         values = {names.own(name): position[k] for name, k in index.items()}
         for item, joint in zip(self._message.transforms, self._movable):
             item.header.stamp = update.stamp
-            place, turn = joint.transform(values)
-            _fill(item.transform, place, turn)
+            frame, transform = joint_transform(joint, values), item.transform
+            fill_frame(transform.translation, transform.rotation, frame)
         frames.publish(self._message)
 
     def close(self) -> None:
@@ -110,11 +113,7 @@ class RobotPart:
         message = TransformStamped()
         message.header.frame_id = frame(names.full(joint.parent))
         message.child_frame_id = frame(names.full(joint.child))
-        _fill(message.transform, *joint.transform({}))
+        transform = message.transform
+        frame_at_zero = joint_transform(joint, {})
+        fill_frame(transform.translation, transform.rotation, frame_at_zero)
         return message
-
-
-def _fill(message: Any, place: Any, turn: Any) -> None:
-    translation, rotation = message.translation, message.rotation
-    translation.x, translation.y, translation.z = place
-    rotation.x, rotation.y, rotation.z, rotation.w = turn

@@ -1,15 +1,16 @@
 """Services that pause, step and reset the simulation."""
 
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from std_srvs.srv import Empty
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import Context, Update
 from tool0_ros2.connection import RequestFailedError
 from tool0_ros2.entities import Entities, RefusedError
 from tool0_ros2.messages import optional_module
+from tool0_ros2.requests import Request
 
 _MOST_TICKS = 1_000_000
 """Of one request."""
@@ -26,13 +27,13 @@ class SimulationPart:
     def __init__(self, context: Context) -> None:
         self._context = context
         self._node = context.new_node("simulation")
-        call = context.connection.call
+        self._call = context.connection.call
         self._entities = Entities(context)
         self._services = [
-            self._offer_empty("pause_physics", partial(call, "pause")),
-            self._offer_empty("unpause_physics", partial(call, "resume")),
-            self._offer_empty("reset_simulation", partial(call, "reset")),
-            self._offer_empty("reset_world", partial(call, "reset", keep_time=True)),
+            self._offer_empty("pause_physics", requests.pause()),
+            self._offer_empty("unpause_physics", requests.resume()),
+            self._offer_empty("reset_simulation", requests.reset()),
+            self._offer_empty("reset_world", requests.reset(keep_time=True)),
         ]
         services = optional_module(context, "simulation_interfaces.srv", "simulation")
         if services is None:
@@ -55,8 +56,8 @@ class SimulationPart:
             if service is not None:
                 self._services.append(self._offer(service, kind, handler))
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         """Publish nothing: it has services only."""
@@ -67,10 +68,10 @@ class SimulationPart:
 
     # ---- offering -------------------------------------------------------------------
 
-    def _offer_empty(self, name: str, operation: Callable[[], object]) -> Any:
+    def _offer_empty(self, name: str, operation: Request[None]) -> Any:
         def answer(request: Any, response: Any) -> Any:
             try:
-                operation()
+                self._call(operation)
             except RequestFailedError as error:
                 self._context.report.error(f"{name}: {error}")
             return response
@@ -100,17 +101,17 @@ class SimulationPart:
     # ---- simulation_interfaces ------------------------------------------------------
 
     def _is_paused(self) -> bool:
-        return bool(self._context.connection.call("read_snapshot")["is_paused"])
+        return self._call(requests.read_snapshot())["is_paused"]
 
     def _get_state(self, request: Any, response: Any) -> None:
         state = response.state
         state.state = state.STATE_PAUSED if self._is_paused() else state.STATE_PLAYING
 
     def _set_state(self, request: Any, response: Any) -> None:
-        wanted, call = request.state, self._context.connection.call
+        wanted = request.state
         is_paused = self._is_paused()
         if wanted.state == wanted.STATE_STOPPED:
-            call("pause")
+            self._call(requests.pause())
             self._reset_all()
         elif wanted.state not in (wanted.STATE_PLAYING, wanted.STATE_PAUSED):
             raise RefusedError(
@@ -121,7 +122,7 @@ class SimulationPart:
                 response.ALREADY_IN_TARGET_STATE, "it is in that state already"
             )
         else:
-            call("resume" if is_paused else "pause")
+            self._call(requests.resume() if is_paused else requests.pause())
 
     def _reset(self, request: Any, response: Any) -> None:
         scope = request.scope or request.SCOPE_ALL
@@ -138,11 +139,11 @@ class SimulationPart:
             self._entities.delete_spawned()
         if scope & request.SCOPE_STATE:
             is_kept = not scope & request.SCOPE_TIME
-            self._context.connection.call("reset", keep_time=is_kept)
+            self._call(requests.reset(keep_time=is_kept))
 
     def _reset_all(self) -> None:
         self._entities.delete_spawned()
-        self._context.connection.call("reset")
+        self._call(requests.reset())
 
     def _step(self, request: Any, response: Any) -> None:
         if not self._is_paused():
@@ -150,7 +151,7 @@ class SimulationPart:
         left = request.steps
         while left > 0:
             ticks = min(left, _MOST_TICKS)
-            self._context.connection.call("step", timeout=None, ticks=ticks)
+            self._call(requests.step(ticks=ticks), timeout=None)
             left -= ticks
 
     def _get_features(self, request: Any, response: Any) -> None:

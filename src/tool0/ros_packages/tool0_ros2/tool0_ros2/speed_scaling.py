@@ -1,5 +1,7 @@
 """The topic of UR's speed_scaling_state_broadcaster."""
 
+from collections.abc import Sequence
+
 from rclpy.qos import QoSProfile
 from std_msgs.msg import Float64
 
@@ -23,8 +25,8 @@ class SpeedScalingPart:
             Float64, "~/speed_scaling", QoSProfile(depth=10)
         )
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         if self._rate.is_due(update.time) and self._publisher.get_subscription_count():

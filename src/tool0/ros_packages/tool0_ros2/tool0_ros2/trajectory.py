@@ -2,17 +2,20 @@
 
 from array import array
 from bisect import bisect_right
+from collections.abc import Sequence
 from typing import Any
 
 from control_msgs import action, msg, srv
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from tool0_ros2 import requests
 from tool0_ros2.actions import ActiveGoal, SimulatedAction
 from tool0_ros2.bridge import ControllerContext, Update
 from tool0_ros2.clock import to_seconds
 from tool0_ros2.connection import RequestFailedError
 from tool0_ros2.messages import fill, to_duration, to_points, to_tolerances
+from tool0_ros2.requests import GoalStarted, Motion, Outcome, Request
 
 _OUTPUT_FIELDS = {"position": "positions", "velocity": "velocities", "effort": "effort"}
 """Field of the output, by command interface."""
@@ -24,7 +27,8 @@ class JointTrajectoryPart:
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
         names, node, parameters = context.names, context.node, context.parameters
-        self._full = list(parameters.get("joints", []))
+        claimed = (name for _, joints in context.status["claimed"] for name in joints)
+        self._full = list(parameters.get("joints") or dict.fromkeys(claimed))
         self._joints = list(map(names.own, self._full))
         self._outputs = [
             _OUTPUT_FIELDS[kind]
@@ -65,9 +69,9 @@ class JointTrajectoryPart:
             monitor_rate=parameters.get("action_monitor_rate", 20.0),
         )
 
-    def wants(self) -> dict[str, list[str]]:
+    def wants(self) -> Sequence[str]:
         is_used = self._publisher.get_subscription_count() or self._action.active
-        return {"motions": [self._context.name]} if is_used else {}
+        return (self._context.name,) if is_used else ()
 
     def publish(self, update: Update) -> None:
         motion = update.motions.get(self._context.name)
@@ -89,7 +93,7 @@ class JointTrajectoryPart:
 
     # ---- out ------------------------------------------------------------------------
 
-    def _state(self, update: Update, motion: dict[str, Any]) -> Any:
+    def _state(self, update: Update, motion: Motion) -> Any:
         message = msg.JointTrajectoryControllerState()
         message.header.stamp = update.stamp
         reference = _point(motion["reference"], motion["time_from_start"])
@@ -106,9 +110,7 @@ class JointTrajectoryPart:
             actual=feedback,
         )
 
-    def _feedback(
-        self, goal: ActiveGoal, update: Update, motion: dict[str, Any]
-    ) -> Any:
+    def _feedback(self, goal: ActiveGoal, update: Update, motion: Motion) -> Any:
         message = action.FollowJointTrajectory.Feedback()
         message.header.stamp = update.stamp
         trajectory = goal.request.trajectory
@@ -124,7 +126,7 @@ class JointTrajectoryPart:
             index=min(bisect_right(times, elapsed), len(times) - 1),
         )
 
-    def _error(self, motion: dict[str, Any]) -> JointTrajectoryPoint:
+    def _error(self, motion: Motion) -> JointTrajectoryPoint:
         positions, rates = motion["error"]
         return _point(
             [positions, rates if self._has_rate_errors else [0.0] * len(rates)]
@@ -144,9 +146,9 @@ class JointTrajectoryPart:
         try:
             # Answered, so that the log has the reason why it is refused.
             future = context.connection.submit(
-                "command_trajectory",
-                controller=context.name,
-                **self._trajectory(message),
+                requests.command_trajectory(
+                    controller=context.name, **self._trajectory(message)
+                )
             )
         except RequestFailedError as error:
             context.report.error(f"joint_trajectory: {error}")
@@ -159,22 +161,18 @@ class JointTrajectoryPart:
             text = self._context.names.text(error)
             self._context.report.error(f"joint_trajectory: {text}")
 
-    def _start(self, goal: Any) -> int:
-        names, connection = self._context.names, self._context.connection
-        tolerances = {
-            field: {names.full(joint): item for joint, item in given.items()}
-            for field in ("path_tolerance", "goal_tolerance")
-            for given in [to_tolerances(getattr(goal, field))]
-        }
-        started = connection.call(
-            "follow_trajectory",
+    def _start(self, goal: Any) -> Request[GoalStarted]:
+        return requests.follow_trajectory(
             controller=self._context.name,
             **self._trajectory(goal.trajectory),
-            **tolerances,
+            path_tolerance=self._tolerances(goal.path_tolerance),
+            goal_tolerance=self._tolerances(goal.goal_tolerance),
             goal_time_tolerance=to_seconds(goal.goal_time_tolerance),
         )
-        number: int = started["goal"]
-        return number
+
+    def _tolerances(self, given: Any) -> dict[str, list[float]]:
+        full = self._context.names.full
+        return {full(joint): item for joint, item in to_tolerances(given).items()}
 
     def _trajectory(self, message: Any) -> dict[str, Any]:
         return {
@@ -186,7 +184,7 @@ class JointTrajectoryPart:
     def _scale(self, message: Any) -> None:
         context = self._context
         future = context.connection.submit(
-            "scale_trajectory", controller=context.name, factor=message.factor
+            requests.scale_trajectory(controller=context.name, factor=message.factor)
         )
         future.add_done_callback(self._log_refusal)
 
@@ -194,9 +192,9 @@ class JointTrajectoryPart:
         context = self._context
         try:
             motion = context.connection.call(
-                "query_state",
-                controller=context.name,
-                time=context.clock.from_ros(request.time),
+                requests.query_state(
+                    controller=context.name, time=context.clock.from_ros(request.time)
+                )
             )
         except RequestFailedError as error:
             text = context.names.text(error)
@@ -208,7 +206,7 @@ class JointTrajectoryPart:
             name=self._joints,
             position=motion["positions"],
             velocity=motion["velocities"],
-            acceleration=motion.get("accelerations", []),
+            acceleration=motion["accelerations"],
         )
 
 
@@ -225,7 +223,7 @@ def _point(motion: list[list[float]], time: float = 0.0) -> JointTrajectoryPoint
     return message
 
 
-def _result(outcome: dict[str, Any]) -> Any:
+def _result(outcome: Outcome) -> Any:
     result = action.FollowJointTrajectory.Result()
     result.error_code = outcome.get("error_code", 0)
     result.error_string = outcome.get("error_string", "")

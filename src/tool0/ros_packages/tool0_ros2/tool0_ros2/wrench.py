@@ -2,19 +2,21 @@
 
 import threading
 import time
+from collections.abc import Sequence
 from typing import Any
 
 from geometry_msgs.msg import WrenchStamped
 from rclpy.qos import QoSProfile
 
+from tool0_ros2 import requests
 from tool0_ros2.bridge import ControllerContext, Update
 from tool0_ros2.connection import (
-    ANSWER_TIMEOUT,
     Connection,
-    ConnectionFailedError,
     RequestFailedError,
 )
 from tool0_ros2.control_box import flange_of
+from tool0_ros2.errors import TransportError
+from tool0_ros2.requests import WrenchReading
 
 RATE = 500.0
 """Samples per simulated second [Hz], where the control rate allows it."""
@@ -55,8 +57,8 @@ class WrenchPart:
         self._thread = threading.Thread(target=self._run, name="wrench", daemon=True)
         self._thread.start()
 
-    def wants(self) -> dict[str, list[str]]:
-        return {}
+    def wants(self) -> Sequence[str]:
+        return ()
 
     def publish(self, update: Update) -> None:
         """Let the thread publish while there are updates and subscribers."""
@@ -84,7 +86,7 @@ class WrenchPart:
                     connection = Connection(self._context.connection.name)
                     connection.start()
                 self._publish_samples(connection)
-            except (ConnectionFailedError, RequestFailedError) as error:
+            except (TransportError, RequestFailedError) as error:
                 self._context.report.error(f"wrench: {error}")
                 self._is_closing.wait(_IDLE)
         if connection is not None:
@@ -93,27 +95,27 @@ class WrenchPart:
     def _publish_samples(self, connection: Connection) -> None:
         """Publish samples until they are not wanted any more."""
         link = self._link
-        if not connection.call("read_force_torque_rate", link=link):
+        if not connection.call(requests.read_force_torque_rate(link=link)):
             _start(connection, link)
-        last = connection.call("read_force_torque", link=link)["number"]
+        last = connection.call(requests.read_force_torque(link=link))["number"]
         while self._is_wanted.is_set() and not self._is_closing.is_set():
             if time.monotonic() - self._last_update > _IDLE:
                 self._is_wanted.clear()
                 return
-            samples = connection.submit(
-                "read_force_torque_samples", link=link, since=last, timeout=_WAIT
-            ).result(ANSWER_TIMEOUT)
-            for sample in samples:
+            request = requests.read_force_torque_samples(
+                link=link, since=last, timeout=_WAIT
+            )
+            for sample in connection.call(request):
                 last = sample["number"]
                 self._publisher.publish(self._message(sample))
 
-    def _message(self, sample: dict[str, Any]) -> Any:
+    def _message(self, sample: WrenchReading) -> Any:
         message = WrenchStamped()
         message.header.stamp = self._context.clock.to_ros(sample["time"])
         message.header.frame_id = self._frame
-        for name in ("force", "torque"):
+        for name, values in (("force", sample["force"]), ("torque", sample["torque"])):
             vector = getattr(message.wrench, name)
-            for axis, value in zip("xyz", sample[name]):
+            for axis, value in zip("xyz", values):
                 setattr(vector, axis, self._corrected(f"{name}.{axis}", value))
         return message
 
@@ -128,8 +130,8 @@ class WrenchPart:
 def _start(connection: Connection, link: str) -> None:
     """Start the sensor at 500 Hz, or at the default rate if that is impossible."""
     try:
-        connection.call("start_force_torque", link=link, rate=RATE)
+        connection.call(requests.start_force_torque(link=link, rate=RATE))
     except RequestFailedError as error:
         if error.kind != "ControlError":
             raise
-        connection.call("start_force_torque", link=link)
+        connection.call(requests.start_force_torque(link=link))

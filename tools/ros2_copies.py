@@ -1,0 +1,150 @@
+"""Write what the ROS 2 node shares with tool0: definitions, and those that they need.
+
+The node runs under another Python, without tool0's packages.  So that an address and a
+joint's motion are written once, it gets copies, word by word.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import inspect
+from functools import cache
+from typing import Final
+
+from tools.ros2_requests import NODE, formatted
+
+MODULE = NODE / "copied.py"
+COPIED: Final = (
+    ("tool0.api.address", ("folders", "socket_path", "insecurity", "is_foreign")),
+    ("tool0.description.transform", ("from_quaternion",)),
+    ("tool0.description.model", ("Mimic",)),
+    ("tool0.description.forward_kinematics", ("joint_transform",)),
+)
+"""By module."""
+OWN: Final = {"TransportError": "errors", "Joint": "kinematics"}
+"""What the node defines itself, by its module; a Joint is only an annotation."""
+HEAD: Final = '''\
+"""Definitions that the node shares with tool0.
+
+Copied by tools/ros2_copies.py from tool0's modules; do not edit.
+"""
+
+from __future__ import annotations
+'''
+
+
+class _Copies:
+    """Definitions, each after those that it needs."""
+
+    def __init__(self) -> None:
+        self.texts: dict[tuple[str, str], str] = {}
+        self.imports: set[str] = set()
+        self.imports_for_types: set[str] = set()
+
+    def add(self, module: str, name: str) -> None:
+        """Add a definition of a module, and whatever it names."""
+        if (module, name) in self.texts:
+            return
+        source, tree = _read(module)
+        for statement in tree.body:
+            if name in _defined(statement):
+                self._add_definition(module, name, statement, source)
+            self._add_import(statement, name, self.imports)
+            if isinstance(statement, ast.If):  # TYPE_CHECKING
+                for inner in statement.body:
+                    self._add_import(inner, name, self.imports_for_types)
+
+    def _add_definition(
+        self, module: str, name: str, statement: ast.stmt, source: list[str]
+    ) -> None:
+        self.texts[module, name] = ""
+        left_out = [
+            item for item in getattr(statement, "body", []) if _imports_numpy(item)
+        ]
+        for item in ast.walk(statement):
+            is_kept = not any(item in ast.walk(method) for method in left_out)
+            for needed in sorted(_names(item)) if is_kept else ():
+                self.add(module, needed)
+        del self.texts[module, name]
+        dropped = {line for item in left_out for line in _lines(item)}
+        lines = [k for k in _lines(statement) if k not in dropped]
+        self.texts[module, name] = "\n".join(source[k - 1] for k in lines)
+
+    def _add_import(self, statement: ast.stmt, name: str, found: set[str]) -> None:
+        if not isinstance(statement, ast.Import | ast.ImportFrom):
+            return
+        for item in statement.names:
+            if name != (item.asname or item.name):
+                continue
+            origin = getattr(statement, "module", None) or ""
+            if name in OWN:
+                is_type = name == "Joint"
+                where = self.imports_for_types if is_type else self.imports
+                where.add(f"from tool0_ros2.{OWN[name]} import {name}")
+            elif origin.startswith("tool0."):
+                self.add(origin, name)
+            else:
+                one = (
+                    ast.ImportFrom(origin, [item], 0) if origin else ast.Import([item])
+                )
+                found.add(ast.unparse(one))
+
+
+@cache
+def _read(module: str) -> tuple[list[str], ast.Module]:
+    source = inspect.getsource(importlib.import_module(module))
+    return source.splitlines(), ast.parse(source)
+
+
+def _defined(statement: ast.stmt) -> set[str]:
+    if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+        return {statement.name}
+    targets = getattr(statement, "targets", [getattr(statement, "target", None)])
+    return {item.id for item in targets if isinstance(item, ast.Name)}
+
+
+def _names(item: ast.AST) -> set[str]:
+    """Return the names in a node, those in the text of a type variable included."""
+    if isinstance(item, ast.Name):
+        return {item.id}
+    if not (isinstance(item, ast.Call) and ast.unparse(item.func) == "TypeVar"):
+        return set()
+    texts = [arg.value for arg in item.args[1:] if isinstance(arg, ast.Constant)]
+    return {
+        part.id
+        for text in texts
+        for part in ast.walk(ast.parse(str(text)))
+        if isinstance(part, ast.Name)
+    }
+
+
+def _imports_numpy(statement: ast.stmt) -> bool:
+    """Return whether a method needs NumPy, which the node's Python may lack."""
+    return isinstance(statement, ast.FunctionDef) and any(
+        isinstance(item, ast.Import) and item.names[0].name == "numpy"
+        for item in statement.body
+    )
+
+
+def _lines(statement: ast.stmt) -> range:
+    """Return the numbers of the lines of a definition with its decorators."""
+    first = [statement, *getattr(statement, "decorator_list", [])]
+    assert statement.end_lineno is not None
+    return range(min(item.lineno for item in first), statement.end_lineno + 1)
+
+
+def module_text() -> str:
+    """Return the text of the module."""
+    copies = _Copies()
+    for module, names in COPIED:
+        for name in names:
+            copies.add(module, name)
+    for_types = "\n".join(f"    {line}" for line in sorted(copies.imports_for_types))
+    imports = {*copies.imports, "from typing import TYPE_CHECKING"}
+    head = [HEAD, *sorted(imports), f"if TYPE_CHECKING:\n{for_types}"]
+    return formatted("\n".join([*head, *copies.texts.values()]), MODULE)
+
+
+if __name__ == "__main__":
+    MODULE.write_text(module_text(), encoding="utf-8")
