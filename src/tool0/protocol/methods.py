@@ -45,6 +45,7 @@ def methods() -> Mapping[str, type[Request[Any]]]:
                 and issubclass(value, Request)
                 and value.__module__ == module.__name__
                 and not value.__name__.startswith("_")
+                and not getattr(value, "__parameters__", ())  # a base of others
             ):
                 found[method_name(value)] = value
     return found
