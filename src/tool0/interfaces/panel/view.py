@@ -157,9 +157,9 @@ class RobotView:
                 self._book.save(name, driven, update=robot is not None)
             case DeletePose(name=name):
                 self._book.delete(name)
-            case Grip(opening=None):
-                raise ControlError("without physics, a gripper needs an 'opening'")
             case Grip(gripper=name, opening=opening):
+                if opening is None:
+                    raise ControlError("without physics, a gripper needs an 'opening'")
                 self._grip(name, opening)
         return () if isinstance(request, GoToPose) else None
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import queue
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Final, final
+from typing import Any, Final
 
 import pytest
+from lacking import Lacking
 from served import use_folder
 
 import tool0
@@ -17,7 +18,7 @@ from tool0.api.connect import SocketChannel
 from tool0.errors import ControlError, Tool0Error
 from tool0.interfaces.server.server import Server, UnixSocketService
 from tool0.protocol.arm_motion import SpeedTool
-from tool0.protocol.backend import Backend, States, missing_methods
+from tool0.protocol.backend import missing_methods
 from tool0.protocol.motion import SteerJoints
 from tool0.protocol.poses import GoToPose
 from tool0.protocol.request import Request, method_name
@@ -33,42 +34,6 @@ MOTIONS: Final = (
 REASON: Final = "this robot stands still"
 
 
-@final
-class Still:
-    """A simulation that offers no motion, and notes for what it is used."""
-
-    mode: Final = "simulation"
-
-    def __init__(self, simulation: Backend) -> None:
-        self._simulation = simulation
-        self.used: list[Request[Any]] = []
-
-    @property
-    def states(self) -> States | None:
-        return self._simulation.states
-
-    def why_missing(self, request: type[Request[Any]]) -> str:
-        if request in set(map(type, MOTIONS)):
-            return REASON
-        return self._simulation.why_missing(request)
-
-    def answer(self, request: Request[Any]) -> Any:
-        self.used.append(request)
-        return self._simulation.answer(request)
-
-    def post(
-        self, request: Request[Any], when_failed: Callable[[Exception], None]
-    ) -> None:
-        self.used.append(request)
-
-    def check_setpoint(self, request: Request[Any]) -> None:
-        self.used.append(request)
-
-    def superseded(self, request: Request[Any]) -> Collection[str]:
-        self.used.append(request)
-        return ()
-
-
 @pytest.fixture(scope="module")
 def robot() -> Iterator[tool0.Robot]:
     with tool0.bringup(gripper=None, realtime=False) as robot:
@@ -76,8 +41,8 @@ def robot() -> Iterator[tool0.Robot]:
 
 
 @pytest.fixture
-def still(robot: tool0.Robot) -> Still:
-    return Still(robot.backend)
+def still(robot: tool0.Robot) -> Lacking:
+    return Lacking(robot.backend, {type(item) for item in MOTIONS}, REASON)
 
 
 def refusal(request: Request[Any]) -> str:
@@ -85,14 +50,14 @@ def refusal(request: Request[Any]) -> str:
 
 
 @pytest.mark.parametrize("request_", MOTIONS, ids=lambda item: type(item).__name__)
-def test_in_this_process(still: Still, request_: Request[Any]) -> None:
+def test_in_this_process(still: Lacking, request_: Request[Any]) -> None:
     with pytest.raises(ControlError, match=refusal(request_)):
         LocalChannel(still).call(request_)
     assert still.used == []
 
 
 def test_on_a_connection_with_and_without_a_reply(
-    still: Still, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    still: Lacking, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     use_folder(monkeypatch, tmp_path)
     refused: queue.Queue[Tool0Error] = queue.Queue()
@@ -110,7 +75,7 @@ def test_on_a_connection_with_and_without_a_reply(
         channel.close()
 
 
-def test_every_missing_method_is_named_with_its_reason(still: Still) -> None:
+def test_every_missing_method_is_named_with_its_reason(still: Lacking) -> None:
     found = missing_methods(still)
     assert found["go_to_pose"] == REASON
     assert "tool0 replay" in found["seek_replay"]
