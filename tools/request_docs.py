@@ -67,6 +67,7 @@ Requests of one connection are executed in order. Stops overtake the others: `em
 `stop_run`, `stop_program`, `stop_protectively`, `power_off`. They wait for no queue, of no connection.
 A request that was sent before a stop, waits, and would undo it, such as `run_program` before
 `stop_run`, is refused.
+A request that the robot does not offer is refused before anything else, with the reason: `'seek_replay' is not offered: …`.
 About 4000 requests of a connection can wait; further ones are refused.
 A request without an `id` is only answered if it fails; `steer_joints` without an `id` is a
 stream, of which only the newest request is executed, at most ten times a second. Of the streams
