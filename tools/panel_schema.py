@@ -11,7 +11,8 @@ import msgspec
 
 from tool0.interfaces.panel.protocol import ViewMessage
 from tool0.protocol.codec import EventMessage, Hello, Reply, wire_type
-from tool0.requests.table import entries
+from tool0.protocol.methods import methods
+from tool0.protocol.request import response_type
 
 SCHEMA = Path(__file__).parent.parent / "web" / "protocol.schema.json"
 
@@ -21,17 +22,11 @@ def schema_text() -> str:
 
     The first two are objects whose keys are the methods.
     """
-    rows = {
-        name: entry
-        for name, entry in sorted(entries().items())
-        if entry.request.__module__.startswith("tool0.")
-        if not entry.is_local
-    }
-    requests = [entry.request for entry in rows.values()]
-    responses = [wire_type(entry.response) for entry in rows.values()]
+    rows = dict(sorted(methods().items()))
+    responses = [wire_type(response_type(request)) for request in rows.values()]
     messages = [Hello, Reply, *get_args(ViewMessage), *get_args(EventMessage)]
     refs, components = msgspec.json.schema_components(
-        [*requests, *responses, *messages],
+        [*rows.values(), *responses, *messages],
         ref_template="#/$defs/{name}",
         schema_hook=lambda kind: {"title": kind.__name__},  # no plain data
     )

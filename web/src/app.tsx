@@ -4,6 +4,7 @@ import { useEffect } from "preact/hooks";
 import { openCameras } from "./cameras/state";
 import { boxes } from "./control-box";
 import { t } from "./i18n";
+import type { Method } from "./messages";
 import { Confirmation } from "./panels/confirmation";
 import { ControlBoxPanel } from "./panels/control-box";
 import { ControllersPanel } from "./panels/controllers";
@@ -19,7 +20,7 @@ import { TopBar } from "./panels/top-bar";
 import { TreePanel } from "./panels/tree";
 import { onShortcut } from "./shortcuts";
 import "./program/shortcuts";
-import { connectionState, status, view } from "./store";
+import { connectionState, offers, status, view } from "./store";
 import { Tabs } from "./ui/choice";
 import { ChevronDownIcon, ChevronUpIcon, PlotIcon } from "./ui/icons";
 import { Lazy } from "./ui/lazy";
@@ -37,8 +38,13 @@ const TABS = [
   "log",
 ] as const;
 type Tab = (typeof TABS)[number];
-/** Tabs that a view without physics lacks, and a recording. */
-const SIMULATED: readonly Tab[] = ["program", "objects", "controllers", "io"];
+/** Tabs that are hidden if the robot offers none of these methods. */
+const METHODS: Partial<Record<Tab, readonly Method[]>> = {
+  program: ["run_program"],
+  objects: ["add_object", "place_object", "remove_object"],
+  controllers: ["list_controllers"],
+  io: ["set_io", "play_program", "power_on"],
+};
 /** Tabs that a robot without an arm lacks. */
 const OF_ARMS: readonly Tab[] = ["program", "io"];
 
@@ -161,10 +167,10 @@ function PlotsDrawer() {
 }
 
 function Column() {
-  const isBare = (view.value?.mode ?? "simulation") !== "simulation";
-  const tabs = TABS.filter((name) => !isBare || !SIMULATED.includes(name)).filter(
-    (name) => !OF_ARMS.includes(name) || boxes.value.length > 0,
-  );
+  const tabs = TABS.filter((name) => {
+    const methods = METHODS[name];
+    return view.value === null || methods === undefined || offers(...methods);
+  }).filter((name) => !OF_ARMS.includes(name) || boxes.value.length > 0);
   const shown = tabs.includes(tab.value) ? tab.value : "motion";
   const Panel = PANELS[shown];
   return (

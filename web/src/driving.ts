@@ -6,7 +6,7 @@ import { frames, shown } from "./frames";
 import type { ControllerInfo, ErrorInfo, Status } from "./protocol";
 import { silence } from "./silence";
 import { chosenRobot, isOurController, selected } from "./robots";
-import { connectionState, jointIndex, status, view } from "./store";
+import { connectionState, jointIndex, offers, status } from "./store";
 
 /** Why driving ended by itself. */
 export type EndReason = "stopped" | "reset" | "lost" | "silent" | "elsewhere" | "past";
@@ -25,7 +25,7 @@ const chosenControllers = signal<ReadonlyMap<string, string>>(new Map());
 /** Whether the user switched *Drive* on: a page opens read-only. */
 export const isDriving = signal(false);
 /** Whether controls that move the robot are enabled; without physics they always are. */
-export const mayMove = computed(() => isDriving.value || view.value?.mode === "view");
+export const mayMove = computed(() => isDriving.value || offers("pose_joints"));
 /** Joint → commanded position while driving; null while the sliders only follow. */
 export const goals = signal<ReadonlyMap<string, Signal<number>> | null>(null);
 export const endReason = signal<EndReason | null>(null);

@@ -6,7 +6,7 @@ import { frames } from "./frames";
 import { apply, product, transposed } from "./kinematics";
 import { report } from "./notices";
 import { silence } from "./silence";
-import { connectionState, status, view } from "./store";
+import { connectionState, offers, status } from "./store";
 import { arm, framePose, toolFrame } from "./tool";
 
 /** Along x, y, z and about them: shares of the speed, -1 to 1. */
@@ -76,7 +76,7 @@ let stepEnds: number | null = null;
 export function mayJog(): boolean {
   return (
     connectionState.value === "open" &&
-    view.value?.mode === "simulation" &&
+    offers("speed_tool") &&
     isDriving.value &&
     silence.value === null &&
     status.value?.stopped === false &&

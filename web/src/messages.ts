@@ -19,7 +19,7 @@ const NEEDED: Record<
   Record<string, "array" | "object" | "number">
 > = {
   hello: { protocol: "number" },
-  view: { robot: "object", notices: "array" },
+  view: { robot: "object", missing: "object", notices: "array" },
   scene: { number: "number", objects: "array" },
   status: {
     controllers: "array",

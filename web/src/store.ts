@@ -1,5 +1,6 @@
 /** The server's state, and the user's display settings.  Components only read. */
 import { computed, signal } from "@preact/signals";
+import type { Method } from "./messages";
 import type { ViewInfo, JointInfo, Notice, ViewScene, Status } from "./protocol";
 
 export type ConnectionState = "connecting" | "open" | "lost" | "refused" | "outdated";
@@ -25,6 +26,24 @@ export const joints = computed<readonly JointInfo[]>(
 export const jointIndex = computed<ReadonlyMap<string, number>>(
   () => new Map(joints.value.map((joint, index) => [joint.name, index])),
 );
+
+// ---- what the robot offers -----------------------------------------------------------
+
+/** Return why the robot does not offer a method; "" if it does, or is not known yet. */
+export function whyMissing(method: Method): string {
+  return view.value?.missing[method] ?? "";
+}
+
+/** Return whether there is a robot that offers one of these methods. */
+export function offers(...methods: readonly Method[]): boolean {
+  return view.value !== null && methods.some((method) => whyMissing(method) === "");
+}
+
+/** Attributes of a control of a method: disabled, with the reason, if it is not offered. */
+export function unlessOffered(method: Method): { disabled?: true; title?: string } {
+  const reason = whyMissing(method);
+  return reason === "" ? {} : { disabled: true, title: reason };
+}
 
 // ---- the user's display settings ----------------------------------------------------
 

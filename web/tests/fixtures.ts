@@ -56,6 +56,7 @@ export function view(changes: Partial<ViewInfo> = {}): ViewInfo {
       part_names: { pan: { en: "Base joint", zh: "底座关节" } },
     },
     cameras: [],
+    missing: { pose_joints: "joints are set directly in `tool0 view` only" },
     notices: [],
     ...changes,
   };

@@ -415,7 +415,9 @@ describe("the view without physics", () => {
   useFakeServer();
   beforeEach(async () => {
     const joints = [joint("pan"), joint("lift", { mimics: "pan" })];
-    server().say(view({ mode: "view", robot: { ...view().robot, joints } }));
+    server().say(
+      view({ mode: "view", missing: {}, robot: { ...view().robot, joints } }),
+    );
     server().say(frame({ position: [0.3, 0.3] }));
     render(<MotionPanel />);
     await pass(50);

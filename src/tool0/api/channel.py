@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol, TypeVar, final
 
+from tool0.protocol.backend import missing
 from tool0.protocol.goals import Goal, GoalStarted
 from tool0.protocol.request import Request, checked
 
@@ -102,7 +103,10 @@ class LocalChannel:
         return self._robot.time
 
     def call(self, request: Request[R]) -> R:
-        response: R = self.backend.answer(checked(request))
+        backend = self.backend
+        if reason := backend.why_missing(type(request)):
+            raise missing(type(request), reason)
+        response: R = backend.answer(checked(request))
         return response
 
     @property

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, Any, Protocol
 
 from tool0.errors import NotOfferedError
+from tool0.protocol.methods import methods
 from tool0.protocol.request import Request, method_name
 
 if TYPE_CHECKING:
@@ -106,7 +107,8 @@ class Backend(Protocol):
     """Answers the requests of all clients.
 
     ``answer`` may take time and is called by worker threads; the rest is called by
-    the server's thread alone.
+    the server's thread alone.  It is given only requests that the backend offers, and
+    none of ``Request.is_of_connection``.
     """
 
     @property
@@ -140,3 +142,13 @@ class Backend(Protocol):
 def missing(request: type[Request[Any]], reason: str) -> NotOfferedError:
     """Return the error for a request that a backend does not offer."""
     return NotOfferedError(f"'{method_name(request)}' is not offered: {reason}")
+
+
+def missing_methods(backend: Backend) -> dict[str, str]:
+    """Return each method of the contract that a backend does not offer, and why."""
+    reasons = {
+        name: backend.why_missing(request)
+        for name, request in methods().items()
+        if not request.is_of_connection
+    }
+    return {name: reason for name, reason in reasons.items() if reason}

@@ -38,6 +38,9 @@ class Request(
     is_streamed: ClassVar[bool] = False
     """Whether many of them follow each other without replies: each is executed at the
     next tick, without a detour through other threads."""
+    is_of_connection: ClassVar[bool] = False
+    """Whether it is about the streams of one connection: the server answers it, for
+    every backend."""
 
 
 class ArmRequest(Request[Response], Generic[Response], frozen=True, kw_only=True):

@@ -29,6 +29,8 @@ class SubscribeUpdates(Request[None], frozen=True):
     down.
     """
 
+    is_of_connection = True
+
     rate: Annotated[float, Meta(ge=MIN_SNAPSHOT_RATE, le=MAX_SNAPSHOT_RATE)] = (
         MAX_SNAPSHOT_RATE
     )
@@ -134,12 +136,16 @@ class Subscribe(Request[None], frozen=True):
     next one says how many.
     """
 
+    is_of_connection = True
+
     rate: Annotated[float, Meta(ge=MIN_SNAPSHOT_RATE, le=MAX_SNAPSHOT_RATE)] = 125.0
     """Snapshots per simulated second [Hz]: the next divisor of the control rate."""
 
 
 class Unsubscribe(Request[None], frozen=True):
     """Receive no more snapshots and events."""
+
+    is_of_connection = True
 
 
 class SubscribeView(Request[None], frozen=True):
@@ -149,6 +155,8 @@ class SubscribeView(Request[None], frozen=True):
     request changes what they have.
     """
 
+    is_of_connection = True
+
     contacts: bool = False
     """Whether frames have the contacts and their forces."""
     wrenches: bool = False
@@ -157,6 +165,8 @@ class SubscribeView(Request[None], frozen=True):
 
 class ViewShown(Request[None], frozen=True):
     """Report that a page has drawn the robot; ``tool0 demo`` starts then."""
+
+    is_of_connection = True
 
 
 def update_message(

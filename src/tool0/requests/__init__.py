@@ -25,9 +25,6 @@ from tool0.requests import (
     program as program,
 )
 from tool0.requests import (
-    replay as replay,
-)
-from tool0.requests import (
     sensors as sensors,
 )
 from tool0.requests import (
@@ -35,7 +32,4 @@ from tool0.requests import (
 )
 from tool0.requests import (
     stream_watch as stream_watch,
-)
-from tool0.requests import (
-    updates as updates,
 )

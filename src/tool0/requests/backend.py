@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, Final, final
 
 from tool0.description.parts import find_grippers
@@ -10,13 +10,35 @@ from tool0.errors import ControlError, did_you_mean
 from tool0.protocol.arm import MoveLinear, MoveTo
 from tool0.protocol.controllers import SwitchControllers
 from tool0.protocol.gripper import Grip
-from tool0.protocol.motion import MoveJoints, SteerJoints
+from tool0.protocol.motion import MoveJoints, PoseJoints, SteerJoints
 from tool0.protocol.poses import GoToPose
+from tool0.protocol.replay import LoopReplay, ReadReplay, SeekReplay
 from tool0.protocol.request import Request, Response
 from tool0.protocol.running import EmergencyStop, Reset
 from tool0.protocol.trajectories import CommandTrajectory, FollowTrajectory
+from tool0.protocol.updates import (
+    Subscribe,
+    SubscribeUpdates,
+    SubscribeView,
+    Unsubscribe,
+    ViewShown,
+)
 from tool0.requests.table import HANDLERS, answer, post
 from tool0.runtime.simulation import Simulation
+
+_REASONS: Final[Mapping[type[Request[Any]], str]] = {
+    **dict.fromkeys(
+        (Subscribe, SubscribeUpdates, SubscribeView, Unsubscribe, ViewShown),
+        "streams are for connections; here, use robot.subscribe()",
+    ),
+    **dict.fromkeys(
+        (SeekReplay, LoopReplay, ReadReplay),
+        "this robot is running; `tool0 replay FILE` replays a recording",
+    ),
+    PoseJoints: "joints are set directly in `tool0 view` only; in a simulation, steer "
+    "a trajectory controller",
+}
+_UNKNOWN: Final = "a running robot has no such operation"
 
 
 @final
@@ -33,7 +55,7 @@ class SimulationBackend:
         return self.simulation
 
     def why_missing(self, request: type[Request[Any]]) -> str:
-        return "" if request in HANDLERS else "a running robot has no such operation"
+        return "" if request in HANDLERS else _REASONS.get(request, _UNKNOWN)
 
     def answer(self, request: Request[Response]) -> Response:
         return answer(self.simulation, request)

@@ -10,7 +10,6 @@ from tool0.control.controller import ControllerSpec
 from tool0.control.manager import Strictness
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.parts import joints_of_robot
-from tool0.errors import ControlError
 from tool0.hardware.limits import DriveLimits
 from tool0.protocol.controllers import (
     CleanupController,
@@ -40,7 +39,6 @@ from tool0.protocol.motion import (
     CommandJoints,
     GripLimits,
     MoveJoints,
-    PoseJoints,
     SteerJoints,
 )
 from tool0.protocol.poses import DeletePose, GoToPose, ListPoses, SavePose
@@ -133,14 +131,6 @@ def _move(
 @handles(SteerJoints, in_tick=True, prepare=_import_planner)
 def _steer(simulation: Simulation, request: SteerJoints, prepared: None) -> None:
     simulation.core.steer(request.controller, request.positions, request.speed)
-
-
-@handles(PoseJoints)
-def _pose(simulation: Simulation, request: PoseJoints) -> None:
-    raise ControlError(
-        "joints are set directly in `tool0 view` only; in a simulation, steer a "
-        "trajectory controller"
-    )
 
 
 @handles(CommandGripper, in_tick=True)

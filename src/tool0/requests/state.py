@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import logging
-from typing import Any
 
 from tool0.description.forward_kinematics import joint_positions, link_pose
 from tool0.description.transform import Transform
-from tool0.errors import ControlError
 from tool0.protocol.bus import WasFrozen
 from tool0.protocol.notifications import frozen_text
 from tool0.protocol.robot import (
@@ -31,7 +29,6 @@ from tool0.protocol.running import (
     Step,
     StopMotions,
 )
-from tool0.protocol.updates import Subscribe, SubscribeView, Unsubscribe, ViewShown
 from tool0.requests.table import answer, handles
 from tool0.runtime.simulation import Simulation
 
@@ -80,14 +77,6 @@ def _link_pose(simulation: Simulation, request: ReadLinkPose) -> Transform:
 
 
 handles(ReadSummary)(lambda sim, _: sim.summary())
-
-
-@handles(Subscribe)
-@handles(Unsubscribe)
-@handles(SubscribeView)
-@handles(ViewShown)
-def _only_on_connections(simulation: Simulation, request: Any) -> None:
-    raise ControlError("streams are for connections; here, use robot.subscribe()")
 
 
 # ---- time and safety ----------------------------------------------------------------

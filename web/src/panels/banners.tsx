@@ -10,7 +10,7 @@ import { t } from "../i18n";
 import type { Collision, StallInfo } from "../protocol";
 import { ownerOf, robots, withoutPrefix } from "../robots";
 import { silence } from "../silence";
-import { connectionState, joints, status, view } from "../store";
+import { connectionState, joints, offers, status } from "../store";
 import { collision } from "../tool-target";
 import { Button } from "../ui/button";
 import { HoldButton } from "../ui/hold-button";
@@ -85,18 +85,13 @@ function ConnectionBanner() {
   }
 }
 
-/** Whether there is a robot that a button can act on: a recording has none. */
-function isRunning(): boolean {
-  return view.value?.mode === "simulation";
-}
-
 function EmergencyBanner() {
   if (status.value?.stopped === true) {
     return (
       <Banner tone="danger" testId="estop-banner">
         <EmergencyIcon />
         <span>{t("estop.banner")}</span>
-        {isRunning() && (
+        {offers("emergency_stop") && (
           <HoldButton
             data-testid="estop-release"
             onHeld={() => void sendRequest("emergency_stop", { engaged: false })}
@@ -124,7 +119,7 @@ function ProtectiveStopBanner({ box }: { box: ControlBox }) {
     <Banner tone="danger" testId="protective-stop-banner">
       <WarningIcon />
       <span>{t(key, { arm, reason })}</span>
-      {isRunning() && (
+      {offers("unlock_protective_stop") && (
         <Button
           data-testid={`unlock-${arm}`}
           onClick={() => void sendRequest("unlock_protective_stop", { arm })}

@@ -6,6 +6,7 @@ import type { ControlBox } from "../control-box";
 import { mayMove } from "../driving";
 import { t } from "../i18n";
 import { robots } from "../robots";
+import { offers, unlessOffered, whyMissing } from "../store";
 import { Badge } from "../ui/badge";
 import type { Tone } from "../ui/badge";
 import { Button } from "../ui/button";
@@ -97,6 +98,7 @@ function Modes({ box }: { box: ControlBox }) {
           disabled={disabled || robot_mode !== POWER_OFF}
           data-testid="power-on"
           onClick={() => void sendRequest("power_on", { arm })}
+          {...unlessOffered("power_on")}
         >
           {t("box.powerOn")}
         </Button>
@@ -104,6 +106,7 @@ function Modes({ box }: { box: ControlBox }) {
           disabled={disabled || isPowered(box)}
           data-testid="release-brakes"
           onClick={() => void sendRequest("release_brakes", { arm })}
+          {...unlessOffered("release_brakes")}
         >
           {t("box.releaseBrakes")}
         </Button>
@@ -111,6 +114,7 @@ function Modes({ box }: { box: ControlBox }) {
           disabled={robot_mode === POWER_OFF}
           data-testid="power-off"
           onClick={() => void sendRequest("power_off", { arm })}
+          {...unlessOffered("power_off")}
         >
           {t("box.powerOff")}
         </Button>
@@ -120,6 +124,7 @@ function Modes({ box }: { box: ControlBox }) {
           disabled={disabled || program === "PLAYING" || !canPlay(box)}
           data-testid="program-play"
           onClick={() => void sendRequest("play_program", { arm })}
+          {...unlessOffered("play_program")}
         >
           {t("box.play")}
         </Button>
@@ -127,6 +132,7 @@ function Modes({ box }: { box: ControlBox }) {
           disabled={program !== "PLAYING"}
           data-testid="program-pause"
           onClick={() => void sendRequest("pause_program", { arm })}
+          {...unlessOffered("pause_program")}
         >
           {t("box.pause")}
         </Button>
@@ -134,6 +140,7 @@ function Modes({ box }: { box: ControlBox }) {
           disabled={program === "STOPPED"}
           data-testid="program-stop"
           onClick={() => void sendRequest("stop_program", { arm })}
+          {...unlessOffered("stop_program")}
         >
           {t("box.stop")}
         </Button>
@@ -157,9 +164,14 @@ function SpeedSlider({ box }: { box: ControlBox }) {
     const fraction = Math.round(value) / 100;
     void sendRequest("set_speed_slider", { arm: box.arm, fraction });
   };
-  const common = { min: 1, max: 100, step: 1, disabled: !mayMove.value };
+  const common = {
+    min: 1,
+    max: 100,
+    step: 1,
+    disabled: !mayMove.value || !offers("set_speed_slider"),
+  };
   return (
-    <div class="row labelled">
+    <div class="row labelled" title={whyMissing("set_speed_slider")}>
       <span class="caption">{t("box.speed")}</span>
       <Slider
         {...common}

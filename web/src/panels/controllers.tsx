@@ -8,7 +8,7 @@ import { t } from "../i18n";
 import type { Method, Params } from "../messages";
 import type { ControllerInfo, ErrorInfo } from "../protocol";
 import { robotOf, robots, selected } from "../robots";
-import { status } from "../store";
+import { status, unlessOffered } from "../store";
 import { Badge } from "../ui/badge";
 import type { Tone } from "../ui/badge";
 import { Button } from "../ui/button";
@@ -87,6 +87,7 @@ function ControllerRow({ controller, all }: RowProps) {
       onClick={() => {
         send(method, ...params);
       }}
+      {...unlessOffered(method)}
     >
       {t(`controllers.${key}`)}
     </Button>
@@ -130,6 +131,7 @@ function ControllerRow({ controller, all }: RowProps) {
           onClick={() => {
             send("switch_controllers", { start: [name], stop: [...inTheWay] });
           }}
+          {...unlessOffered("switch_controllers")}
         >
           {t("controllers.switch", { stop: inTheWay.join(", "), start: name })}
         </Button>

@@ -3,7 +3,7 @@ import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { sendRequest } from "../connection";
 import { t } from "../i18n";
-import { view, status } from "../store";
+import { status, unlessOffered, view } from "../store";
 import { EmergencyIcon } from "../ui/icons";
 
 /** The status follows the answer within a tenth of a second; no longer wait is needed. */
@@ -76,6 +76,7 @@ export function EmergencyStop() {
       onKeyDown={(event) => {
         if (event.repeat) event.preventDefault(); // a held Enter presses once
       }}
+      {...unlessOffered("emergency_stop")}
     >
       <EmergencyIcon />
       {t("estop.engage")}

@@ -1,6 +1,6 @@
 import type { GripperInfo } from "../protocol";
 import { isOurs } from "../robots";
-import { view } from "../store";
+import { offers, view } from "../store";
 import { GripperPanel } from "./gripper";
 import { PosesPanel } from "./poses";
 import { RecordedPanel } from "./recorded";
@@ -20,18 +20,25 @@ export function MotionPanel() {
   if (now.mode === "replay") return <RecordedPanel />;
   return (
     <>
-      {now.mode === "view" ? <ViewPanel /> : <TrajectoryPanel />}
+      <Joints />
       <ToolSection />
-      {now.robot.grippers
-        .filter(({ joint }) => isOurs(joint))
-        .map((gripper, _, ours) => (
-          <GripperPanel
-            key={keyOf(gripper)}
-            gripper={gripper}
-            isNamed={ours.length > 1}
-          />
-        ))}
-      <PosesPanel />
+      {offers("grip") &&
+        now.robot.grippers
+          .filter(({ joint }) => isOurs(joint))
+          .map((gripper, _, ours) => (
+            <GripperPanel
+              key={keyOf(gripper)}
+              gripper={gripper}
+              isNamed={ours.length > 1}
+            />
+          ))}
+      {offers("go_to_pose", "save_pose") && <PosesPanel />}
     </>
   );
+}
+
+/** The joints: put, steered, or only shown. */
+function Joints() {
+  if (offers("pose_joints")) return <ViewPanel />;
+  return offers("steer_joints") ? <TrajectoryPanel /> : <RecordedPanel />;
 }

@@ -6,7 +6,7 @@ import { aimAt, begin, moving, putThere, setKind } from "../moving";
 import type { ViewObject } from "../protocol";
 import { canRedo, canUndo, redo, removeObjects, targetOf, undo } from "../scene-edits";
 import { select, selection } from "../selection";
-import { scene } from "../store";
+import { offers, scene, unlessOffered } from "../store";
 import { Button, IconButton } from "../ui/button";
 import { Segmented } from "../ui/choice";
 import { RedoIcon, TrashIcon, UndoIcon } from "../ui/icons";
@@ -54,7 +54,7 @@ export function ObjectsPanel() {
           )}
         </ul>
       </section>
-      <AddObject />
+      {offers("add_object") && <AddObject />}
     </>
   );
 }
@@ -90,6 +90,7 @@ function Parts({ whole, parts }: { whole: string; parts: readonly ViewObject[] }
         <Button
           data-testid={`object-remove-${whole}`}
           onClick={() => void removeObjects(parts)}
+          {...unlessOffered("remove_object")}
         >
           <TrashIcon />
           {t("objects.remove", { name: whole })}
@@ -158,6 +159,7 @@ function ObjectRow({ object }: { object: ViewObject }) {
           onClick={() => {
             begin(name, (move === null && targetOf(name)) || null);
           }}
+          {...unlessOffered("place_object")}
         >
           {t("objects.move")}
         </Button>
@@ -165,6 +167,7 @@ function ObjectRow({ object }: { object: ViewObject }) {
           label={t("objects.remove", { name })}
           data-testid={`object-remove-${name}`}
           onClick={() => void removeObjects([object])}
+          {...unlessOffered("remove_object")}
         >
           <TrashIcon />
         </IconButton>

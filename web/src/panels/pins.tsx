@@ -5,6 +5,7 @@ import type { ControlBox, PinGroup } from "../control-box";
 import { mayMove } from "../driving";
 import { t } from "../i18n";
 import type { AnalogPin } from "../protocol";
+import { offers, unlessOffered, whyMissing } from "../store";
 import { fixed, NumberField } from "../ui/number-field";
 
 type Kind = "inputs" | "outputs";
@@ -59,6 +60,7 @@ function PinRow({ box, kind, group }: PinRowProps) {
                       digital_inputs: { [pin]: !level },
                     })
                   }
+                  {...unlessOffered("set_io")}
                 >
                   {number}
                 </button>
@@ -127,7 +129,7 @@ function AnalogInput({ box, pin, number, tool }: AnalogInputProps) {
   const { unit, factor, min, max } = analogScale(pin);
   const label = t(tool ? "box.toolInput" : "box.analogInput", { number });
   return (
-    <div class="row">
+    <div class="row" title={whyMissing("set_analog_input")}>
       <span class="grow">{label}</span>
       <NumberField
         label={label}
@@ -137,7 +139,7 @@ function AnalogInput({ box, pin, number, tool }: AnalogInputProps) {
         max={max}
         step={0.1}
         value={(pin.value ?? 0) * factor}
-        disabled={!mayMove.value}
+        disabled={!mayMove.value || !offers("set_analog_input")}
         data-testid={`analog-input-${tool ? "tool-" : ""}${String(number)}`}
         onCommit={(value) =>
           void sendRequest("set_analog_input", {

@@ -7,7 +7,7 @@ import { hasArm, letGo } from "../jog";
 import { report } from "../notices";
 import type { PoseInfo } from "../protocol";
 import { isOurs, selected } from "../robots";
-import { status, view } from "../store";
+import { offers, status, unlessOffered, view } from "../store";
 import { Button, IconButton } from "../ui/button";
 import { TrashIcon } from "../ui/icons";
 import { confirm } from "./confirmation";
@@ -82,7 +82,7 @@ export function PosesPanel() {
     <section class="group" aria-labelledby="poses-title">
       <header>
         <h2 id="poses-title">{t("poses.title")}</h2>
-        <SavePose />
+        {offers("save_pose") && <SavePose />}
       </header>
       {poses.length === 0 && <p class="muted">{t("poses.none")}</p>}
       <Poses poses={poses.filter((pose) => !pose.is_gripper)} />
@@ -108,6 +108,7 @@ function Poses({ poses }: { poses: readonly PoseInfo[] }) {
             onClick={() => {
               goOrAsk(pose);
             }}
+            {...unlessOffered("go_to_pose")}
           >
             <span class="ellipsis">{pose.name}</span>
           </Button>
@@ -121,6 +122,7 @@ function Poses({ poses }: { poses: readonly PoseInfo[] }) {
                   void sendRequest("delete_pose", { name });
                 });
               }}
+              {...unlessOffered("delete_pose")}
             >
               <TrashIcon />
             </IconButton>

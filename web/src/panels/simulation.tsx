@@ -5,7 +5,7 @@ import { sendRequest } from "../connection";
 import { t } from "../i18n";
 import { useLive } from "../live";
 import type { Status } from "../protocol";
-import { view, status } from "../store";
+import { status, unlessOffered, view } from "../store";
 import { IconButton } from "../ui/button";
 import { PauseIcon, PlayIcon, ResetIcon, StepIcon } from "../ui/icons";
 import { Select } from "../ui/select";
@@ -24,6 +24,7 @@ export function RunButton() {
       label={t("simulation.resume")}
       data-testid="sim-resume"
       onClick={() => void sendRequest("resume")}
+      {...unlessOffered("resume")}
     >
       <PlayIcon />
     </IconButton>
@@ -32,6 +33,7 @@ export function RunButton() {
       label={t("simulation.pause")}
       data-testid="sim-pause"
       onClick={() => void sendRequest("pause")}
+      {...unlessOffered("pause")}
     >
       <PauseIcon />
     </IconButton>
@@ -48,6 +50,7 @@ export function TimeControls() {
         data-testid="sim-step"
         disabled={!paused}
         onClick={() => void sendRequest("step", { ticks: ticks.value })}
+        {...unlessOffered("step")}
       >
         <StepIcon />
       </IconButton>
@@ -60,6 +63,7 @@ export function TimeControls() {
             void sendRequest("reset");
           });
         }}
+        {...unlessOffered("reset")}
       >
         <ResetIcon />
       </IconButton>
@@ -134,6 +138,7 @@ function Speed({ factor }: { factor: number | null }) {
           : options
       }
       onChange={(value) => void sendRequest("set_speed", { factor: Number(value) })}
+      {...unlessOffered("set_speed")}
     />
   );
 }

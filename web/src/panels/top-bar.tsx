@@ -1,6 +1,6 @@
 import { language, speak, t } from "../i18n";
 import { silence } from "../silence";
-import { connectionState, view, status } from "../store";
+import { connectionState, offers, status, view } from "../store";
 import { Badge } from "../ui/badge";
 import type { Tone } from "../ui/badge";
 import { Segmented } from "../ui/choice";
@@ -40,7 +40,7 @@ export function TopBar() {
       {hasTime && (
         <div class="simulation" role="group" aria-label={t("simulation.group")}>
           <RunButton />
-          <RecordButton />
+          {offers("start_recording") && <RecordButton />}
           {!isNarrow && <TimeControls />}
           {isNarrow ? (
             <dl class="readings">

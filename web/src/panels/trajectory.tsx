@@ -6,7 +6,7 @@ import { hasArm } from "../jog";
 import { report } from "../notices";
 import type { ControllerInfo } from "../protocol";
 import { isOurController } from "../robots";
-import { joints, status } from "../store";
+import { joints, status, unlessOffered } from "../store";
 import { Button } from "../ui/button";
 import { StopIcon } from "../ui/icons";
 import { Select } from "../ui/select";
@@ -124,6 +124,7 @@ function SpeedRow() {
         title={t("motion.stopLong")}
         data-testid="hold-still"
         onClick={() => void stop()}
+        {...unlessOffered("command_trajectory")}
       >
         <StopIcon />
         {t(isStopping ? "motion.stopping" : "motion.stop")}

@@ -3,6 +3,7 @@ import { shownBox } from "../control-box";
 import { t } from "../i18n";
 import { report } from "../notices";
 import { register } from "../shortcuts";
+import { offers } from "../store";
 
 /** Add a move to where the arm is now. */
 export function addWaypoint(): void {
@@ -17,7 +18,7 @@ register(
     text: "shortcuts.waypoint",
     group: "program",
     run: addWaypoint,
-    when: () => shownBox.peek() !== null,
+    when: () => shownBox.peek() !== null && offers("run_program"),
   },
   { keys: ["↑", "↓"], text: "shortcuts.steps", group: "program" },
   {

@@ -11,7 +11,7 @@ import { placing } from "../placing";
 import type { ContactInfo, ViewObject } from "../protocol";
 import { duplicateObject, removeObjects, targetOf } from "../scene-edits";
 import { select, selectedObject, selection } from "../selection";
-import { view } from "../store";
+import { offers, unlessOffered, view } from "../store";
 import { Button, IconButton } from "../ui/button";
 import { CloseIcon, TrashIcon } from "../ui/icons";
 
@@ -45,7 +45,7 @@ export function SelectionCard() {
       ) : (
         model.value && <LinkDetails tree={model.value} link={name} />
       )}
-      {view.value?.mode === "simulation" && <Contacts key={name} name={name} />}
+      {offers("read_contacts") && <Contacts key={name} name={name} />}
     </aside>
   );
 }
@@ -70,33 +70,38 @@ function ObjectFacts({ object }: { object: ViewObject }) {
     <>
       <p class="muted">{describeObject(object)}</p>
       <LivePose name={name} testId="selection-pose" />
-      <div class="row wrap">
-        {(["move", "rotate"] as const).map((kind) => (
+      {offers("place_object", "add_object", "remove_object") && (
+        <div class="row wrap">
+          {(["move", "rotate"] as const).map((kind) => (
+            <Button
+              key={kind}
+              aria-pressed={handles === kind}
+              data-testid={`selection-${kind}`}
+              {...unlessOffered("place_object")}
+              onClick={() => {
+                toggleHandles(name, kind);
+              }}
+            >
+              {t(`edit.${kind}`)}
+            </Button>
+          ))}
           <Button
-            key={kind}
-            aria-pressed={handles === kind}
-            data-testid={`selection-${kind}`}
-            onClick={() => {
-              toggleHandles(name, kind);
-            }}
+            data-testid="selection-duplicate"
+            {...unlessOffered("add_object")}
+            onClick={() => void duplicateObject(object)}
           >
-            {t(`edit.${kind}`)}
+            {t("edit.duplicate")}
           </Button>
-        ))}
-        <Button
-          data-testid="selection-duplicate"
-          onClick={() => void duplicateObject(object)}
-        >
-          {t("edit.duplicate")}
-        </Button>
-        <IconButton
-          label={t("edit.remove")}
-          data-testid="selection-remove"
-          onClick={() => void removeObjects([object])}
-        >
-          <TrashIcon />
-        </IconButton>
-      </div>
+          <IconButton
+            label={t("edit.remove")}
+            data-testid="selection-remove"
+            {...unlessOffered("remove_object")}
+            onClick={() => void removeObjects([object])}
+          >
+            <TrashIcon />
+          </IconButton>
+        </div>
+      )}
     </>
   );
 }

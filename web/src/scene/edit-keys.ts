@@ -1,4 +1,5 @@
 /** Keys that edit what is selected in the scene, while the picture has the focus. */
+import type { Method } from "../messages";
 import { togglePlacing } from "../placing";
 import {
   canRedo,
@@ -10,6 +11,7 @@ import {
 } from "../scene-edits";
 import { select, selectedObject } from "../selection";
 import { register } from "../shortcuts";
+import { offers } from "../store";
 import { toggleHandles } from "./card";
 
 register(
@@ -34,14 +36,26 @@ register(
   },
 );
 
+/** Key for what is selected → the method that it needs. */
+const METHODS: ReadonlyMap<string, Method> = new Map([
+  ["g", "place_object"],
+  ["r", "place_object"],
+  ["Ctrl+d", "add_object"],
+  ["Delete", "remove_object"],
+  ["Backspace", "remove_object"],
+]);
+
 /** Do what a key, as `keyName` has it, does; return whether it does something. */
 export function editByKey(key: string): boolean {
   if (key === "a") {
+    if (!offers("add_object")) return false;
     togglePlacing();
     return true;
   }
   const object = selectedObject.peek();
   if (!object) return false;
+  const method = METHODS.get(key);
+  if (method === undefined || !offers(method)) return false;
   switch (key) {
     case "g":
       toggleHandles(object.name, "move");

@@ -14,7 +14,7 @@ import {
 import type { Key } from "../i18n";
 import { t } from "../i18n";
 import { addWaypoint } from "../program/shortcuts";
-import { view } from "../store";
+import { offers } from "../store";
 import { Button, IconButton } from "../ui/button";
 import { Select } from "../ui/select";
 import { HandIcon } from "./icons";
@@ -26,7 +26,7 @@ const FREEDOM_NAMES: Record<Freedom, Key> = {
 };
 
 export function GuideBar() {
-  if (shownBox.value === null || view.value?.mode !== "simulation") return null;
+  if (shownBox.value === null || !offers("start_freedrive")) return null;
   const isOn = guided.value !== null;
   const force = pullForce.value;
   return (

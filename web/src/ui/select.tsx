@@ -11,6 +11,8 @@ interface SelectProps {
   value: string;
   options: readonly Option[];
   disabled?: boolean;
+  /** The tooltip: the label, if left out. */
+  title?: string;
   class?: string;
   onChange: (value: string) => void;
   "data-testid"?: string;
@@ -21,7 +23,7 @@ export function Select(props: SelectProps) {
     <span class={`select ${props.class ?? ""}`}>
       <select
         aria-label={props.label}
-        title={props.label}
+        title={props.title ?? props.label}
         value={props.value}
         disabled={props.disabled ?? false}
         data-testid={props["data-testid"]}

@@ -354,6 +354,8 @@ class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
     """``/cameras/NAME/color?width=640`` and ``/cameras/NAME/depth`` on this server are
     their images; see ``camera_images``."""
     notices: list[Notice]
+    missing: dict[str, str]
+    """Each method that this robot does not offer, and why."""
     replay: ReplayInfo | None = None
     """What ``tool0 replay`` shows; null for a robot that runs."""
 

@@ -33,7 +33,7 @@ from tool0.interfaces.panel.robot_info import (
     pose_infos,
     robot_info,
 )
-from tool0.protocol.backend import Backend
+from tool0.protocol.backend import Backend, missing_methods
 from tool0.protocol.controllers import ControllerStatus, Role
 from tool0.protocol.episodes import EpisodesStatus, ReadEpisodes
 from tool0.protocol.gripper import GraspState
@@ -78,6 +78,7 @@ class SimulationView:
             robot=robot_info(description, first.joint_names, info.ground, limits),
             cameras=camera_infos(self._cameras()),
             notices=[],
+            missing=missing_methods(backend),
         )
         self.cameras = states.cameras
         self._joints = {

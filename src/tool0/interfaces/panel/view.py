@@ -24,7 +24,7 @@ from tool0.interfaces.panel.robot_info import (
     pose_infos,
     robot_info,
 )
-from tool0.protocol.backend import missing
+from tool0.protocol.backend import missing_methods
 from tool0.protocol.gripper import Grip
 from tool0.protocol.motion import PoseJoints
 from tool0.protocol.notifications import Notification
@@ -83,6 +83,7 @@ class RobotView:
             robot=robot_info(description, self._names, ground, {}),
             cameras=[],
             notices=[],
+            missing=missing_methods(self),
         )
 
     def scene(self) -> ViewScene:
@@ -131,11 +132,10 @@ class RobotView:
     def post(
         self, request: Request[Any], when_failed: Callable[[Exception], None]
     ) -> None:
-        raise _no_physics(request)
+        """No stream goes to a tick."""
 
     def check_setpoint(self, request: Request[Any]) -> None:
-        if not isinstance(request, PoseJoints):
-            raise _no_physics(request)
+        assert isinstance(request, PoseJoints)  # the only stream that is offered
         self._checked(request.positions)
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
@@ -157,10 +157,10 @@ class RobotView:
                 self._book.save(name, driven, update=robot is not None)
             case DeletePose(name=name):
                 self._book.delete(name)
-            case Grip(gripper=name, opening=float(opening)):
+            case Grip(gripper=name, opening=opening):
+                if opening is None:
+                    raise ControlError("without physics, a gripper needs an 'opening'")
                 self._grip(name, opening)
-            case _:
-                raise _no_physics(request)
         return () if isinstance(request, GoToPose) else None
 
     def close(self) -> None:
@@ -242,7 +242,3 @@ def _with_mimics(
         if mimic is not None:
             found[name] = mimic.multiplier * found.get(mimic.joint, 0.0) + mimic.offset
     return found
-
-
-def _no_physics(request: Request[Any]) -> ControlError:
-    return missing(type(request), _NO_PHYSICS)

@@ -26,7 +26,7 @@ from tool0.interfaces.server.streams import (
 from tool0.interfaces.server.updates import UpdateStreams
 from tool0.protocol.arm import ListArms
 from tool0.protocol.arm_motion import ReturnArm, TakeArm
-from tool0.protocol.backend import Backend
+from tool0.protocol.backend import Backend, missing
 from tool0.protocol.codec import (
     PROTOCOL,
     GoalEnded,
@@ -44,15 +44,10 @@ from tool0.protocol.updates import (
     Subscribe,
     SubscribeUpdates,
     SubscribeView,
-    Unsubscribe,
     ViewShown,
 )
 
 logger = logging.getLogger(__name__)
-
-
-_STREAMS: Final = (Subscribe, SubscribeUpdates, SubscribeView, Unsubscribe)
-"""Requests that concern the streams of one connection."""
 
 
 _ADVANCING: Final = (Run, Step)
@@ -170,9 +165,11 @@ class Hub:
         self, session: Session, ident: Ident, request: Request[Any]
     ) -> bool:
         self.look_for_outage()
-        late = self._outages.refusal(session, request, is_streamed=ident is None)
-        if late is not None:
-            self._refuse(session, ident, late)
+        refusal = self._missing(request) or self._outages.refusal(
+            session, request, is_streamed=ident is None
+        )
+        if refusal is not None:
+            self._refuse(session, ident, refusal)
             return True
         if ident is None and isinstance(request, self.setpoint_requests):
             try:
@@ -192,6 +189,9 @@ class Hub:
 
     def _stop(self, session: Session, ident: Ident, request: Request[Any]) -> None:
         """Carry out a stop, before everything that waits."""
+        if (refusal := self._missing(request)) is not None:
+            self._refuse(session, ident, refusal)
+            return
         self._setpoints.drop(self.backend.superseded(request))
         answer = self._carry_out(session, ident, request, self._urgent_worker)
         task = asyncio.create_task(answer)
@@ -212,6 +212,13 @@ class Hub:
         except Tool0Error as error:
             self._refuse(session, None, error)
 
+    def _missing(self, request: Request[Any]) -> ControlError | None:
+        """Return why the robot does not offer a request; None if it does."""
+        if request.is_of_connection:
+            return None
+        reason = self.backend.why_missing(type(request))
+        return missing(type(request), reason) if reason else None
+
     def _refuse(self, session: Session, ident: Ident, error: Exception) -> None:
         """Answer with an error; of a stream that fails all the time, once a second."""
         if ident is not None or self._outages.is_new(session, str(error)):
@@ -220,13 +227,13 @@ class Hub:
     async def _answer(
         self, session: Session, ident: Ident, request: Request[Any]
     ) -> None:
-        if isinstance(request, _STREAMS):
-            session.account.charge(_STREAM_COST)
-            await self._change_streams(session, ident, request)
-            return
         if isinstance(request, ViewShown):
             self.when_shown()
             session.send(encode_reply(ident, request, None))
+            return
+        if request.is_of_connection:
+            session.account.charge(_STREAM_COST)
+            await self._change_streams(session, ident, request)
             return
         await self._setpoints.settle(self.backend.superseded(request))
         workers = self._urgent_worker if request.is_urgent else self._workers

@@ -33,6 +33,13 @@ def test_joints_stand_where_a_page_puts_them_for_every_page(view: Panel) -> None
         other.wait_for("status", lambda s: 0.0 < s["grippers"][0]["opening"] < 0.06)
 
 
+def test_pages_learn_what_needs_physics() -> None:
+    missing = RobotView(assemble()).info.missing
+    assert not {"pose_joints", "grip", "reset", "save_pose"} & missing.keys()
+    for method in ("move_joints", "emergency_stop", "add_object", "start_recording"):
+        assert "no physics" in missing[method]
+
+
 def test_poses_are_gone_to_at_once_and_saved(view: Panel) -> None:
     with page_at(view.url) as page:
         assert page.request("go_to_pose", name="zero") is None

@@ -1,5 +1,5 @@
 /** Pose and target of the tool, and jogging. */
-import { view } from "../../store";
+import { offers } from "../../store";
 import { JogPanel } from "./jog";
 import { PosePanel } from "./pose";
 import "./tool.css";
@@ -8,7 +8,7 @@ export default function ToolPanel() {
   return (
     <>
       <PosePanel />
-      {view.value?.mode === "simulation" && <JogPanel />}
+      {offers("speed_tool") && <JogPanel />}
     </>
   );
 }

@@ -11,7 +11,7 @@ import {
 } from "../../kinematics";
 import type { Pose } from "../../kinematics";
 import { useLive } from "../../live";
-import { view } from "../../store";
+import { offers, unlessOffered } from "../../store";
 import {
   aimTool,
   choosePosture,
@@ -68,7 +68,7 @@ export function PosePanel() {
   const units = [MILLIMETRES, MILLIMETRES, MILLIMETRES, angle, angle, angle];
   const labels = ["x", "y", "z", ...NAMES[rotation.value]];
   const fields = useRef<(HTMLInputElement | null)[]>([]);
-  const isSimulated = view.value?.mode === "simulation";
+  const canAim = offers("solve_inverse_kinematics") && offers("move_to", "move_linear");
   const numbers = numbersOf(wanted ?? toolPose());
 
   useLive(() => {
@@ -129,7 +129,7 @@ export function PosePanel() {
                 max={limit * unit.factor}
                 step={unit.step}
                 value={(numbers[index] ?? 0) * unit.factor}
-                disabled={!isSimulated}
+                disabled={!canAim}
                 input={{
                   get current() {
                     return fields.current[index] ?? null;
@@ -149,7 +149,7 @@ export function PosePanel() {
           );
         })}
       </div>
-      {isSimulated && <Target />}
+      {canAim && <Target />}
     </>
   );
 }
@@ -175,6 +175,7 @@ function Target() {
           disabled={!isAimed || why !== null || !mayMove.value}
           data-testid="tool-go"
           onClick={() => void go()}
+          {...unlessOffered(way.value === "joint" ? "move_to" : "move_linear")}
         >
           {t(collision.value === null ? "tool.go" : "tool.goAnyway")}
         </Button>

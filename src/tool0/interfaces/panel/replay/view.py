@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, final
 
 from tool0.description.model import JointLimits
 from tool0.description.parts import find_grippers
-from tool0.errors import ControlError, RecordingError
+from tool0.errors import RecordingError
 from tool0.interfaces.panel.protocol import (
     Frame,
     GripperState,
@@ -35,7 +35,7 @@ from tool0.interfaces.panel.simulation_view import (
     targets_of,
     with_forces,
 )
-from tool0.protocol.backend import missing
+from tool0.protocol.backend import missing_methods
 from tool0.protocol.notifications import Notification
 from tool0.protocol.replay import LoopReplay, ReadReplay, ReplaySamples, SeekReplay
 from tool0.protocol.request import Request
@@ -90,6 +90,7 @@ class Replay:
             ),
             cameras=camera_infos(recording.bringup.cameras),
             notices=notices_of(recording),
+            missing=missing_methods(self),
             replay=ReplayInfo(
                 file=recording.path.name,
                 start=self._times[0],
@@ -166,10 +167,10 @@ class Replay:
     def post(
         self, request: Request[Any], when_failed: Callable[[Exception], None]
     ) -> None:
-        raise _refusal(request)
+        """No stream is offered."""
 
     def check_setpoint(self, request: Request[Any]) -> None:
-        raise _refusal(request)
+        """No stream is offered."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return ()
@@ -198,8 +199,6 @@ class Replay:
                 assert self.info.control_period is not None
                 playhead.seek(playhead.time + ticks * self.info.control_period)
                 return playhead.time
-            case _:
-                raise _refusal(request)
         return None
 
     # ---- inside ----------------------------------------------------------------------
@@ -248,7 +247,3 @@ _OFFERED: Final = (
 _ONLY_SHOWS: Final = (
     "a replay only shows what was recorded; bring the robot up with `tool0 bringup`"
 )
-
-
-def _refusal(request: Request[Any]) -> ControlError:
-    return missing(type(request), _ONLY_SHOWS)
