@@ -64,5 +64,5 @@ def _declared(module: ModuleType) -> dict[str, type[Request[Any]]]:
         if isinstance(value, type)
         and issubclass(value, Request)
         and value.__module__ == module.__name__
-        and not value.__parameters__  # otherwise it only has the fields of others
+        and not getattr(value, "__parameters__", ())  # a base of others
     }
