@@ -9,7 +9,7 @@ ARGS ?=
 BIN  := $(VENV)/bin
 RUN  := $(VENV)/.stamp-run
 DEV  := $(VENV)/.stamp-dev
-PAGE := src/tool0/interfaces/panel/static/.stamp
+PAGE := src/tool0/panel/static/.stamp
 WEB  := $(BIN)/python tools/web.py
 BROWSER := $(VENV)/.stamp-browser
 KERNEL  := src/tool0/kernel/_kernel.so
@@ -100,7 +100,7 @@ web-dev: $(RUN)
 	$(WEB) run dev
 
 clean:
-	rm -rf $(VENV) build dist $(KERNEL) src/tool0/interfaces/panel/static web/node_modules .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) build dist $(KERNEL) src/tool0/panel/static web/node_modules .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 # The stamps: what they depend on is newer, so install again; otherwise do nothing.
 $(RUN): pyproject.toml tools/setup-venv

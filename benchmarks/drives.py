@@ -21,9 +21,9 @@ from tool0.description.model import Inertial, RobotModel
 from tool0.description.robot import RobotDescription, assemble
 from tool0.hardware.bodies import JointDynamics
 from tool0.protocol.controllers import Gains
-from tool0.requests.backend import SimulationBackend
-from tool0.runtime.bringup import start_simulation
-from tool0.runtime.config import ControlConfig, SimulationConfig
+from tool0.simulation.bringup import start_simulation
+from tool0.simulation.config import ControlConfig, SimulationConfig
+from tool0.simulation.handlers.backend import SimulationBackend
 
 N_POSES = 1500
 N_MOVES = 8

@@ -39,9 +39,9 @@ READ_RTU = bytes.fromhex("0903 07d0 0003 040e")
 
 
 async def serve_ours(folder: Path) -> str:
-    from tool0.interfaces.ur.robotiq.modbus_rtu import ModbusRtu
-    from tool0.interfaces.ur.robotiq.modbus_tcp import ModbusTcp
-    from tool0.interfaces.ur.robotiq.registers import (
+    from tool0.ur.robotiq.modbus_rtu import ModbusRtu
+    from tool0.ur.robotiq.modbus_tcp import ModbusTcp
+    from tool0.ur.robotiq.registers import (
         Activation,
         CommandRegisters,
         Fault,
@@ -99,8 +99,8 @@ def processor_time(pid: int) -> float:
 
 async def serve(name: str, folder: Path) -> None:
     """Start a server, tell what that took, and serve."""
-    import tool0.interfaces.ur.rtde.server
-    import tool0.interfaces.ur.service  # noqa: F401
+    import tool0.ur.rtde.server
+    import tool0.ur.service  # noqa: F401
 
     before, start = memory(), time.process_time()
     path = await SERVERS[name](folder)

@@ -10,7 +10,7 @@ from typing import Final
 from playwright.sync_api import Browser, sync_playwright
 
 import tool0
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 
 VISITS: Final = 5
 WATCHED: Final = 5.0

@@ -21,7 +21,7 @@ from urllib.parse import urlsplit
 from websockets.asyncio.client import connect
 
 import tool0
-from tool0.interfaces.panel.server import Panel, load
+from tool0.panel.server import Panel, load
 
 DURATION: Final = 3.0
 """Of one round of one load [wall s]."""
@@ -80,7 +80,7 @@ def costs() -> dict[str, Cost]:
     The loads alternate, and of each the quietest round counts: a neighbour on the
     machine only adds.
     """
-    logging.getLogger("tool0.runtime.loop").setLevel(logging.ERROR)
+    logging.getLogger("tool0.simulation.loop").setLevel(logging.ERROR)
     rounds: dict[str, list[Cost]] = {name: [] for name in LOADS}
     load()
     with tool0.bringup() as robot, Panel(robot) as panel:

@@ -18,7 +18,7 @@ from typing import Final
 from urllib.parse import urlsplit
 
 import tool0
-from tool0.interfaces.panel.server import Panel, load
+from tool0.panel.server import Panel, load
 
 CAMERA: Final = "scene"
 WIDTH: Final = 640
@@ -43,7 +43,7 @@ class Rates:
 
 def rates() -> Rates:
     """Measure beside a moving robot; of the late ticks the quietest round counts."""
-    logging.getLogger("tool0.runtime.loop").setLevel(logging.ERROR)
+    logging.getLogger("tool0.simulation.loop").setLevel(logging.ERROR)
     load()
     images: list[float] = []
     capacity: list[float] = []

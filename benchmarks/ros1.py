@@ -81,8 +81,8 @@ def _delays(sent: Sequence[float], seen: Sequence[float]) -> list[float]:
 
 def _robot() -> None:
     """Run the robot; print the times of commands, jumps of effort, and receptions."""
-    from tool0.interfaces.ros1.bridge import Ros1Bridge
-    from tool0.interfaces.ros1.options import Ros1Options
+    from tool0.ros1.bridge import Ros1Bridge
+    from tool0.ros1.options import Ros1Options
 
     with tool0.bringup() as robot:
         index = robot.snapshot.joint_names.index(JOINT)

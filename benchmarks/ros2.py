@@ -21,7 +21,7 @@ from subprocess import DEVNULL, PIPE, Popen
 import tool0
 from tool0.api.address import Claim
 from tool0.installation.ros2.installation import NODE_FOLDER, Ros2, find_ros2
-from tool0.interfaces.server.server import Server, UnixSocketService
+from tool0.server.server import Server, UnixSocketService
 
 NAME = f"benchmark-ros2-{os.getpid()}"
 DOMAIN = 97

@@ -13,7 +13,7 @@ from subprocess import PIPE, Popen
 
 import tool0
 from tool0.api.address import Claim
-from tool0.interfaces.server.server import Server, UnixSocketService
+from tool0.server.server import Server, UnixSocketService
 
 NAME = f"benchmark-streams-{os.getpid()}"
 SECONDS = 2.0

@@ -23,7 +23,7 @@ from tool0.installation.gazebo.installation import (
 )
 
 if TYPE_CHECKING:
-    from tool0.interfaces.panel.server import Panel
+    from tool0.panel.server import Panel
 
 
 pytest_plugins = ["side_by_side"]
@@ -92,7 +92,7 @@ def robot() -> Iterator[tool0.Robot]:
 @pytest.fixture
 def panel(robot: tool0.Robot) -> Iterator[Panel]:
     """Serve it."""
-    from tool0.interfaces.panel.server import Panel
+    from tool0.panel.server import Panel
 
     with Panel(robot) as panel:
         yield panel

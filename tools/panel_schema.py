@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 import msgspec
 
-from tool0.interfaces.panel.protocol import ViewMessage
+from tool0.panel.protocol import ViewMessage
 from tool0.protocol.codec import EventMessage, Hello, Reply, wire_type
 from tool0.protocol.methods import methods
 from tool0.protocol.request import response_type

@@ -17,7 +17,7 @@ from playwright.sync_api import Page, sync_playwright
 
 import tool0
 from tool0.description.cell_file import parse_robots
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENE = "table_and_cubes"

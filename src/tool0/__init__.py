@@ -59,17 +59,11 @@ if TYPE_CHECKING:
         TransportError,
         UnreachableError,
     )
-    from tool0.interfaces.panel.server import Panel
-    from tool0.interfaces.ros1.bridge import Ros1Bridge
-    from tool0.interfaces.ros1.options import Ros1Options
-    from tool0.interfaces.ros2.node import Ros2Node
-    from tool0.interfaces.ros2.options import Ros2Options
-    from tool0.interfaces.ur.options import UrArm, UrOptions
-    from tool0.interfaces.ur.process import UrController
     from tool0.kinematics.chain import ArmChain
     from tool0.kinematics.inverse import InverseKinematics
     from tool0.kinematics.posture import Branch, Solution
     from tool0.lint.check import CheckReport, check
+    from tool0.panel.server import Panel
     from tool0.protocol.bus import (
         Faulted,
         GoalFinished,
@@ -124,9 +118,15 @@ if TYPE_CHECKING:
     from tool0.protocol.updates import ArmUpdate
     from tool0.recording.entries import RecordedEvent, RecordedRequest
     from tool0.recording.reading import RecordingFile, open_recording
-    from tool0.runtime.config import ControlConfig, SimulationConfig
+    from tool0.ros1.bridge import Ros1Bridge
+    from tool0.ros1.options import Ros1Options
+    from tool0.ros2.node import Ros2Node
+    from tool0.ros2.options import Ros2Options
     from tool0.sensing.cameras import encode_depth, encode_png
     from tool0.sensing.video import VideoWriter
+    from tool0.simulation.config import ControlConfig, SimulationConfig
+    from tool0.ur.options import UrArm, UrOptions
+    from tool0.ur.process import UrController
 
 __all__ = [
     "AnalogDomain",
@@ -286,7 +286,7 @@ _HOMES = {
     "Contact": "tool0.protocol.state",
     "ControlBox": "tool0.api.control_box",
     "ControlBoxState": "tool0.protocol.control_box_state",
-    "ControlConfig": "tool0.runtime.config",
+    "ControlConfig": "tool0.simulation.config",
     "ControlError": "tool0.errors",
     "ControllerConfig": "tool0.control.config",
     "ControllerHandle": "tool0.api.controller",
@@ -327,7 +327,7 @@ _HOMES = {
     "NotOfferedError": "tool0.errors",
     "ObjectState": "tool0.protocol.state",
     "Overran": "tool0.protocol.bus",
-    "Panel": "tool0.interfaces.panel.server",
+    "Panel": "tool0.panel.server",
     "ParallelGripper": "tool0.description.model",
     "Payload": "tool0.protocol.control_box_state",
     "PenetrationError": "tool0.errors",
@@ -355,17 +355,17 @@ _HOMES = {
     "RobotDescription": "tool0.description.robot",
     "RobotMode": "tool0.protocol.control_box_state",
     "RobotModel": "tool0.description.model",
-    "Ros1Bridge": "tool0.interfaces.ros1.bridge",
-    "Ros1Options": "tool0.interfaces.ros1.options",
-    "Ros2Node": "tool0.interfaces.ros2.node",
-    "Ros2Options": "tool0.interfaces.ros2.options",
+    "Ros1Bridge": "tool0.ros1.bridge",
+    "Ros1Options": "tool0.ros1.options",
+    "Ros2Node": "tool0.ros2.node",
+    "Ros2Options": "tool0.ros2.options",
     "RosUnavailableError": "tool0.errors",
     "SafetyLimits": "tool0.protocol.control_box_state",
     "SafetyMode": "tool0.protocol.control_box_state",
     "SavedProgram": "tool0.protocol.programs",
     "SceneHandle": "tool0.api.scene",
     "SetOutputStep": "tool0.protocol.program",
-    "SimulationConfig": "tool0.runtime.config",
+    "SimulationConfig": "tool0.simulation.config",
     "SimulationInfo": "tool0.protocol.robot",
     "Snapshot": "tool0.protocol.state",
     "Solution": "tool0.kinematics.posture",
@@ -380,9 +380,9 @@ _HOMES = {
     "TransportError": "tool0.errors",
     "UnreachableError": "tool0.errors",
     "UntilStep": "tool0.protocol.program",
-    "UrArm": "tool0.interfaces.ur.options",
-    "UrController": "tool0.interfaces.ur.process",
-    "UrOptions": "tool0.interfaces.ur.options",
+    "UrArm": "tool0.ur.options",
+    "UrController": "tool0.ur.process",
+    "UrOptions": "tool0.ur.options",
     "UrReport": "tool0.protocol.control_box_state",
     "VideoWriter": "tool0.sensing.video",
     "WaitStep": "tool0.protocol.program",

@@ -13,7 +13,7 @@ from playwright.sync_api import Browser, sync_playwright
 from promised import absent
 
 import tool0
-from tool0.interfaces.panel.server import Panel, is_page_built
+from tool0.panel.server import Panel, is_page_built
 
 OpenTab = Callable[..., Tab]
 

@@ -10,7 +10,7 @@ from browser import Tab
 from playwright.sync_api import Browser
 from promised import absent
 
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 
 AXE = Path(__file__).parents[2] / "web/node_modules/axe-core/axe.min.js"
 VIOLATIONS = """async () => (await axe.run(document)).violations.flatMap((rule) =>

@@ -8,7 +8,7 @@ from playwright.sync_api import Browser
 
 import tool0
 from tool0.description.cell_file import parse_robots
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 
 CELL = ("left=ur5e+2f85@0,0.4,0", "right=ur10e+hande@0,-0.4,0")
 ELBOWS = ("left_elbow_joint", "right_elbow_joint")

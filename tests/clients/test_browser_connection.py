@@ -17,7 +17,7 @@ from page import page_at
 
 import tool0
 from conftest import OpenTab
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 
 CONNECTED = "[data-testid=connection][data-state=open]"
 LOST = "[data-testid=connection][data-state=lost]"

@@ -5,7 +5,7 @@ from browser import Tab, comes_to_rest, eventually
 from playwright.sync_api import Browser
 
 import tool0
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 
 MONITOR = "[data-testid=joint-slider-elbow_joint][disabled]"
 NEAR = 0.03

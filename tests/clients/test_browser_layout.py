@@ -9,7 +9,7 @@ from browser import Tab
 from playwright.sync_api import Browser
 
 from conftest import OpenTab
-from tool0.interfaces.panel.server import STATIC, Panel
+from tool0.panel.server import STATIC, Panel
 
 READY = "[data-testid=scene][data-ready=true]"
 FIRST_VIEW = 300_000

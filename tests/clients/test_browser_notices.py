@@ -10,7 +10,7 @@ from test_browser_tool import opens_the_tool, position
 
 import tool0
 from conftest import OpenTab
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 
 CONTROLS = ("jog-z-minus", "jog-z-plus", "tool-go", "joint-slider-elbow_joint")
 

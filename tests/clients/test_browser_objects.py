@@ -14,7 +14,7 @@ from conftest import OpenTab
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Compound, Cylinder, Mesh, Solid
 from tool0.description.transform import Pose
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 
 READY = "[data-testid=scene][data-ready=true]"
 MAGENTA, GREEN = (1.0, 0.0, 1.0, 1.0), (0.0, 1.0, 0.0, 1.0)

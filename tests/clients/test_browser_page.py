@@ -11,9 +11,9 @@ from playwright.sync_api import Browser
 import tool0
 from conftest import OpenTab
 from tool0.description.robot import assemble
-from tool0.interfaces.panel.robot_info import RobotFiles
-from tool0.interfaces.panel.server import STATIC, Panel
-from tool0.interfaces.panel.view import RobotView
+from tool0.panel.robot_info import RobotFiles
+from tool0.panel.server import STATIC, Panel
+from tool0.panel.view import RobotView
 
 WEB = Path(__file__).parents[2] / "web"
 READY = "[data-testid=scene][data-ready=true]"

@@ -10,7 +10,7 @@ from browser import Tab, eventually
 import tool0
 from conftest import OpenTab
 from tool0.api.table import BIN, ITEM
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 from tool0.protocol.program import LoopStep, MoveJointStep
 from tool0.protocol.programs import ENDED, ReadRuns
 from tool0.scene import Pose

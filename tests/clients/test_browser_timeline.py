@@ -10,8 +10,8 @@ from recorded_session import TURNED, record_session
 
 import tool0
 from conftest import OpenTab
-from tool0.interfaces.panel.replay.view import Replay
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.replay.view import Replay
+from tool0.panel.server import Panel
 from tool0.recording.reading import RecordingFile, open_recording
 
 pytest.importorskip("mcap", reason="the extra 'record' is not installed")

@@ -20,7 +20,7 @@ from websockets.sync.client import ClientConnection, connect
 
 import tool0
 from tool0.cli import OK, main
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 
 N_DESCRIPTORS = 200
 """That the bring-up may have."""
@@ -138,7 +138,7 @@ def test_a_connection_that_requests_nothing_is_dropped(
     sockets: list[socket.socket],
     beginning: bytes,
 ) -> None:
-    monkeypatch.setattr("tool0.interfaces.panel.entrance.IDLE_AFTER", 0.2)
+    monkeypatch.setattr("tool0.panel.entrance.IDLE_AFTER", 0.2)
     with Panel(robot) as panel, page_at(panel.url) as page:
         idle = open_idle(panel.url, beginning)
         sockets.append(idle)
@@ -153,7 +153,7 @@ def test_a_stranger_makes_room_and_a_page_never_does(
     monkeypatch: pytest.MonkeyPatch,
     sockets: list[socket.socket],
 ) -> None:
-    monkeypatch.setattr("tool0.interfaces.panel.entrance.MAX_CONNECTIONS", 2)
+    monkeypatch.setattr("tool0.panel.entrance.MAX_CONNECTIONS", 2)
     with Panel(robot) as panel, silent_page(panel.url) as page:
         stranger = open_idle(panel.url, b"")
         sockets.append(stranger)

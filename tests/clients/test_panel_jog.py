@@ -13,7 +13,7 @@ from page import Page, page_at
 
 import tool0
 from tool0.api.recording import Recording
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 
 STOPPING = 0.025
 """As the page brakes: from any speed [s]."""

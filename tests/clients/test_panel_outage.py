@@ -17,7 +17,7 @@ from browser import comes_to_rest, eventually
 from page import Message, Page, page_at
 
 import tool0
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 
 ARM = "eff_joint_traj_controller"
 PAN, LIFT = "shoulder_pan_joint", "shoulder_lift_joint"

@@ -19,7 +19,7 @@ from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Cylinder
 from tool0.description.transform import Pose
 from tool0.errors import TransportError
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 from tool0.protocol.codec import PROTOCOL
 
 ARM = "eff_joint_traj_controller"
@@ -182,7 +182,7 @@ def test_a_refusal_has_a_type_and_names_its_cause(
 def test_a_scene_has_a_largest_number_of_objects(
     panel: Panel, robot: tool0.Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tool0.requests.objects.MOST_SHAPES", 1)
+    monkeypatch.setattr("tool0.simulation.handlers.objects.MOST_SHAPES", 1)
     with page_at(panel.url) as page:
         assert page.request("add_object", **BOX, xyz=[3, 0, 2]) is None
         error = page.request("add_object", **{**BOX, "name": "b"})
@@ -438,7 +438,7 @@ def test_an_internal_error_is_logged_and_answered(
 def test_a_page_that_never_reads_hinders_nobody_and_is_dropped(
     robot: tool0.Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tool0.interfaces.server.session.STUCK_AFTER", 0.5)
+    monkeypatch.setattr("tool0.server.session.STUCK_AFTER", 0.5)
     with Panel(robot) as panel, page_at(panel.url) as page, socket.socket() as sock:
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         sock.connect(("127.0.0.1", port_of(panel)))
@@ -482,7 +482,7 @@ def test_a_flooding_page_is_slowed_down_and_others_are_not(panel: Panel) -> None
 def test_the_number_of_pages_is_limited(
     robot: tool0.Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tool0.interfaces.panel.server.MAX_PAGES", 1)
+    monkeypatch.setattr("tool0.panel.server.MAX_PAGES", 1)
     with Panel(robot) as panel, page_at(panel.url) as page:
         with pytest.raises(InvalidStatus) as refused, connect(socket_url(panel.url)):
             pass

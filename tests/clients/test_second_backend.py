@@ -12,7 +12,7 @@ import tool0
 from tool0.api.channel import LocalChannel
 from tool0.cli import FAILED, OK, main
 from tool0.errors import ControlError
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 from tool0.protocol.methods import methods
 
 REASON = "this robot only follows joint paths"

@@ -18,7 +18,7 @@ from served import serving, use_folder
 from websockets.sync.client import connect
 
 import tool0
-from tool0.interfaces.panel.server import Panel
+from tool0.panel.server import Panel
 
 FLOOD = Path(__file__).parents[2] / "benchmarks" / "flooding_client.py"
 N_STOPS = 15

@@ -22,9 +22,9 @@ from tool0.hardware.limits import DriveLimits
 from tool0.motion.gripper import direct_path
 from tool0.protocol.controllers import Role
 from tool0.protocol.state import ObjectState
-from tool0.runtime.controller_paths import trajectory_points
-from tool0.runtime.core import Core
 from tool0.scene import Box, Scene, SceneObject
+from tool0.simulation.controller_paths import trajectory_points
+from tool0.simulation.core import Core
 
 Array = NDArray[np.float64]
 DEVICE = "TOOL0_TEST_DEVICE"

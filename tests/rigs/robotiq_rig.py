@@ -15,10 +15,10 @@ from ur_address import free_host
 from ur_box_rig import control_box
 
 import tool0
-from tool0.interfaces.ur.control_box import UrControlBox
-from tool0.interfaces.ur.messages import Message, MessageKind
-from tool0.interfaces.ur.robotiq.gripper import RobotiqGripper
-from tool0.interfaces.ur.robotiq.interface import RobotiqInterface
+from tool0.ur.control_box import UrControlBox
+from tool0.ur.messages import Message, MessageKind
+from tool0.ur.robotiq.gripper import RobotiqGripper
+from tool0.ur.robotiq.interface import RobotiqInterface
 
 LONG = 30.0  # [wall s]; only a failing test waits so long
 

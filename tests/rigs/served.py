@@ -8,7 +8,7 @@ import pytest
 
 import tool0
 from tool0.api.address import Claim
-from tool0.interfaces.server.server import Server, UnixSocketService
+from tool0.server.server import Server, UnixSocketService
 
 
 def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:

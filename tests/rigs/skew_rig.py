@@ -15,8 +15,8 @@ from tool0.hardware.robot_hardware import RobotHardware
 from tool0.protocol.bus import Bus
 from tool0.protocol.goals import Goal
 from tool0.protocol.trajectories import TrajectoryPoint
-from tool0.runtime.core import Core
-from tool0.runtime.loop import Loop
+from tool0.simulation.core import Core
+from tool0.simulation.loop import Loop
 
 START = [0.3, -0.2, 0.05, -0.5 * -0.2 + 0.2]
 YAML = """

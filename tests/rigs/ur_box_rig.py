@@ -12,8 +12,8 @@ from served import serving
 import tool0
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error
-from tool0.interfaces.ur.control_box import UrControlBox
 from tool0.protocol.updates import SubscribeUpdates, UpdateMessage
+from tool0.ur.control_box import UrControlBox
 
 _numbers = itertools.count(1)
 

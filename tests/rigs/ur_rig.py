@@ -13,8 +13,8 @@ from ur_address import free_host
 from waits import until
 
 import tool0
-from tool0.interfaces.ur.options import UrOptions
-from tool0.interfaces.ur.process import UrController
+from tool0.ur.options import UrOptions
+from tool0.ur.process import UrController
 
 
 @dataclass(frozen=True)

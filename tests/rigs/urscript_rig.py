@@ -12,13 +12,13 @@ from typing import Any, TypeVar, cast
 
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error
-from tool0.interfaces.ur.control_box import UrControlBox
-from tool0.interfaces.ur.messages import Message, MessageKind, Messages
-from tool0.interfaces.ur.registers import Registers
-from tool0.interfaces.ur.urscript.execution import Execution
-from tool0.interfaces.ur.urscript.program import compile_program
 from tool0.protocol.arm import ListArms
 from tool0.protocol.updates import ArmUpdate, SubscribeUpdates, UpdateMessage
+from tool0.ur.control_box import UrControlBox
+from tool0.ur.messages import Message, MessageKind, Messages
+from tool0.ur.registers import Registers
+from tool0.ur.urscript.execution import Execution
+from tool0.ur.urscript.program import compile_program
 
 R = TypeVar("R")
 PROGRAMS = Path(__file__).parents[1] / "data" / "urscript"

@@ -30,7 +30,7 @@ from tool0.description.cell_file import load_cell
 from tool0.description.config import DescriptionConfig
 from tool0.description.robot import load_description
 from tool0.description.transform import Pose
-from tool0.interfaces.ros1.bridge import with_mesh_files
+from tool0.ros1.bridge import with_mesh_files
 
 CELL = """
 robots:
@@ -314,7 +314,7 @@ def test_a_robot_s_wrench_is_in_its_own_frame(
 
 def names_in(name: str, *robots: str) -> Any:
     """Return the namespace of one robot of a cell of bare arms."""
-    from tool0.interfaces.ros1.namespace import RosNamespace
+    from tool0.ros1.namespace import RosNamespace
 
     config = DescriptionConfig(
         robots=[f"{robot}=ur5@0,{i},0" for i, robot in enumerate(robots)],

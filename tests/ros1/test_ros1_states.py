@@ -14,7 +14,7 @@ from ros_client import call, listening
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, HOME
 
 from tool0.installation.ros1.master import Master
-from tool0.interfaces.ros1.bridge import with_mesh_files
+from tool0.ros1.bridge import with_mesh_files
 
 ENGINES = ("mujoco", "gazebo")
 JOINTS = tuple(sorted((*ARM_JOINTS, "finger_joint")))
@@ -139,7 +139,7 @@ def test_a_node_can_be_unregistered_with_all_its_names(ros: Ros) -> None:
 
 @pytest.mark.usefixtures("rospy")
 def test_two_clocks_can_change_roles_while_time_advances() -> None:
-    from tool0.interfaces.ros1.node import RosClock
+    from tool0.ros1.node import RosClock
 
     clock = RosClock(publish=True)
     is_over, errors = threading.Event(), []

@@ -11,7 +11,7 @@ from ur5_rig import ARM_JOINTS
 
 import tool0
 from tool0.api.channel import LocalChannel
-from tool0.interfaces.ros2.node import Ros2Node
+from tool0.ros2.node import Ros2Node
 
 PLACE = (0.1, -0.2, 0.3, -0.4, 0.5, 0.6)
 LEFT_OUT = {

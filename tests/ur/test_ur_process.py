@@ -15,7 +15,7 @@ from ur_address import free_host
 from waits import until
 
 import tool0
-from tool0.interfaces.ur.process import MODULE
+from tool0.ur.process import MODULE
 
 DASHBOARD = 29999
 

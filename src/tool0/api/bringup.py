@@ -20,10 +20,10 @@ from tool0.description.config import (
 )
 from tool0.description.robot import load_description
 from tool0.description.scene import Scene
-from tool0.requests.backend import SimulationBackend
-from tool0.requests.state import stop_after_freezes
-from tool0.runtime.bringup import start_simulation
-from tool0.runtime.config import ControlConfig, Names, SimulationConfig
+from tool0.simulation.bringup import start_simulation
+from tool0.simulation.config import ControlConfig, Names, SimulationConfig
+from tool0.simulation.handlers.backend import SimulationBackend
+from tool0.simulation.handlers.state import stop_after_freezes
 
 Config = TypeVar("Config", DescriptionConfig, ControlConfig, SimulationConfig)
 

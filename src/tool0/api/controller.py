@@ -37,7 +37,7 @@ from tool0.protocol.trajectories import (
     TrajectoryPoint,
     TrajectoryState,
 )
-from tool0.requests import motion
+from tool0.simulation.handlers import motion
 
 
 @final

@@ -48,7 +48,7 @@ from tool0.protocol.running import (
     Step,
 )
 from tool0.protocol.sensors import ListCameras
-from tool0.requests import motion
+from tool0.simulation.handlers import motion
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -68,7 +68,7 @@ if TYPE_CHECKING:
     from tool0.protocol.program import Program
     from tool0.protocol.recordings import RecordingStatus
     from tool0.protocol.state import Contact, Snapshot
-    from tool0.runtime.simulation import Simulation
+    from tool0.simulation.simulation import Simulation
 
 
 @final
@@ -161,7 +161,7 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             ControlError: If the simulation runs in another process.
         """
-        from tool0.requests.backend import SimulationBackend
+        from tool0.simulation.handlers.backend import SimulationBackend
 
         backend = self.backend
         if not isinstance(backend, SimulationBackend):

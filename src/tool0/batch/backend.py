@@ -16,7 +16,7 @@ from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
     from tool0.engines.mujoco.copies import ObjectArrays
-    from tool0.runtime.core import Core
+    from tool0.simulation.core import Core
 
 CPU = "cpu"
 _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")

@@ -40,9 +40,9 @@ from tool0.kinematics.chain import Array
 from tool0.kinematics.only_part import only_part
 from tool0.protocol.sensors import CameraImage
 from tool0.protocol.state import Snapshot
-from tool0.runtime.config import ControlConfig
 from tool0.sensing.cameras import Cameras
 from tool0.sensing.grasp import pad_links
+from tool0.simulation.config import ControlConfig
 
 if TYPE_CHECKING:
     from tool0.engines.mujoco.copies import ObjectArrays

@@ -22,8 +22,8 @@ from tool0.motion.gripper import direct_path
 from tool0.motion.path import Path
 from tool0.protocol.controllers import Role, why_not_driven
 from tool0.protocol.trajectories import TrajectoryPoint
-from tool0.runtime.controller_paths import trajectory_points
-from tool0.runtime.core import Core
+from tool0.simulation.controller_paths import trajectory_points
+from tool0.simulation.core import Core
 
 
 class ControllerJoints(NamedTuple):

@@ -22,7 +22,7 @@ from tool0.kernel.many import Addresses, BatchKernel, StartResult
 from tool0.kernel.program import Ended, TickProgram
 from tool0.kinematics.chain import Array
 from tool0.protocol.state import ObjectState
-from tool0.runtime.core import Core
+from tool0.simulation.core import Core
 
 MOST_TICKS = 1000
 """Ticks of each copy that the kernel executes in one call: a signal such as Ctrl-C is

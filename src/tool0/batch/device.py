@@ -18,7 +18,7 @@ from tool0.errors import GoalRejectedError
 from tool0.hardware.limits import DriveLimits
 from tool0.kernel.device import DeviceControl, DeviceState
 from tool0.kinematics.chain import Array
-from tool0.runtime.core import Core
+from tool0.simulation.core import Core
 
 
 @final

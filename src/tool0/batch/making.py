@@ -13,9 +13,9 @@ from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.engines.registry import batch_engine, make_engine
 from tool0.errors import ConfigError
-from tool0.runtime.assembly import Assembly, chosen_scene
-from tool0.runtime.config import ControlConfig
-from tool0.runtime.core import Core
+from tool0.simulation.assembly import Assembly, chosen_scene
+from tool0.simulation.config import ControlConfig
+from tool0.simulation.core import Core
 
 
 def checked_count(n: int) -> int:

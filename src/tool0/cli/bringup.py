@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from tool0.api.address import Claim
     from tool0.api.robot import Robot
     from tool0.cli.stop_signal import StopSignal
-    from tool0.interfaces.panel.address import Endpoint
-    from tool0.interfaces.ros2.node import Ros2Node
-    from tool0.interfaces.server.hub import Service
-    from tool0.interfaces.server.server import Server
-    from tool0.interfaces.ur.process import UrController
+    from tool0.panel.address import Endpoint
+    from tool0.ros2.node import Ros2Node
+    from tool0.server.hub import Service
+    from tool0.server.server import Server
+    from tool0.ur.process import UrController
 
 _POLL_PERIOD: Final = 0.1
 """Longest time between checks of the clock and the signals [wall s]."""
@@ -106,7 +106,7 @@ def bringup(options: BringupOptions) -> int:
 @contextlib.contextmanager
 def quiet_overruns() -> Iterator[None]:
     """Keep the loop from logging overruns; status line and summary count them."""
-    loop = logging.getLogger("tool0.runtime.loop")
+    loop = logging.getLogger("tool0.simulation.loop")
     level = loop.level
     loop.setLevel(logging.ERROR)
     try:
@@ -154,15 +154,15 @@ def _robot(options: BringupOptions) -> Robot:
 
 def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Server:
     """Serve the robot to other processes and to pages."""
-    from tool0.interfaces.server.server import Server
+    from tool0.server.server import Server
 
     services: list[Service] = []
     if claim is not None:
-        from tool0.interfaces.server.server import UnixSocketService
+        from tool0.server.server import UnixSocketService
 
         services.append(UnixSocketService(claim))
     if endpoint is not None:
-        from tool0.interfaces.panel.server import panel_service
+        from tool0.panel.server import panel_service
 
         services.append(panel_service(robot, endpoint)[1])
     name = "" if claim is None else claim.name
@@ -177,7 +177,7 @@ def _in_ros(
     if not options.run.ros1:
         yield None
         return
-    from tool0.interfaces.ros1.bridge import Ros1Bridge
+    from tool0.ros1.bridge import Ros1Bridge
 
     with Ros1Bridge(robot, options.ros, on_shutdown=stop.request) as bridge:
         yield f"ROS 1: node {options.ros.node} under {bridge.node.master.uri}"
@@ -187,7 +187,7 @@ def _ros2_node(options: BringupOptions) -> Ros2Node | None:
     """Start the node of ROS 2 if requested."""
     if not options.run.ros2:
         return None
-    from tool0.interfaces.ros2.node import Ros2Node
+    from tool0.ros2.node import Ros2Node
 
     return Ros2Node(options.run.name, options.ros2.options())
 
@@ -196,7 +196,7 @@ def _ur_controller(options: BringupOptions) -> UrController | None:
     """Start the UR interface if requested."""
     if not options.run.ur:
         return None
-    from tool0.interfaces.ur.process import UrController
+    from tool0.ur.process import UrController
 
     given = options.ur.options()
     if given.is_public:

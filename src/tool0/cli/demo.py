@@ -17,7 +17,7 @@ from tool0.cli.text import ProgressBar, finite, panel_line
 from tool0.description.config import DescriptionConfig
 from tool0.description.units import Metres
 from tool0.errors import ConfigError
-from tool0.runtime.config import SimulationConfig
+from tool0.simulation.config import SimulationConfig
 from tool0.user_data import require_writable
 
 if TYPE_CHECKING:
@@ -170,7 +170,7 @@ def _run(what: Demo, arguments: DemoArguments, panel: PanelOptions) -> int:
 def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> None:
     """Serve the panel, and wait until a page shows the robot: a pick lasts seconds."""
     from tool0.cli.panel import listening, show
-    from tool0.interfaces.panel.server import Panel
+    from tool0.panel.server import Panel
 
     endpoint = exits.enter_context(listening(options))
     panel = exits.enter_context(Panel(robot, endpoint=endpoint))

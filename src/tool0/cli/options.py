@@ -26,10 +26,10 @@ from tool0.description.units import (
     read_number,
 )
 from tool0.errors import ConfigError
-from tool0.interfaces.ros1.options import Ros1Options
-from tool0.interfaces.ros2.options import Ros2Options
-from tool0.interfaces.ur.options import UrOptions
-from tool0.runtime.config import ControlConfig, Names, SimulationConfig
+from tool0.ros1.options import Ros1Options
+from tool0.ros2.options import Ros2Options
+from tool0.simulation.config import ControlConfig, Names, SimulationConfig
+from tool0.ur.options import UrOptions
 
 
 @final

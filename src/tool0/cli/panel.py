@@ -13,19 +13,19 @@ from tool0.cli.text import panel_line
 from tool0.description.config import DescriptionConfig
 from tool0.description.units import Metres
 from tool0.installation.machine import Machine
-from tool0.runtime.config import SimulationConfig
+from tool0.simulation.config import SimulationConfig
 
 if TYPE_CHECKING:
     from threading import Thread
 
-    from tool0.interfaces.panel.address import Endpoint
+    from tool0.panel.address import Endpoint
 
 
 @contextlib.contextmanager
 def listening(options: PanelOptions) -> Iterator[Endpoint]:
     """Listen at the address of the options, and warn if others can reach it."""
-    from tool0.interfaces.panel.address import open_endpoint
-    from tool0.interfaces.panel.server import is_page_built, load
+    from tool0.panel.address import open_endpoint
+    from tool0.panel.server import is_page_built, load
 
     endpoint = open_endpoint(options.panel_host, options.panel_port)
     if endpoint.token is not None:
@@ -78,8 +78,8 @@ def view(
         spawn_z: Height of the robot's root above the ground [m].
     """
     from tool0.description.robot import load_description
-    from tool0.interfaces.panel.server import Panel
-    from tool0.interfaces.panel.view import RobotView
+    from tool0.panel.server import Panel
+    from tool0.panel.view import RobotView
 
     with contextlib.ExitStack() as exits:
         endpoint = exits.enter_context(listening(panel))

@@ -80,7 +80,7 @@ def kernel(examined: Machine) -> list[ProbeResult]:
 
 def panel(_: Machine) -> list[ProbeResult]:
     """Return whether the panel can be served."""
-    from tool0.interfaces.panel.server import is_page_built, load
+    from tool0.panel.server import is_page_built, load
 
     load()
     if is_page_built():
@@ -91,7 +91,7 @@ def panel(_: Machine) -> list[ProbeResult]:
 
 def browser(examined: Machine) -> list[ProbeResult]:
     """Return which browser shows the panel, and whether it opens automatically."""
-    from tool0.interfaces.panel.address import DEFAULT_PORT
+    from tool0.panel.address import DEFAULT_PORT
 
     program = examined.program(*_BROWSERS) or _BUILT_IN_BROWSER.get(examined.system)
     if program is None:
@@ -125,7 +125,7 @@ def cameras(examined: Machine) -> list[ProbeResult]:
 
 def ur(_: Machine) -> list[ProbeResult]:
     """Return whether URScript can be read, and whether the ports are free."""
-    from tool0.interfaces.ur.options import UrOptions
+    from tool0.ur.options import UrOptions
 
     host = UrOptions().host
     used = [str(port) for port in UR_PORTS if not _is_free(host, port)]

@@ -33,8 +33,8 @@ def replay(
         simulate: Show nothing: simulate what was recorded once more, and compare every
             frame to the bit. The exit code is 1 if they differ.
     """
-    from tool0.interfaces.panel.replay.view import Replay
-    from tool0.interfaces.panel.server import Panel
+    from tool0.panel.replay.view import Replay
+    from tool0.panel.server import Panel
     from tool0.recording.reading import open_recording
 
     recording = open_recording(file)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, TextIO, final
 if TYPE_CHECKING:
     from tool0.api.robot import Robot
     from tool0.cli.options import BringupOptions
-    from tool0.interfaces.ur.options import UrArm
+    from tool0.ur.options import UrArm
 
 _BAR: Final = 24
 """Characters of a progress bar."""

@@ -136,8 +136,8 @@ def _colcon_files(description: RobotDescription, moveit: bool) -> Files:
     from tool0.control.default_controllers import controllers_yaml
     from tool0.installation.colcon.bringup import colcon_packages, controller_parameters
     from tool0.installation.moveit.ros2_package import moveit2_package
-    from tool0.runtime.config import ControlConfig
-    from tool0.runtime.controllers import choose_controllers
+    from tool0.simulation.config import ControlConfig
+    from tool0.simulation.controllers import choose_controllers
 
     controllers = controllers_yaml(description)
     started = choose_controllers(description, ControlConfig()).started

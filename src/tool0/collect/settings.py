@@ -84,7 +84,7 @@ def programs() -> dict[str, str]:
     """
     from importlib.metadata import version
 
-    from tool0.runtime.provenance import batch_versions, kernel_digest
+    from tool0.simulation.provenance import batch_versions, kernel_digest
 
     libraries = {name: version(name) for name in _LIBRARIES}
     computed = {"kernel": kernel_digest(), "arithmetic": _arithmetic()}

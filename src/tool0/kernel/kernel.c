@@ -1,4 +1,4 @@
-/* The tick of runtime/core.py, without Python: laws, drives, engine. */
+/* The tick of simulation/core.py, without Python: laws, drives, engine. */
 
 #include <math.h>
 #include <setjmp.h>

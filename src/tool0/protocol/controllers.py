@@ -26,7 +26,7 @@ class Role(enum.Enum):
     COMMAND = "command"
     """Takes a number for each joint: ``CommandTaker``."""
     MOTION = "motion"
-    """Moves an arm; tool0's own controller: ``requests/arm_motion.py``."""
+    """Moves an arm; tool0's own controller: ``simulation/handlers/arm_motion.py``."""
     READER = "reader"
     """Moves nothing."""
 

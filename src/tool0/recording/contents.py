@@ -18,12 +18,12 @@ from tool0.protocol.robot import (
     ReadInfo,
     SimulationInfo,
 )
-from tool0.requests.reproduction import Reproduction, reproduction
-from tool0.requests.table import answer
+from tool0.simulation.handlers.reproduction import Reproduction, reproduction
+from tool0.simulation.handlers.table import answer
 
 if TYPE_CHECKING:
     from tool0.recording.mcap_file import McapFile
-    from tool0.runtime.simulation import Simulation
+    from tool0.simulation.simulation import Simulation
 
 FORMAT: Final = 1
 """Incremented when an older reader would misread the file."""

@@ -30,11 +30,11 @@ from tool0.protocol.episodes import (
 )
 from tool0.protocol.running import Reset
 from tool0.recording.recordings import Recordings
-from tool0.requests.table import answer, handles
+from tool0.simulation.handlers.table import answer, handles
 
 if TYPE_CHECKING:
     from tool0.protocol.recordings import RecordingStatus
-    from tool0.runtime.simulation import Simulation
+    from tool0.simulation.simulation import Simulation
 
 INDEX: Final = "episodes.jsonl"
 

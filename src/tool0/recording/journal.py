@@ -14,10 +14,10 @@ from tool0.recording.cdr import encode_text
 from tool0.recording.frames import stamp
 from tool0.recording.mcap_file import McapFile
 from tool0.recording.message_types import TEXT
-from tool0.requests.journal_codec import params_of
+from tool0.simulation.handlers.journal_codec import params_of
 
 if TYPE_CHECKING:
-    from tool0.runtime.journal import Executed, Journal
+    from tool0.simulation.journal import Executed, Journal
 
 REQUESTS: Final = "/tool0/requests"
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from tool0.protocol.bus import Event
     from tool0.protocol.state import Snapshot
     from tool0.recording.options import Images
-    from tool0.runtime.simulation import Simulation
+    from tool0.simulation.simulation import Simulation
 
 
 @final

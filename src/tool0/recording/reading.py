@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from tool0.description.robot import RobotDescription
     from tool0.protocol.robot import SimulationInfo
     from tool0.protocol.state import Snapshot
-    from tool0.requests.reproduction import Reproduction
+    from tool0.simulation.handlers.reproduction import Reproduction
 
 Array = NDArray[np.float64]
 

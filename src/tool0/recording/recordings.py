@@ -12,7 +12,7 @@ from tool0.recording.options import NO_IMAGES, NO_ROTATION, Images, Rotation
 from tool0.recording.recorder import Recorder
 
 if TYPE_CHECKING:
-    from tool0.runtime.simulation import Simulation
+    from tool0.simulation.simulation import Simulation
 
 
 @final

@@ -14,8 +14,8 @@ from tool0.protocol.recordings import (
 )
 from tool0.recording.options import Images, Rotation
 from tool0.recording.recordings import Recordings
-from tool0.requests.table import handles
-from tool0.runtime.simulation import Simulation
+from tool0.simulation.handlers.table import handles
+from tool0.simulation.simulation import Simulation
 from tool0.user_data import data_folder
 
 SUFFIX = ".mcap"

@@ -21,15 +21,15 @@ from tool0.protocol.running import Pause, Reset, Resume, SetSpeed, Step
 from tool0.recording.comparison import DivergedError, Divergence, Frames
 from tool0.recording.entries import RecordedRequest
 from tool0.recording.reading import RecordingFile, open_recording
-from tool0.requests.journal_codec import request_of
-from tool0.requests.reproduction import restarted
-from tool0.requests.table import answer
-from tool0.runtime.provenance import (
+from tool0.simulation.handlers.journal_codec import request_of
+from tool0.simulation.handlers.reproduction import restarted
+from tool0.simulation.handlers.table import answer
+from tool0.simulation.provenance import (
     current_platform,
     current_versions,
     is_deterministic,
 )
-from tool0.runtime.simulation import Simulation
+from tool0.simulation.simulation import Simulation
 
 _ABOUT_TIME: Final = (Pause, Resume, SetSpeed, Step)
 """Requests that only decide when ticks are executed."""

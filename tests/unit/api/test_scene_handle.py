@@ -12,8 +12,8 @@ from tool0 import scene
 from tool0.description.scene import PALETTE, STILL_RGBA
 from tool0.errors import ConfigError, ControlError, DescriptionError, RequestError
 from tool0.protocol.objects import AddModel
-from tool0.requests.objects import MOST_SHAPES
 from tool0.scene import Box, Compound, Pose, SceneObject, Sphere
+from tool0.simulation.handlers.objects import MOST_SHAPES
 
 BOX = Box(size=(0.1, 0.1, 0.1))
 TETRAHEDRON = """

@@ -16,7 +16,7 @@ from promised import require_gl
 import tool0
 from tool0.hardware.engine import JointState
 from tool0.kernel import library
-from tool0.runtime.core import Core
+from tool0.simulation.core import Core
 
 Array = NDArray[np.float64]
 POSITION = "hardware_interface/PositionJointInterface"

@@ -22,7 +22,7 @@ from served import use_folder
 from tool0.cli import FAILED, OK, main
 from tool0.cli.options import PanelOptions
 from tool0.cli.panel import show
-from tool0.interfaces.panel.address import Endpoint, open_endpoint
+from tool0.panel.address import Endpoint, open_endpoint
 
 pytestmark = pytest.mark.slow
 

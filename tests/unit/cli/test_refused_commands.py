@@ -9,11 +9,11 @@ from lacking import Lacking
 import tool0
 from tool0.api.address import Claim
 from tool0.cli import FAILED, main
-from tool0.interfaces.server.server import Server, UnixSocketService
 from tool0.protocol.objects import AddObject, RemoveObject
 from tool0.protocol.programs import CheckProgram, RunProgram
 from tool0.protocol.recordings import StartRecording
 from tool0.protocol.running import Reset
+from tool0.server.server import Server, UnixSocketService
 
 PROGRAM = "name: wait\nsteps: [{kind: wait, duration: 0.1}]\n"
 REASON = "this robot only follows joint paths"

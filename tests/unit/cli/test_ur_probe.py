@@ -9,8 +9,8 @@ from ur_address import free_host
 
 from tool0.cli import probes
 from tool0.installation.machine import Machine
-from tool0.interfaces.ur import options as ur_options
-from tool0.interfaces.ur.options import UrOptions
+from tool0.ur import options as ur_options
+from tool0.ur.options import UrOptions
 
 
 @pytest.fixture

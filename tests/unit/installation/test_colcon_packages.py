@@ -30,8 +30,8 @@ from tool0.lint.check import CheckReport, check
 from tool0.lint.launch.model import Include, LaunchFile, Node
 from tool0.lint.launch.reader import read_launch
 from tool0.lint.packages import PackageIndex
-from tool0.runtime.config import ControlConfig
-from tool0.runtime.controllers import choose_controllers
+from tool0.simulation.config import ControlConfig
+from tool0.simulation.controllers import choose_controllers
 
 LAUNCH = PurePosixPath(BRINGUP, "launch")
 CELL = ("left=ur5e+2f85@0,0.4,0", "right=ur3e@0,-0.4,0")

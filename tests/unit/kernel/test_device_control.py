@@ -19,9 +19,9 @@ from tool0.hardware.engine import JointState  # noqa: E402
 from tool0.hardware.limits import DriveLimits  # noqa: E402
 from tool0.kernel.device import DeviceControl, DeviceState  # noqa: E402
 from tool0.protocol.trajectories import TrajectoryPoint  # noqa: E402
-from tool0.runtime.assembly import Assembly  # noqa: E402
-from tool0.runtime.core import Core  # noqa: E402
 from tool0.scene import Scene  # noqa: E402
+from tool0.simulation.assembly import Assembly  # noqa: E402
+from tool0.simulation.core import Core  # noqa: E402
 
 N = 4
 TICKS = 200

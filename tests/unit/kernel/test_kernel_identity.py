@@ -17,7 +17,7 @@ from tool0.description.shapes import Box
 from tool0.errors import Tool0Error
 from tool0.kernel import library
 from tool0.protocol.controllers import Role
-from tool0.runtime.config import ControlConfig, SimulationConfig
+from tool0.simulation.config import ControlConfig, SimulationConfig
 
 Record = list[object]
 Scenario = Callable[[Any, Record], None]

@@ -135,7 +135,7 @@ def test_the_python_script_executes_every_kind_of_step(
 
 def test_the_urscript_is_checked_without_an_error(robot: tool0.Robot) -> None:
     pytest.importorskip("lark")
-    from tool0.interfaces.ur.urscript.program import compile_program
+    from tool0.ur.urscript.program import compile_program
 
     text = robot.programs.export(EVERY_STEP, "urscript")
     assert compile_program(text).name.startswith("program_every")

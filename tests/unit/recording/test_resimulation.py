@@ -25,8 +25,8 @@ from tool0.protocol.recordings import StartRecording, StopRecording
 from tool0.recording.journal import REQUESTS
 from tool0.recording.reading import open_recording
 from tool0.recording.resimulation import Resimulation, resimulate
-from tool0.requests.table import post
-from tool0.runtime.config import ControlConfig, SimulationConfig
+from tool0.simulation.config import ControlConfig, SimulationConfig
+from tool0.simulation.handlers.table import post
 
 pytest.importorskip("mcap", reason="the extra 'record' is not installed")
 from mcap.reader import NonSeekingReader

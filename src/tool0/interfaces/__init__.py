@@ -1,1 +1,0 @@
-"""Interfaces to a running robot: web panel, socket, ROS 1."""

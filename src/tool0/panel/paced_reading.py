@@ -1,0 +1,116 @@
+"""Reads a connection no faster than its account allows, for a protocol of uvicorn.
+
+A WebSocket's frames are parsed as they are read, 20 us each: a single read of 256 kB
+would occupy the event loop for 100 ms.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any, Final, final
+
+from tool0.server.budget import Account
+
+_CHUNK: Final = 1 << 12
+"""Bytes that are read at once: at most 0.5 ms of short frames."""
+_arriving: Final = memoryview(bytearray(_CHUNK))
+"""Where the event loop reads to: what has arrived is copied at once."""
+
+
+@final
+class PacedProtocol(asyncio.BufferedProtocol):
+    """Passes on what arrives, while its account allows that."""
+
+    def __init__(self, account: Account, protocol: asyncio.Protocol) -> None:
+        self._account = account
+        self.protocol = protocol
+        """The one that gets what arrives; an upgrade replaces it."""
+        self._transport: asyncio.Transport
+        self._is_waiting, self._is_paused = False, False
+        """Whether the account, and the protocol, want nothing to be read."""
+        self._task: asyncio.Task[None] | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        self.protocol.connection_made(_PacedTransport(transport, self))
+
+    def get_buffer(self, sizehint: int) -> memoryview:
+        return _arriving
+
+    def buffer_updated(self, nbytes: int) -> None:
+        with self._account.working():
+            self.protocol.data_received(bytes(_arriving[:nbytes]))
+        is_all = nbytes < _CHUNK  # a stop must not wait behind what it has not sent
+        if not (is_all or self._is_waiting or self._account.may_go_on):
+            self._is_waiting = True
+            self._update()
+            self._task = asyncio.create_task(self._wait())
+
+    def eof_received(self) -> bool | None:
+        return self.protocol.eof_received()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        if self._task is not None:
+            self._task.cancel()
+        self.protocol.connection_lost(exc)
+
+    def pause_writing(self) -> None:
+        self.protocol.pause_writing()
+
+    def resume_writing(self) -> None:
+        self.protocol.resume_writing()
+
+    def pause(self, paused: bool) -> None:
+        """Let the protocol pause or resume reading."""
+        self._is_paused = paused
+        self._update()
+
+    async def _wait(self) -> None:
+        await self._account.admit()
+        self._is_waiting = False
+        self._update()
+
+    def _update(self) -> None:
+        if self._is_waiting or self._is_paused:
+            self._transport.pause_reading()
+        else:
+            self._transport.resume_reading()
+
+
+@final
+class _PacedTransport(asyncio.Transport):
+    """The transport as uvicorn's protocols see it."""
+
+    def __init__(self, transport: asyncio.Transport, paced: PacedProtocol) -> None:
+        super().__init__()
+        self._transport = transport
+        self._paced = paced
+
+    def get_extra_info(self, name: str, default: Any = None) -> Any:
+        return self._transport.get_extra_info(name, default)
+
+    def get_write_buffer_size(self) -> int:
+        return self._transport.get_write_buffer_size()
+
+    def is_closing(self) -> bool:
+        return self._transport.is_closing()
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        self._transport.write(data)
+
+    def close(self) -> None:
+        self._transport.close()
+
+    def abort(self) -> None:
+        self._transport.abort()
+
+    def set_protocol(self, protocol: asyncio.BaseProtocol) -> None:
+        assert isinstance(protocol, asyncio.Protocol)
+        self._paced.protocol = protocol
+
+    def pause_reading(self) -> None:
+        self._paced.pause(True)
+
+    def resume_reading(self) -> None:
+        self._paced.pause(False)

@@ -1,0 +1,377 @@
+"""A running simulation, as the panel shows it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeVar, cast, final
+
+from msgspec import structs
+
+from tool0.description.camera import Camera
+from tool0.description.model import Joint, JointType
+from tool0.description.parts import find_grippers
+from tool0.description.poses import PoseStore
+from tool0.panel.notices import EventWatcher
+from tool0.panel.protocol import (
+    ContactInfo,
+    ControllerInfo,
+    ControllerStage,
+    Frame,
+    GripperState,
+    RecordingInfo,
+    StallInfo,
+    Status,
+    ViewInfo,
+    ViewScene,
+)
+from tool0.panel.robot_info import (
+    RobotFiles,
+    camera_infos,
+    object_info,
+    pose_infos,
+    robot_info,
+)
+from tool0.protocol.backend import Backend, missing_methods
+from tool0.protocol.controllers import ControllerStatus, Role
+from tool0.protocol.episodes import EpisodesStatus, ReadEpisodes
+from tool0.protocol.gripper import GraspState
+from tool0.protocol.notifications import Notification
+from tool0.protocol.programs import ProgramRun, ReadRuns
+from tool0.protocol.recordings import ReadRecording, RecordingStatus
+from tool0.protocol.request import Request
+from tool0.protocol.robot import ReadInfo, SimulationInfo
+from tool0.protocol.sensors import ListCameras
+from tool0.sensing.grasp import GraspDetector
+
+if TYPE_CHECKING:
+    from tool0.description.scene import SceneObject
+    from tool0.protocol.bus import Subscription
+    from tool0.protocol.state import ArmSample, Contact, Snapshot, Wrench
+
+R = TypeVar("R")
+_FORCE_DIGITS = 4
+_DIGITS = 6
+"""Decimals of positions and the like: a resting robot then gives equal frames."""
+
+
+@final
+class SimulationView:
+    """Derives frames and statuses from snapshots; see ``view_feed.ViewSource``."""
+
+    def __init__(self, backend: Backend) -> None:
+        """Read a backend that has states."""
+        states = backend.states
+        assert states is not None
+        self._backend, self._states = backend, states
+        description = states.description
+        info: SimulationInfo = backend.answer(ReadInfo())
+        self.files = RobotFiles(description)
+        first = states.snapshot
+        limits = {name: found.limits for name, found in info.joint_limits.items()}
+        self.info = ViewInfo(
+            mode="simulation",
+            engine=info.engine,
+            control_period=info.control_period,
+            grasp_assist=info.grasp_assist,
+            robot=robot_info(description, first.joint_names, info.ground, limits),
+            cameras=camera_infos(self._cameras()),
+            notices=[],
+            missing=missing_methods(backend),
+        )
+        self.cameras = states.cameras
+        self._joints = {
+            name: replace(joint, limits=limits.get(name, joint.limits))
+            for name, joint in description.model.joint_by_name.items()
+        }
+        self._seen: Snapshot | None = None
+        self._objects = first.scene
+        self._scene = self._scene_of(0, first.scene)
+        self._frame = frame_of(first, self._scene.number)
+        self._info = info
+        self._poses = PoseStore(description)
+        self._watcher = EventWatcher(states, info.warnings)
+        self._grasps = {
+            name: GraspDetector(gripper)
+            for name, gripper in find_grippers(description.model).items()
+        }
+        self._grippers: list[GripperState] = []
+        self._arms = [robot.name for robot in self.info.robot.robots]
+        self._forces: Subscription | None = None
+        """Lets the snapshots have what the frames need."""
+        self._has_contacts = self._has_wrenches = False
+
+    def scene(self) -> ViewScene:
+        return self._scene
+
+    def frame(self) -> Frame:
+        snapshot = self._states.snapshot
+        if snapshot is not self._seen:
+            self._seen = snapshot
+            self._grippers = [
+                gripper_state(name, detector.observe(snapshot))
+                for name, detector in self._grasps.items()
+            ]
+            if snapshot.scene is not self._objects:
+                self._objects = snapshot.scene
+                self._scene = self._scene_of(self._scene.number + 1, snapshot.scene)
+            frame = with_forces(
+                frame_of(snapshot, self._scene.number),
+                snapshot,
+                contacts=self._has_contacts,
+                arms=self._arms if self._has_wrenches else (),
+            )
+            if frame != self._frame:
+                self._frame = frame
+        return self._frame
+
+    def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
+        if (contacts, wrenches) == (self._has_contacts, self._has_wrenches):
+            return
+        self._has_contacts, self._has_wrenches = contacts, wrenches
+        before, self._forces = self._forces, None
+        if contacts or wrenches:
+            self._forces = self._states.subscribe(
+                with_contacts=contacts, with_arms=wrenches, latest_only=True
+            )
+            self._states.refresh()
+        if before is not None:
+            before.close()
+        self._seen = None
+
+    def status(self, clients: int) -> Status:
+        self.frame()  # updates the grippers' states
+        snapshot = self._states.snapshot
+        return Status(
+            paused=snapshot.is_paused,
+            stopped=snapshot.is_stopped,
+            fault=snapshot.fault,
+            speed=snapshot.speed,
+            real_time_factor=round(snapshot.real_time_factor, 2),
+            late_ticks=snapshot.late_ticks,
+            clients=clients,
+            controllers=controller_infos(
+                self._info.defined_controllers,
+                snapshot.controllers,
+                self._joints,
+                self._info.controller_roles,
+            ),
+            grippers=self._grippers,
+            poses=pose_infos(self._poses, self._watcher.report_once),
+            stalls=stall_infos(snapshot),
+            targets=targets_of(snapshot),
+            control_boxes=list(snapshot.control_boxes),
+            recording=_recording_info(self._ask(ReadRecording(), None)),
+            programs=list(self._runs()),
+            episodes=self._episodes(),
+        )
+
+    def _ask(self, request: Request[R], default: R) -> R:
+        """Return the response, or ``default`` if the backend does not offer it."""
+        if self._backend.why_missing(type(request)):
+            return default
+        response: R = self._backend.answer(request)
+        return response
+
+    def _cameras(self) -> tuple[Camera, ...]:
+        return self._ask(ListCameras(), ())
+
+    def _runs(self) -> tuple[ProgramRun, ...]:
+        return self._ask(ReadRuns(), ())
+
+    def _episodes(self) -> EpisodesStatus | None:
+        """Return the demonstrations, as they change at most once a second."""
+        found = self._ask(ReadEpisodes(), None)
+        if found is None:
+            return None
+        return structs.replace(found, duration=float(int(found.duration)))
+
+    def notifications(self) -> Sequence[Notification]:
+        return self._watcher.notifications()
+
+    def close(self) -> None:
+        self.need_forces(contacts=False, wrenches=False)
+        self._watcher.close()
+
+    def _scene_of(self, number: int, objects: Sequence[SceneObject]) -> ViewScene:
+        self.files.set_objects(objects)
+        infos = [object_info(item, self.files) for item in objects]
+        return ViewScene(number=number, objects=infos)
+
+
+def frame_of(snapshot: Snapshot, scene: int) -> Frame:
+    """Return a snapshot as pages show it, with the number of its scene."""
+    setpoints = snapshot.setpoints()
+    return Frame(
+        time=_rounded(snapshot.time),
+        position=[_rounded(value) for value in snapshot.position],
+        velocity=[_rounded(value) for value in snapshot.velocity],
+        effort=[_rounded(value) for value in snapshot.effort],
+        desired=[
+            _rounded(setpoints[name].position) if name in setpoints else None
+            for name in snapshot.joint_names
+        ],
+        objects=[
+            (
+                (_rounded(x), _rounded(y), _rounded(z)),
+                (_rounded(qw), _rounded(qx), _rounded(qy), _rounded(qz)),
+            )
+            for (x, y, z), (qw, qx, qy, qz) in (
+                (item.position, item.quat_wxyz) for item in snapshot.objects
+            )
+        ],
+        scene=scene,
+    )
+
+
+def with_forces(
+    frame: Frame, snapshot: Snapshot, *, contacts: bool, arms: Sequence[str]
+) -> Frame:
+    """Return a frame with the forces that pages ask for.
+
+    Args:
+        frame: A frame of the snapshot.
+        snapshot: Has the forces, unless they were asked for just now.
+        contacts: Whether to add contacts.
+        arms: Those whose wrenches to add; all arms, or none.
+    """
+    if arms and not set(arms) <= snapshot.arms.keys():
+        arms = ()
+    if not contacts and not arms:
+        return frame
+    return structs.replace(
+        frame,
+        contacts=list(map(_contact_info, snapshot.contacts)) if contacts else None,
+        wrenches=[_wrench_of(snapshot.arms[arm]) for arm in arms] or None,
+    )
+
+
+def _contact_info(contact: Contact) -> ContactInfo:
+    (px, py, pz), (fx, fy, fz) = contact.point, contact.force
+    return ContactInfo(
+        bodies=(contact.first, contact.second),
+        point=(_rounded(px), _rounded(py), _rounded(pz)),
+        force=(_of_force(fx), _of_force(fy), _of_force(fz)),
+    )
+
+
+def _wrench_of(sample: ArmSample) -> Wrench:
+    fx, fy, fz, tx, ty, tz = map(_of_force, sample.wrench)
+    return fx, fy, fz, tx, ty, tz
+
+
+def _of_force(value: float) -> float:
+    return round(value, _FORCE_DIGITS) + 0.0
+
+
+def gripper_state(name: str, grasp: GraspState) -> GripperState:
+    """Return a gripper's state as pages show it."""
+    return GripperState(
+        name=name,
+        opening=round(grasp.opening, 4),
+        motion=grasp.motion,
+        gobj=grasp.gobj,
+        width=None if grasp.width is None else round(grasp.width, 4),
+    )
+
+
+def stall_infos(snapshot: Snapshot) -> list[StallInfo]:
+    """Return the joints that push at their limit, as pages show them."""
+    return [
+        StallInfo(
+            joint=stall.joint,
+            effort=round(stall.effort, 1),
+            contacts=list(stall.contacts),
+        )
+        for stall in snapshot.stalls
+    ]
+
+
+def targets_of(snapshot: Snapshot) -> dict[str, float]:
+    """Return the ends of the joints' motions [rad | m]."""
+    return {
+        joint: _rounded(setpoint.target)
+        for joint, setpoint in snapshot.setpoints().items()
+    }
+
+
+def _rounded(value: float) -> float:
+    return round(value, _DIGITS) + 0.0  # no minus zero
+
+
+def controller_infos(
+    defined: Mapping[str, str],
+    loaded: Sequence[ControllerStatus],
+    joints: Mapping[str, Joint],
+    roles: Mapping[str, Role],
+) -> list[ControllerInfo]:
+    """Return every controller: those of the YAML in its order, then others.
+
+    Args:
+        defined: Name → type of those of the YAML.
+        loaded: The loaded ones.
+        joints: The robot's joints, with their limits.
+        roles: What those of the YAML are for.
+    """
+    status_of = {status.name: status for status in loaded}
+    types = {**defined, **{status.name: status.type for status in loaded}}
+    infos = []
+    for name, kind in types.items():
+        status = status_of.get(name)
+        role = roles[name] if status is None else status.role
+        claims = () if status is None else status.claimed
+        claimed = [joint for _, names in claims for joint in names]
+        infos.append(
+            ControllerInfo(
+                name=name,
+                type=kind,
+                state="unloaded"
+                if status is None
+                else cast(ControllerStage, status.state),
+                is_running=status is not None and status.is_running,
+                role=role,
+                interface=claims[0][0] if claims else None,
+                joints=claimed,
+                undrivable=_obstacle(
+                    kind, role, status, [joints[item] for item in claimed]
+                ),
+            )
+        )
+    return infos
+
+
+def _obstacle(
+    kind: str, role: Role, status: ControllerStatus | None, joints: Sequence[Joint]
+) -> str | None:
+    """Return why sliders cannot drive a controller of these joints."""
+    if role is Role.READER:
+        return "It moves no joints."
+    if role is not Role.TRAJECTORY:
+        name = kind.rpartition("/")[2]
+        return f"Sliders drive a JointTrajectoryController; this is a {name}."
+    if status is None:
+        return "It is not loaded: load and start it."
+    if not status.is_running:
+        remedy = status.blocked or "start it"
+        return f"It is {status.state}: {remedy}."
+    for joint in joints:
+        is_limited = math.isfinite(joint.limits.upper - joint.limits.lower)
+        if joint.type is not JointType.CONTINUOUS and not is_limited:
+            return (
+                f"Joint '{joint.name}' has no position limits, so a slider has no ends."
+            )
+    return None
+
+
+def _recording_info(status: RecordingStatus | None) -> RecordingInfo | None:
+    if status is None:
+        return None
+    return RecordingInfo(
+        file=status.file,
+        is_recording=status.is_recording,
+        seconds=int(status.duration),
+        size=status.size // 10_000 * 10_000,
+        dropped=status.dropped,
+        error=status.error,
+    )

@@ -1,0 +1,207 @@
+"""Sends the robot's view to pages: frames, status, scene and notices."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections.abc import Sequence
+from typing import Final, Protocol, final
+
+import msgspec
+
+from tool0.panel.notices import NoticeBook
+from tool0.panel.protocol import Frame, Status, ViewInfo, ViewScene
+from tool0.panel.robot_info import RobotFiles
+from tool0.protocol.codec import encode
+from tool0.protocol.notifications import Notification
+from tool0.protocol.sensors import CameraRenderer
+from tool0.protocol.updates import SubscribeView
+from tool0.server.hub import Hub
+from tool0.server.session import Session
+
+logger = logging.getLogger(__name__)
+
+FRAME_PERIOD: Final = 1 / 60
+"""[wall s]"""
+STATUS_PERIOD: Final = 0.1
+"""[wall s]; also between checks for notifications."""
+HEARTBEAT: Final = 0.2
+"""Longest wall time between frames, also of a paused robot [s]."""
+
+
+class ViewSource(Protocol):
+    """A robot as shown on pages; only the server's thread reads it."""
+
+    @property
+    def info(self) -> ViewInfo:
+        """The constant part of the view; of its notices only those before this."""
+
+    @property
+    def files(self) -> RobotFiles: ...
+
+    @property
+    def cameras(self) -> CameraRenderer | None:
+        """The cameras of ``info``; None without any."""
+
+    def scene(self) -> ViewScene:
+        """Return the objects of the newest frame that was returned.
+
+        The same object until an object is added or removed.
+        """
+
+    def frame(self) -> Frame:
+        """Return the current frame: the same object while nothing changes."""
+
+    def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
+        """Let frames have contacts and wrenches, or null in their place."""
+
+    def status(self, clients: int) -> Status:
+        """Return the status, with the number of pages."""
+
+    def notifications(self) -> Sequence[Notification]:
+        """Return the notices since the last call."""
+
+    def close(self) -> None:
+        """Stop reading the robot."""
+
+
+@final
+class ViewFeed:
+    """Feeds the sessions that subscribed to the view.  It lives in the event loop."""
+
+    def __init__(self, source: ViewSource, hub: Hub) -> None:
+        """Start reading the source."""
+        self._source = source
+        self._hub = hub
+        self._sessions: dict[Session, SubscribeView] = {}
+        """Each with what its frames shall have."""
+        self._book = NoticeBook()
+        self._frame = source.frame()
+        self._frame_texts: dict[SubscribeView, bytes] = {}
+        """The frame for sessions that want this."""
+        self._frame_sent = 0.0
+        self._scene = source.scene()
+        self._scene_text = encode(self._scene)
+        self._status: Status | None = None
+        self._status_text = b""
+        hub.attach_view = self.attach
+        hub.when_refused = self._notify_refusal
+        self._task = asyncio.create_task(self._run())
+
+    def attach(self, session: Session, wanted: SubscribeView) -> None:
+        """Send a session the view from now on, or change what its frames have."""
+        if session in self._sessions:
+            self._sessions[session] = wanted
+            self._update_needs()
+            return
+        notices = [*self._source.info.notices, *self._book.kept]
+        session.send(
+            encode(msgspec.structs.replace(self._source.info, notices=notices))
+        )
+        self._update_frame()
+        session.send_latest("scene", self._scene_text)
+        self._sessions[session] = wanted
+        self._update_needs()
+        self._update_status()
+        session.send_latest("status", self._status_text)
+        session.send_latest("frame", self._frame_text(wanted))
+
+    def close(self) -> None:
+        """Stop."""
+        self._task.cancel()
+        self._source.close()
+
+    async def _run(self) -> None:
+        """Send changes, at the pace of the wall clock."""
+        loop = asyncio.get_running_loop()
+        next_status = loop.time()
+        while True:
+            start = loop.time()
+            try:
+                self._forget_ended()
+                if start >= next_status:
+                    next_status = start + STATUS_PERIOD
+                    for notification in self._source.notifications():
+                        self._notify(notification)
+                    if self._sessions:
+                        self._update_status()
+                if self._sessions:
+                    self._update_frame()
+            except Exception:  # one failure must not end the view
+                logger.exception("the panel could not show the robot")
+            pause = FRAME_PERIOD if self._sessions else STATUS_PERIOD
+            await asyncio.sleep(max(0.001, start + pause - loop.time()))
+
+    def _update_frame(self) -> None:
+        frame = self._source.frame()
+        now = time.monotonic()
+        if frame is self._frame and now - self._frame_sent < HEARTBEAT:
+            return
+        self._frame_sent = now
+        if frame is not self._frame:
+            self._frame = frame
+            self._frame_texts.clear()
+        scene = self._source.scene()
+        is_new = scene is not self._scene
+        if is_new:
+            self._scene, self._scene_text = scene, encode(scene)
+        for session, wanted in self._sessions.items():
+            if is_new:
+                session.send_latest("scene", self._scene_text)
+            session.send_latest("frame", self._frame_text(wanted))
+
+    def _frame_text(self, wanted: SubscribeView) -> bytes:
+        """Return the frame with what a session wants of it."""
+        text = self._frame_texts.get(wanted)
+        if text is None:
+            frame = self._frame
+            text = self._frame_texts[wanted] = encode(
+                msgspec.structs.replace(
+                    frame,
+                    contacts=frame.contacts if wanted.contacts else None,
+                    wrenches=frame.wrenches if wanted.wrenches else None,
+                )
+            )
+        return text
+
+    def _forget_ended(self) -> None:
+        ended = self._sessions.keys() - self._hub.sessions
+        for session in ended:
+            del self._sessions[session]
+        if ended:
+            self._update_needs()
+
+    def _update_needs(self) -> None:
+        """Let the source compute the forces that a page wants, and no others."""
+        wanted = self._sessions.values()
+        self._source.need_forces(
+            contacts=any(item.contacts for item in wanted),
+            wrenches=any(item.wrenches for item in wanted),
+        )
+
+    def _update_status(self) -> None:
+        status = self._source.status(len(self._sessions))
+        if status == self._status:
+            return
+        self._status, self._status_text = status, encode(status)
+        for session in self._sessions:
+            session.send_latest("status", self._status_text)
+
+    def _notify(self, notification: Notification) -> None:
+        notice = self._book.note(notification)
+        if notice is None:
+            return
+        text = encode(notice)
+        for session in list(self._sessions):
+            session.send(text)
+
+    def _notify_refusal(self, message: str) -> None:
+        self._notify(
+            Notification(
+                severity="warning",
+                code="refused",
+                text=message,
+                time=self._frame.time,
+            )
+        )

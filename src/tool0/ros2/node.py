@@ -1,0 +1,85 @@
+"""The process of the ROS 2 node: it starts with a robot, and ends with it.
+
+The node itself is the ROS package ``tool0_ros2`` in ``ros_packages``.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, final
+
+from tool0.errors import RosUnavailableError
+from tool0.installation.ros2.installation import NODE_FOLDER, Ros2, find_ros2
+from tool0.ros2.options import Ros2Options
+from tool0.server.companion import START_TIMEOUT, Companion
+
+if TYPE_CHECKING:
+    from tool0.api.robot import Robot
+
+
+@final
+class Ros2Node(Companion):
+    """Presents one robot in ROS 2 as ros2_control does.  A context manager.
+
+    The node runs in a process of its own, under the Python of a ROS 2.
+    """
+
+    title, kind, unavailable = "ROS 2", "node", RosUnavailableError
+
+    def __init__(self, robot: Robot | str, options: Ros2Options | None = None) -> None:
+        """Start the node; ``wait`` waits until it is up.
+
+        Args:
+            robot: A robot of this process or another one, which the caller closes
+                after this; or the name of a bring-up, which may start later.
+            options: The namespace, the domain and rates.
+
+        Raises:
+            RosUnavailableError: If there is no ROS 2.
+        """
+        self.options = options = options or Ros2Options()
+        ros2 = find_ros2()
+        if ros2 is None:
+            raise RosUnavailableError(
+                "there is no ROS 2 on this machine: source one, or run "
+                "`tool0 ros2 install`"
+            )
+        self.ros2 = ros2
+        super().__init__(
+            robot,
+            lambda name: _command(ros2, name, options),
+            _environment(ros2, options),
+        )
+
+    @property
+    def domain(self) -> int:
+        """The ROS_DOMAIN_ID that it is in."""
+        return int(self._environment.get("ROS_DOMAIN_ID") or 0)
+
+    def wait(self, timeout: float = START_TIMEOUT) -> str:
+        """Wait until the node is up, and return its full name.
+
+        Raises:
+            RosUnavailableError: If it could not start, or not within ``timeout``
+                [wall s].
+        """
+        node: str = self._wait_for_report(timeout)["node"]
+        return node
+
+
+def _environment(ros2: Ros2, options: Ros2Options) -> dict[str, str]:
+    environment = dict(ros2.environment)
+    paths = [str(NODE_FOLDER), environment.get("PYTHONPATH", "")]
+    environment["PYTHONPATH"] = os.pathsep.join(path for path in paths if path)
+    if options.domain is not None:
+        environment["ROS_DOMAIN_ID"] = str(options.domain)
+    return environment
+
+
+def _command(ros2: Ros2, name: str, options: Ros2Options) -> list[str]:
+    return [
+        *(str(ros2.python), "-m", NODE_FOLDER.name),
+        *("--name", name, "--ns", options.ns, "--wait"),
+        *("--tf-rate", repr(options.tf_rate)),
+        *("--camera-rate", repr(options.camera_rate)),
+    ]

@@ -1,0 +1,219 @@
+"""A process beside a bring-up: it starts with the robot, and again when it dies."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import json
+import logging
+import os
+import re
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeVar
+
+from tool0.errors import Tool0Error
+from tool0.installation.child_process import ChildProcess, last_lines
+
+if TYPE_CHECKING:
+    from tool0.api.robot import Robot
+
+C = TypeVar("C", bound="Companion")
+
+START_TIMEOUT: Final = 60.0
+"""Longest wait for the process to be up [wall s]."""
+FIRST_PAUSE: Final = 0.5
+"""Before the process starts again after its death [wall s]; twice as long each time."""
+LONGEST_PAUSE: Final = 30.0
+"""[wall s]"""
+_GRACE: Final = 3.0
+"""For the process to end by itself [wall s]."""
+_LAST_LINES: Final = 12
+_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[[\d.]+\] (\[.*)")
+_LEVELS: Final = {
+    "DEBUG": logging.DEBUG,
+    "INFO": logging.INFO,
+    "WARN": logging.WARNING,
+    "ERROR": logging.ERROR,
+    "FATAL": logging.ERROR,
+}
+_numbers = itertools.count(1)
+
+
+class Companion:
+    """Presents a robot by a program that runs until this is closed.
+
+    It is a context manager.  The program starts again when it dies.  A line
+    ``{"ready": true, …}`` on its standard output reports that it is up; other lines are
+    its log, as ROS prints it: ``[WARN] [time] [name]: text``.
+    """
+
+    title: ClassVar[str]
+    """Of the interface, for messages: ``ROS 2``."""
+    kind: ClassVar[str]
+    """Of the program, for messages: ``node``."""
+    unavailable: ClassVar[type[Tool0Error]]
+    """The error if the program does not start."""
+
+    def __init__(
+        self,
+        robot: Robot | str,
+        command: Callable[[str], list[str]],
+        environment: Mapping[str, str],
+    ) -> None:
+        """Start the program; ``_wait_for_report`` waits until it is up.
+
+        Args:
+            robot: A robot of this process or another one, which the caller closes
+                after this; or the name of a bring-up, which may start later.
+            command: Returns the program and its arguments for the name of a bring-up.
+            environment: Its variables.
+        """
+        self._program = f"{self.title} {self.kind}"
+        self._logger = logging.getLogger(type(self).__module__)
+        self._environment = {**environment, "PYTHONUNBUFFERED": "1"}
+        self._lines: deque[str] = deque(maxlen=_LAST_LINES)
+        self._is_closing = threading.Event()
+        self._changed = threading.Condition()
+        self._report: Mapping[str, Any] | None = None
+        self._failure: str | None = None
+        self._child: ChildProcess | None = None
+        with contextlib.ExitStack() as stack:
+            label = self.title.replace(" ", "").lower()
+            self._command = command(_served_name(robot, label, stack))
+            self._service = stack.pop_all()
+        self._thread = threading.Thread(
+            target=self._supervise, name=f"tool0 {self.title}", daemon=True
+        )
+        self._thread.start()
+
+    def __enter__(self: C) -> C:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @property
+    def pid(self) -> int | None:
+        """The process id of the program; None while it does not run."""
+        child = self._child
+        return None if child is None else child.pid
+
+    def close(self) -> None:
+        """End the program; closing twice is allowed."""
+        self._is_closing.set()
+        child = self._child
+        if child is not None:
+            child.close()
+        self._thread.join()
+        self._service.close()
+
+    def _wait_for_report(self, timeout: float) -> Mapping[str, Any]:
+        """Wait until the program is up, and return its report.
+
+        Raises:
+            Tool0Error: ``unavailable``, if it could not start, or not within
+                ``timeout`` [wall s].
+        """
+        with self._changed:
+            self._changed.wait_for(lambda: self._report or self._failure, timeout)
+            if self._report is not None:
+                return self._report
+            why = self._failure or f"it is not up after {timeout:g} s"
+        raise self.unavailable(f"the {self._program} did not start: {why}")
+
+    # ---- in its thread --------------------------------------------------------------
+
+    def _supervise(self) -> None:
+        """Run the program, again and again, until this is closed."""
+        pause = FIRST_PAUSE
+        while not self._is_closing.is_set():
+            start = time.monotonic()
+            status = self._run()
+            if self._is_closing.is_set():
+                return
+            last = last_lines("\n".join(self._lines), _LAST_LINES)
+            if self._report is None:
+                with self._changed:
+                    self._failure = f"it ended with status {status}.\n{last}"
+                    self._changed.notify_all()
+                return
+            if time.monotonic() - start > LONGEST_PAUSE:
+                pause = FIRST_PAUSE
+            self._logger.warning(
+                "the %s ended with status %s; it starts again in %g s%s",
+                self._program,
+                status,
+                pause,
+                f".  Its last output:\n{last}" if last else "",
+            )
+            self._is_closing.wait(pause)
+            pause = min(2.0 * pause, LONGEST_PAUSE)
+
+    def _run(self) -> int:
+        """Run the program to its end; return its exit status."""
+        self._lines.clear()
+        ours, theirs = os.pipe()
+        with open(ours, encoding="utf-8", errors="replace") as output:  # noqa: PTH123
+            with open(theirs, "wb") as log:  # noqa: PTH123  # a descriptor
+                child = ChildProcess(
+                    self._command,
+                    environment=self._environment,
+                    log=log,
+                    grace=_GRACE,
+                )
+            with child:
+                self._child = child
+                if self._is_closing.is_set():
+                    return 0
+                for line in output:
+                    self._take(line.rstrip("\n"))
+                status = child.wait()
+        self._child = None
+        return status
+
+    def _take(self, line: str) -> None:
+        """Take a line of the program's output: a report, or of its log."""
+        if line.startswith("{"):
+            with contextlib.suppress(ValueError):
+                report = json.loads(line)
+                if report.get("ready"):
+                    with self._changed:
+                        self._report = report
+                        self._changed.notify_all()
+                    return
+        if not line.strip() or self._is_closing.is_set():
+            return
+        found = _LINE.match(line)
+        if found is None:
+            self._lines.append(line)
+            self._logger.warning("%s: %s", self._program, line)
+        else:
+            level, text = found.groups()
+            self._logger.log(_LEVELS[level], "%s %s", self.title, text)
+
+
+def _served_name(robot: Robot | str, label: str, stack: contextlib.ExitStack) -> str:
+    """Return the name at which a robot is served, and serve it if it is ours.
+
+    Args:
+        robot: Of this process or another one, or the name itself.
+        label: Part of the name, if one has to be made.
+        stack: Ends the service.
+    """
+    if isinstance(robot, str):
+        return robot
+    from tool0.api.connect import SocketChannel
+
+    if isinstance(robot.channel, SocketChannel):
+        return robot.channel.name
+    from tool0.api.address import Claim
+    from tool0.server.server import Server, UnixSocketService
+
+    claim = Claim(f"{label}-{os.getpid()}-{next(_numbers)}")
+    stack.callback(claim.close)
+    service = UnixSocketService(claim)
+    stack.enter_context(Server(robot.backend, [service], claim.name))
+    return claim.name

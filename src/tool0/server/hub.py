@@ -1,0 +1,399 @@
+"""All connections of one robot: each can read it and drive it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import os
+import socket
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from importlib.metadata import version
+from typing import Any, Final, Protocol, final
+
+from tool0.errors import ControlError, Tool0Error
+from tool0.protocol.arm import ListArms
+from tool0.protocol.arm_motion import ReturnArm, TakeArm
+from tool0.protocol.backend import Backend, missing
+from tool0.protocol.codec import (
+    PROTOCOL,
+    GoalEnded,
+    Hello,
+    encode,
+    encode_error,
+    encode_reply,
+    outcome_of,
+)
+from tool0.protocol.goals import Goal, GoalStarted
+from tool0.protocol.motion import SteerJoints
+from tool0.protocol.request import Request
+from tool0.protocol.running import Run, Step
+from tool0.protocol.updates import (
+    Subscribe,
+    SubscribeUpdates,
+    SubscribeView,
+    ViewShown,
+)
+from tool0.server.budget import Budget
+from tool0.server.outages import Outages
+from tool0.server.session import Ident, Session, Transport
+from tool0.server.streams import SetpointStreams, SnapshotStreams, StreamedSetpoint
+from tool0.server.updates import UpdateStreams
+
+logger = logging.getLogger(__name__)
+
+
+_ADVANCING: Final = (Run, Step)
+"""Requests that may execute the ticks of a simulation without real time: those are
+nobody's to pay."""
+_POST_COST: Final = 0.1e-3
+"""Of a streamed request in the thread of the tick [s]."""
+_STREAM_COST: Final = 2e-3
+"""Of starting or ending a stream, which takes threads of its own [s]."""
+
+
+class Service(Protocol):
+    """Accepts connections at an address; it listens from its construction on."""
+
+    @property
+    def listener(self) -> socket.socket: ...
+
+    @property
+    def starts_at_once(self) -> bool:
+        """Whether to start before the first peer connects."""
+
+    async def start(self, hub: Hub) -> None:
+        """Accept peers, in the server's event loop."""
+
+    async def stop(self) -> None:
+        """Stop accepting peers; the hub then closes the connections."""
+
+    async def end(self) -> None:
+        """End the remaining tasks in the event loop."""
+
+    def release(self) -> None:
+        """Free the address, also if the service was never started."""
+
+
+WORKERS: Final = 16
+"""Requests that are executed concurrently; further ones wait."""
+_CLOSE_TIMEOUT: Final = 0.5
+"""Longest wait for a peer to close its connection [wall s]."""
+
+
+@final
+class Hub:
+    """Carries out requests and feeds streams.  It lives in the server's event loop."""
+
+    def __init__(self, backend: Backend, name: str) -> None:
+        self.backend = backend
+        self.budget = Budget()
+        self.sessions: set[Session] = set()
+        self._setpoints = SetpointStreams(self._carry_out_setpoint)
+        states = backend.states
+        self._snapshots = None if states is None else SnapshotStreams(states)
+        self._updates = None if states is None else UpdateStreams(states)
+        self._workers = ThreadPoolExecutor(WORKERS, "tool0-server-worker")
+        # An emergency stop never waits for the requests of others.
+        self._urgent_worker = ThreadPoolExecutor(1, "tool0-server-stop")
+        self._urgent: set[asyncio.Task[bool]] = set()
+        self._outages = Outages()
+        self.attach_view: Callable[[Session, SubscribeView], None] | None = None
+        """Lets a session receive what the panel shows; None without a panel."""
+        self.when_shown: Callable[[], None] = lambda: None
+        """Called when a page has drawn the robot."""
+        self.when_refused: Callable[[str], None] = lambda message: None
+        """Called when a streamed setpoint was refused."""
+        self.setpoint_requests: tuple[type[Request[Any]], ...] = (SteerJoints,)
+        """Requests that are streams of setpoints when they have no id."""
+        self._hello = encode(
+            Hello(
+                protocol=PROTOCOL,
+                version=version("tool0"),
+                name=name,
+                pid=os.getpid(),
+                mode=backend.mode,
+            )
+        )
+
+    async def serve(self, transport: Transport) -> None:
+        """Serve a peer until it disconnects."""
+        session = Session(transport, self._take_at_once, self._answer, self._stop)
+        self.sessions.add(session)
+        session.send(self._hello)
+        try:
+            await session.serve()
+        finally:
+            self._outages.forget(session)
+            self.sessions.discard(session)
+            self._remove_streams(session)
+            self._return_arms(session)
+
+    async def close(self) -> None:
+        """Close every connection; requests in progress are still carried out."""
+        self._setpoints.close()
+        if self._snapshots is not None:
+            self._snapshots.close()
+        if self._updates is not None:
+            self._updates.close()
+        sessions = list(self.sessions)
+        await asyncio.gather(*map(_close, sessions))
+        self._workers.shutdown(wait=False, cancel_futures=True)
+        self._urgent_worker.shutdown(wait=False)
+
+    def drop_stuck(self) -> None:
+        """Drop the connections that do not read."""
+        for session in list(self.sessions):
+            if session.is_stuck():
+                session.drop()
+
+    def look_for_outage(self) -> None:
+        """Drop what waits if this process was frozen; call it often."""
+        if self._outages.look():
+            self._setpoints.drop_all()
+
+    # ---- requests -------------------------------------------------------------------
+
+    def _take_at_once(
+        self, session: Session, ident: Ident, request: Request[Any]
+    ) -> bool:
+        self.look_for_outage()
+        refusal = self._missing(request) or self._outages.refusal(
+            session, request, is_streamed=ident is None
+        )
+        if refusal is not None:
+            self._refuse(session, ident, refusal)
+            return True
+        if ident is None and isinstance(request, self.setpoint_requests):
+            try:
+                self.backend.check_setpoint(request)
+            except Exception as error:
+                self._refuse(session, None, error)
+            else:
+                self._setpoints.submit(StreamedSetpoint(session, request))
+            return True
+        if ident is None and request.is_streamed and not session.is_busy:
+            self._post(session, request)
+            return True
+        if request.is_urgent and not request.revokes:
+            self._stop(session, ident, request)
+            return True
+        return False
+
+    def _stop(self, session: Session, ident: Ident, request: Request[Any]) -> None:
+        """Carry out a stop, before everything that waits."""
+        if (refusal := self._missing(request)) is not None:
+            self._refuse(session, ident, refusal)
+            return
+        self._setpoints.drop(self.backend.superseded(request))
+        answer = self._carry_out(session, ident, request, self._urgent_worker)
+        task = asyncio.create_task(answer)
+        self._urgent.add(task)
+        task.add_done_callback(self._urgent.discard)
+
+    def _post(self, session: Session, request: Request[Any]) -> None:
+        """Hand a request to the thread of the tick, without waiting for it."""
+        session.account.charge(_POST_COST)
+        loop = asyncio.get_running_loop()
+
+        def refuse(error: Exception) -> None:
+            with contextlib.suppress(RuntimeError):  # the server has ended
+                loop.call_soon_threadsafe(self._refuse, session, None, error)
+
+        try:
+            self.backend.post(request, refuse)
+        except Tool0Error as error:
+            self._refuse(session, None, error)
+
+    def _missing(self, request: Request[Any]) -> ControlError | None:
+        """Return why the robot does not offer a request; None if it does."""
+        if request.is_of_connection:
+            return None
+        reason = self.backend.why_missing(type(request))
+        return missing(type(request), reason) if reason else None
+
+    def _refuse(self, session: Session, ident: Ident, error: Exception) -> None:
+        """Answer with an error; of a stream that fails all the time, once a second."""
+        if ident is not None or self._outages.is_new(session, str(error)):
+            session.send(encode_error(ident, _logged(error)))
+
+    async def _answer(
+        self, session: Session, ident: Ident, request: Request[Any]
+    ) -> None:
+        if isinstance(request, ViewShown):
+            self.when_shown()
+            session.send(encode_reply(ident, request, None))
+            return
+        if request.is_of_connection:
+            session.account.charge(_STREAM_COST)
+            await self._change_streams(session, ident, request)
+            return
+        await self._setpoints.settle(self.backend.superseded(request))
+        workers = self._urgent_worker if request.is_urgent else self._workers
+        if not await self._carry_out(session, ident, request, workers):
+            return
+        if isinstance(request, TakeArm | ReturnArm):
+            self._note_taken(session, request)
+
+    def _note_taken(self, session: Session, request: TakeArm | ReturnArm) -> None:
+        """Note which peer moves an arm; the request has been carried out."""
+        arm = request.arm
+        if arm is None:  # the only one
+            arm = self.backend.answer(ListArms())[0].name
+        by = None if isinstance(request, TakeArm) else request.by
+        for other in self.sessions:
+            if by is None or other.arms.get(arm) == by:
+                other.arms.pop(arm, None)
+        if isinstance(request, TakeArm):
+            session.arms[arm] = request.by
+
+    async def _change_streams(
+        self,
+        session: Session,
+        ident: Ident,
+        request: Request[Any],
+    ) -> None:
+        reply = encode_reply(ident, request, None)
+        if isinstance(request, SubscribeView):
+            if self.attach_view is None:
+                error = ControlError("this bring-up has no panel (--headless)")
+                session.send(encode_error(ident, error))
+            else:
+                session.send(reply)
+                self.attach_view(session, request)
+        elif self._snapshots is None or self._updates is None:
+            error = ControlError("a robot without physics has no snapshots")
+            session.send(encode_error(ident, error))
+        else:
+            self._remove_streams(session)
+            if isinstance(request, Subscribe):
+                await self._snapshots.add(session, request.rate)
+            elif isinstance(request, SubscribeUpdates):
+                try:
+                    self._updates.add(session, request)
+                except ControlError as refused:
+                    reply = encode_error(ident, refused)
+            session.send(reply)
+
+    def _return_arms(self, session: Session) -> None:
+        """Stop the arms that a peer has taken: it moves them no longer."""
+        for arm, by in session.arms.items():
+            with contextlib.suppress(RuntimeError):  # the server ends
+                self._workers.submit(self._return_arm, ReturnArm(arm=arm, by=by))
+
+    def _return_arm(self, request: ReturnArm) -> None:
+        with contextlib.suppress(Tool0Error):  # the simulation has ended
+            self.backend.answer(request)
+
+    def _remove_streams(self, session: Session) -> None:
+        """Send no snapshots and updates to a session."""
+        for streams in (self._snapshots, self._updates):
+            if streams is not None:
+                streams.remove(session)
+
+    async def _carry_out(
+        self,
+        session: Session,
+        ident: Ident,
+        request: Request[Any],
+        workers: ThreadPoolExecutor,
+    ) -> bool:
+        """Send the reply; return whether the request succeeded."""
+        loop = asyncio.get_running_loop()
+        try:
+            text, goals, seconds = await loop.run_in_executor(
+                workers, self._reply, ident, request
+            )
+        except Exception as error:
+            session.send(encode_error(ident, _logged(error)))
+            return False
+        session.account.charge(seconds)
+        if ident is not None:
+            session.send(text)
+        for number, goal in goals:
+            goal.when_finished(partial(self._report_end, loop, session, number))
+        return True
+
+    def _reply(
+        self, ident: Ident, request: Request[Any]
+    ) -> tuple[bytes, list[tuple[int, Goal]], float]:
+        """Return the reply, the goals that the request started, and what it took [s].
+
+        In a worker.
+        """
+        start = time.thread_time()
+        response = self.backend.answer(request)
+        started = response if isinstance(response, tuple) else (response,)
+        states = self.backend.states
+        goals = [
+            (item.goal, states.goals.find(item.goal))
+            for item in started
+            if isinstance(item, GoalStarted) and states is not None
+        ]
+        text = encode_reply(ident, request, response)
+        is_paid = not isinstance(request, _ADVANCING)
+        return text, goals, (time.thread_time() - start) * is_paid
+
+    def _report_end(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        session: Session,
+        number: int,
+        goal: Goal,
+    ) -> None:
+        """Report a goal to the connection that started it, from any thread."""
+        assert goal.result is not None  # it has finished
+        message = GoalEnded(
+            goal=number, controller=goal.controller, outcome=outcome_of(goal.result)
+        )
+        with contextlib.suppress(RuntimeError):  # the server has ended
+            loop.call_soon_threadsafe(session.send, encode(message))
+
+    async def _carry_out_setpoint(self, setpoint: StreamedSetpoint) -> None:
+        loop = asyncio.get_running_loop()
+        carry_out = self.backend.answer
+        try:
+            await loop.run_in_executor(self._workers, carry_out, setpoint.request)
+        except Exception as error:
+            sender = setpoint.sender
+            if isinstance(sender, Session) and sender in self.sessions:
+                sender.send(encode_error(None, _logged(error)))
+            self.when_refused(str(error))
+
+
+async def _close(session: Session) -> None:
+    with contextlib.suppress(Exception):  # it may be closed, or stuck
+        await asyncio.wait_for(session.close(), _CLOSE_TIMEOUT)
+
+
+def _logged(error: Exception) -> Exception:
+    if not isinstance(error, Tool0Error):
+        logger.error("a request failed", exc_info=error)
+    return error
+
+
+_CHECK_PERIOD: Final = 0.1
+"""Wall time between checks for connections that do not read, and for outages [s]."""
+
+
+async def serve(
+    backend: Backend, services: Sequence[Service], name: str, wake: socket.socket
+) -> None:
+    """Serve until ``wake`` can be read."""
+    wake.setblocking(False)
+    stop = asyncio.create_task(asyncio.get_running_loop().sock_recv(wake, 1))
+    hub = Hub(backend, name)
+    for service in services:
+        await service.start(hub)
+    while not stop.done():
+        await asyncio.wait([stop], timeout=_CHECK_PERIOD)
+        hub.look_for_outage()
+        hub.drop_stuck()
+    for service in services:
+        await service.stop()
+    await hub.close()
+    for service in services:
+        await service.end()

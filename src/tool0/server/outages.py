@@ -1,0 +1,125 @@
+"""Refuses motions that peers requested while this process was frozen."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Final, final
+
+from tool0.errors import ControlError
+from tool0.protocol.arm import MoveLinear, MoveTo
+from tool0.protocol.arm_motion import (
+    ExecutePath,
+    ServoJoints,
+    SpeedJoints,
+    SpeedTool,
+    StartForceMode,
+    StartFreedrive,
+    TakeArm,
+)
+from tool0.protocol.control_box import PlayProgram
+from tool0.protocol.gripper import Grip, ReactivateGripper
+from tool0.protocol.motion import CommandGripper, CommandJoints, MoveJoints, SteerJoints
+from tool0.protocol.objects import PullLink
+from tool0.protocol.poses import GoToPose
+from tool0.protocol.programs import ResumeRun, RunProgram, StepRun
+from tool0.protocol.request import Request
+from tool0.protocol.running import Resume, Step
+from tool0.protocol.trajectories import CommandTrajectory, FollowTrajectory
+from tool0.server.session import Session
+from tool0.simulation.clock import FreezeMeter
+
+READING: Final = 1.0
+"""Wall time after an outage until what peers sent meanwhile has been read [s]."""
+_REPEATED: Final = 1.0
+"""Wall time between two equal errors to one peer, if no reply waits for them [s]."""
+PAUSE: Final = 0.5
+"""Wall time without setpoints after which a refused stream is a new one [s]."""
+MOVING: Final = (
+    CommandGripper,
+    CommandJoints,
+    CommandTrajectory,
+    ExecutePath,
+    FollowTrajectory,
+    GoToPose,
+    Grip,
+    MoveJoints,
+    MoveLinear,
+    MoveTo,
+    PlayProgram,
+    PullLink,
+    ReactivateGripper,
+    Resume,
+    ResumeRun,
+    RunProgram,
+    ServoJoints,
+    SpeedJoints,
+    SpeedTool,
+    StartForceMode,
+    StartFreedrive,
+    SteerJoints,
+    Step,
+    StepRun,
+    TakeArm,
+)
+"""Requests that let something move; ``command_trajectory`` without points stops."""
+
+
+@final
+class Outages:
+    """The outages of this process, as its connections see them."""
+
+    def __init__(self) -> None:
+        self._freeze: FreezeMeter | None = None
+        """From the first look on: a server may wait long for its first peer."""
+        self._duration = 0.0
+        self._until = 0.0
+        self._errors: dict[Session, tuple[str, float]] = {}
+        self._refused: dict[Session, float] = {}
+        """When a setpoint of a stream was refused last [wall s]."""
+
+    def look(self) -> bool:
+        """Return whether the process was frozen since the last call."""
+        self._freeze = self._freeze or FreezeMeter()
+        duration = self._freeze.look()
+        if duration:
+            self._duration = duration
+            self._until = time.monotonic() + READING
+        return duration > 0.0
+
+    def refusal(
+        self, session: Session, request: Request[Any], *, is_streamed: bool
+    ) -> ControlError | None:
+        """Return why a request is not carried out; None if it is.
+
+        Setpoints that continue a stream are refused until the stream pauses, since
+        nobody has decided anew that the robot shall move.
+        """
+        if not isinstance(request, MOVING) or not (self._until or self._refused):
+            return None
+        if isinstance(request, CommandTrajectory) and not request.points:
+            return None
+        now = time.monotonic()
+        continues = is_streamed and now - self._refused.get(session, -PAUSE) < PAUSE
+        if now >= self._until and not continues:
+            self._refused.pop(session, None)
+            return None
+        if is_streamed:
+            self._refused[session] = now
+        return ControlError(
+            f"the simulator stood still for {self._duration:.1f} s, and does not carry "
+            "out motions that were requested meanwhile; request them again"
+        )
+
+    def is_new(self, session: Session, message: str) -> bool:
+        """Return whether a peer has not been sent this error within the last second."""
+        now = time.monotonic()
+        last, at = self._errors.get(session, ("", 0.0))
+        if message == last and now - at < _REPEATED:
+            return False
+        self._errors[session] = (message, now)
+        return True
+
+    def forget(self, session: Session) -> None:
+        """Forget a connection that has ended."""
+        self._errors.pop(session, None)
+        self._refused.pop(session, None)

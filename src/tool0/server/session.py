@@ -1,0 +1,397 @@
+"""One connection: what it sends, and the requests that wait for each other.
+
+::
+
+    transport ─► is it a stop? ─► texts ─► decode ─► streamed: at once
+                    │             (raw)   (as its      │
+                    ▼                      account     └► requests, in order ─► hub
+                  hub: at once             admits)
+
+A stop waits for nothing that was sent before it: it is found in the text as it arrives.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections import deque
+from collections.abc import Awaitable, Callable, Collection, Sequence
+from typing import Any, Final, NamedTuple, Protocol, final
+
+from tool0.errors import ControlError, TransportError
+from tool0.protocol.codec import (
+    RequestReadError,
+    decode_request,
+    encode_error,
+    may_be_urgent,
+)
+from tool0.protocol.request import Request, method_name
+from tool0.server.budget import Account
+
+logger = logging.getLogger(__name__)
+
+MAX_QUEUE: Final = 256
+"""Replies and events that may wait for a page that reads slowly."""
+MAX_UNREAD: Final = 1 << 24
+"""Replies that may wait for a program [bytes]; then no request of it is decoded."""
+MAX_SNAPSHOTS: Final = 1024
+"""Snapshots that may wait for a slow reader, before it loses the oldest."""
+STUCK_AFTER: Final = 10.0
+"""Wall time after which a connection that does not read is dropped [s]."""
+_CHUNK: Final = 4096
+"""Bytes that count as one message."""
+MAX_TEXTS: Final = 1 << 18
+"""Messages that may wait until they are decoded [bytes], each with ``_OVERHEAD``.  Then
+nothing more is read."""
+_OVERHEAD: Final = 64
+"""[bytes]"""
+MAX_BACKLOG: Final = 4096
+"""Requests of one connection that may wait for each other, in chunks: 16 MiB.  Further
+ones are rejected, so that what is behind them is always read."""
+_SENT_AT_ONCE: Final = 1 << 14
+"""Replies that are sent together [bytes]: sending costs more than encoding them."""
+_REPLY_COST: Final = 0.1e-3
+"""Of sending a reply [s]."""
+_REQUEST_COST: Final = 0.3e-3
+"""Of a request in other threads: that of the tick, and waking it [s]."""
+_OVERTAKEN: Final = ControlError(
+    "a stop overtook this request, which would have undone it; send it again"
+)
+
+_TOO_MANY: Final = TransportError(
+    "too many requests of this connection wait already; wait for replies"
+)
+
+Ident = int | str | None
+TakeAtOnce = Callable[["Session", Ident, Request[Any]], bool]
+"""Takes a request that need not wait for others; returns whether it did."""
+Stop = Callable[["Session", Ident, Request[Any]], None]
+"""Carries out a stop, at once."""
+CarryOut = Callable[["Session", Ident, Request[Any]], Awaitable[None]]
+"""Carries out the other requests, one after the other."""
+
+
+class Transport(Protocol):
+    """Carries text to and from one peer."""
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether the peer is a program of this user, which may read late."""
+
+    @property
+    def account(self) -> Account:
+        """What is charged for the peer."""
+
+    async def send(self, texts: Sequence[bytes]) -> None:
+        """Send messages; ConnectionError if the peer has disconnected."""
+
+    async def receive(self) -> bytes | str | None:
+        """Return the next message; None if the peer has disconnected.
+
+        Raises:
+            TransportError: If it is too long to be read; the stream may be lost then.
+        """
+
+    async def close(self) -> None:
+        """Close the connection in order."""
+
+    def abort(self) -> None:
+        """End the connection at once."""
+
+
+class _Waiting(NamedTuple):
+    """A request that waits for those before it."""
+
+    n_chunks: int
+    ident: Ident
+    request: Request[Any]
+
+
+@final
+class Session:
+    """Sends at the reader's pace, so that no other connection has to wait."""
+
+    def __init__(
+        self,
+        transport: Transport,
+        take_at_once: TakeAtOnce,
+        carry_out: CarryOut,
+        stop: Stop,
+    ) -> None:
+        self._transport = transport
+        self._take_at_once = take_at_once
+        self._carry_out = carry_out
+        self._stop = stop
+        self.account = transport.account
+        self._wake = asyncio.Event()
+        self._queue: deque[bytes] = deque()
+        self._n_unread = 0
+        """In the queue [bytes]."""
+        self._was_read = asyncio.Event()
+        self._snapshots: deque[bytes] = deque()
+        self.missed = 0
+        """Snapshots that were dropped since the last one that was queued."""
+        self.arms: dict[str, str] = {}
+        """The arms that it has taken, and the program that it named."""
+        self._latest: dict[str, bytes] = {}
+        self._texts: deque[bytes | str | None] = deque()
+        """Messages that are not decoded yet; None is the end."""
+        self._n_texts = 0
+        """Their size [bytes]."""
+        self._has_text, self._has_room = asyncio.Event(), asyncio.Event()
+        self._waiting: deque[_Waiting | None] = deque()
+        """Requests; None is the end."""
+        self._current: Request[Any] | None = None
+        """The request that is carried out."""
+        self._has_work = asyncio.Event()
+        self._backlog = 0
+        """Chunks of the requests that wait or are carried out."""
+        self._loop = asyncio.get_running_loop()
+        self._sending_since: float | None = None
+        self._tasks: list[asyncio.Task[None]] = []
+        self._is_gone = False
+        """Whether the peer reads nothing any more."""
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether requests wait or are carried out; later ones must not overtake."""
+        return self._backlog > 0
+
+    def is_stuck(self) -> bool:
+        """Return whether it has not read for too long."""
+        since = self._sending_since
+        return since is not None and self._loop.time() - since > STUCK_AFTER
+
+    def send(self, text: bytes) -> None:
+        """Send ``text`` after what waits; a page with too much waiting is dropped."""
+        if len(self._queue) >= MAX_QUEUE and not self._transport.is_trusted:
+            self.drop()
+            return
+        self._queue.append(text)
+        self._n_unread += len(text)
+        self._wake.set()
+
+    def send_snapshot(self, text: bytes) -> None:
+        """Send a snapshot of a stream; a slow reader loses the oldest ones."""
+        if len(self._snapshots) >= MAX_SNAPSHOTS:
+            self._snapshots.popleft()
+            self.missed += 1
+        self._snapshots.append(text)
+        self._wake.set()
+
+    def send_latest(self, kind: str, text: bytes) -> None:
+        """Send ``text`` in place of an older one of its kind that was not sent yet."""
+        self._latest[kind] = text
+        self._wake.set()
+
+    def drop(self) -> None:
+        """End the connection at once."""
+        self._transport.abort()
+        self.end()
+
+    def end(self) -> None:
+        """Send and read nothing more."""
+        for task in self._tasks:
+            task.cancel()
+
+    async def close(self) -> None:
+        """Close the connection in order."""
+        self.end()
+        await self._transport.close()
+
+    async def serve(self) -> None:
+        """Send and receive until the connection ends and its requests are answered."""
+        worker = asyncio.create_task(self._work())
+        parts = (self._write(), self._read(), self._decode())
+        self._tasks = [worker, *map(asyncio.create_task, parts)]
+        try:
+            await asyncio.wait([worker])
+        finally:
+            self.end()
+            ends = await asyncio.gather(*self._tasks, return_exceptions=True)
+        for end in ends:
+            if isinstance(end, Exception):
+                logger.error("a connection failed", exc_info=end)
+
+    # ---- what is sent ---------------------------------------------------------------
+
+    async def _write(self) -> None:
+        try:
+            while True:
+                await self._wake.wait()
+                self._wake.clear()
+                while texts := self._next():
+                    self._sending_since = self._loop.time()
+                    await self._transport.send(texts)
+                    self._sending_since = None
+        except ConnectionError:
+            self._is_gone = True
+            self._was_read.set()
+
+    def _next(self) -> list[bytes]:
+        """Return what is sent next, several replies at once; nothing if that is all."""
+        if self._queue:
+            texts, size = [], 0
+            while self._queue and size < _SENT_AT_ONCE:
+                texts.append(self._queue.popleft())
+                size += len(texts[-1])
+            self._n_unread -= size
+            self._was_read.set()
+            return texts
+        if self._snapshots:
+            return [self._snapshots.popleft()]
+        if self._latest:
+            return [self._latest.pop(next(iter(self._latest)))]
+        return []
+
+    # ---- what arrives ---------------------------------------------------------------
+
+    async def _read(self) -> None:
+        try:
+            await self._read_all()
+        except TransportError as error:
+            self.send(encode_error(None, error))
+        except ConnectionError:
+            pass  # the peer has disconnected
+        except Exception:
+            logger.exception("a connection failed")
+        self._texts.append(None)
+        self._has_text.set()
+
+    async def _read_all(self) -> None:
+        while (text := await self._transport.receive()) is not None:
+            with self.account.working():
+                self._take(text)
+            await self.account.give_way()
+            while self._n_texts >= MAX_TEXTS:
+                # Nothing is read, so flow control slows the peer down.
+                self._has_room.clear()
+                await self._has_room.wait()
+
+    def _take(self, text: bytes | str) -> None:
+        """Take a message: a stop at once, before those that wait are decoded."""
+        if may_be_urgent(text) and self._take_stop(text):
+            return
+        if not self._texts and self._may_decode():
+            self._process(text)
+            return
+        self._texts.append(text)
+        self._n_texts += len(text) + _OVERHEAD
+        self._has_text.set()
+
+    def _take_stop(self, text: bytes | str) -> bool:
+        """Carry out a stop; return False if it is none."""
+        try:
+            ident, request = decode_request(text, suggests=False)
+        except RequestReadError:
+            return False  # it is answered in its turn
+        if not request.is_urgent:
+            return False
+        self._revoke(request)
+        if self._current is not None and _undoes(self._current, request):
+            self._waiting.appendleft(_Waiting(1, ident, request))
+            self._backlog += 1
+            self._has_work.set()
+        else:
+            self._stop(self, ident, request)
+        return True
+
+    def _revoke(self, stop: Request[Any]) -> None:
+        """Refuse what waits and would undo a stop that overtakes it."""
+        methods = stop.revokes
+        for text in [text for text in self._texts if _names(text, methods)]:
+            assert text is not None  # it names something
+            with contextlib.suppress(RequestReadError):  # answered in its turn
+                ident, request = decode_request(text, suggests=False)
+                if _undoes(request, stop):
+                    self._texts.remove(text)
+                    self._n_texts -= len(text) + _OVERHEAD
+                    self.send(encode_error(ident, _OVERTAKEN))
+        for item in [item for item in self._waiting if item is not None]:
+            if _undoes(item.request, stop):
+                self._waiting.remove(item)
+                self._backlog -= item.n_chunks
+                self.send(encode_error(item.ident, _OVERTAKEN))
+
+    def _may_decode(self) -> bool:
+        return self.account.may_go_on and self._n_unread < MAX_UNREAD
+
+    async def _decode(self) -> None:
+        """Decode what waits, as fast as the account allows and the peer reads."""
+        while True:
+            await self._has_text.wait()
+            self._has_text.clear()
+            while self._texts:
+                await self.account.admit()
+                while self._n_unread >= MAX_UNREAD and not self._is_gone:
+                    self._was_read.clear()
+                    await self._was_read.wait()
+                if not self._texts:
+                    break  # revoked meanwhile
+                text = self._texts.popleft()
+                if text is None:
+                    self._waiting.append(None)
+                    self._has_work.set()
+                    return
+                self._n_texts -= len(text) + _OVERHEAD
+                self._has_room.set()
+                with self.account.working():
+                    self._process(text)
+
+    def _process(self, text: bytes | str) -> None:
+        """Decode a message; carry it out, or let it wait for those before it."""
+        self.account.charge(_REPLY_COST)
+        try:
+            ident, request = decode_request(text, suggests=self.account.has_spare)
+        except RequestReadError as error:
+            self.send(encode_error(error.ident, error.error))
+            return
+        if self._take_at_once(self, ident, request):
+            return
+        n_chunks = _n_chunks(text)
+        if self._backlog + n_chunks > MAX_BACKLOG:
+            self.send(encode_error(ident, _TOO_MANY))
+            return
+        self.account.charge(_REQUEST_COST)
+        self._backlog += n_chunks
+        self._waiting.append(_Waiting(n_chunks, ident, request))
+        self._has_work.set()
+
+    async def _work(self) -> None:
+        """Carry out requests, one after the other."""
+        while True:
+            await self._has_work.wait()
+            self._has_work.clear()
+            while self._waiting:
+                await self.account.admit()
+                if not self._waiting:
+                    break  # revoked meanwhile
+                item = self._waiting.popleft()
+                if item is None:
+                    return
+                self._current = item.request
+                await self._carry_out(self, item.ident, item.request)
+                self._current = None
+                self._backlog -= item.n_chunks
+
+
+def _n_chunks(text: bytes | str) -> int:
+    return 1 + len(text) // _CHUNK
+
+
+def _names(text: bytes | str | None, methods: Collection[str]) -> bool:
+    """Return whether a message has one of ``methods`` in it."""
+    if text is None:
+        return False
+    if isinstance(text, str):
+        return any(method in text for method in methods)
+    return any(method.encode() in text for method in methods)
+
+
+def _undoes(request: Request[Any], stop: Request[Any]) -> bool:
+    """Return whether ``request``, sent before ``stop``, would undo it."""
+    if method_name(type(request)) not in stop.revokes:
+        return False
+    arms = {getattr(request, "arm", None), getattr(stop, "arm", None)}
+    return None in arms or len(arms) == 1

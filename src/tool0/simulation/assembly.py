@@ -1,0 +1,150 @@
+"""From a description to a core: the pieces of every bring-up and every copy of one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import final
+
+from tool0.control.config import ControllerConfig
+from tool0.control.manager import ControllerManager, Strictness
+from tool0.description.config import File
+from tool0.description.forward_kinematics import joint_positions
+from tool0.description.model import RobotModel
+from tool0.description.poses import PoseStore
+from tool0.description.robot import RobotDescription
+from tool0.description.scene import Scene
+from tool0.description.scene_file import load_scene
+from tool0.errors import ConfigError, ControlError
+from tool0.hardware.engine import Engine
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.simulation.config import ControlConfig, SimulationConfig
+from tool0.simulation.controllers import ControllerChoice, choose_controllers
+from tool0.simulation.core import Core
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Assembly:
+    """What all cores of one robot have in common."""
+
+    description: RobotDescription
+    control: ControlConfig
+    choice: ControllerChoice
+    """The controllers."""
+    poses: PoseStore
+    position: list[float]
+    """The initial pose [rad | m], shape (n_joints,), in the order of the model."""
+
+    @staticmethod
+    def of(description: RobotDescription, control: ControlConfig) -> Assembly:
+        """Choose controllers and initial pose.
+
+        Raises:
+            Tool0Error: If an option or a file is wrong.
+        """
+        choice = choose_controllers(description, control)
+        poses = PoseStore(description)
+        position = _initial_position(description.model, poses, control.initial_pose)
+        return Assembly(
+            description=description,
+            control=control,
+            choice=choice,
+            poses=poses,
+            position=position,
+        )
+
+    def core(self, engine: Engine, scene: Scene, *, grasp_assist: bool = False) -> Core:
+        """Return a core at the initial pose, with its controllers running.
+
+        ``scene`` is what ``engine`` was made with.
+        """
+        config, started, stopped, _ = self.choice
+        hardware, manager = _hardware(self.description.model, engine, config)
+        core = Core(
+            model=self.description.model,
+            engine=engine,
+            hardware=hardware,
+            manager=manager,
+            initial_position=self.position,
+            scene=scene,
+            control_period=self._control_period(engine.dt),
+            grasp_assist=grasp_assist,
+        )
+        for name in (*started, *stopped):
+            manager.load(name)
+        manager.switch(started, (), Strictness.STRICT, core.state)
+        return core
+
+    def _control_period(self, dt: float) -> float | None:
+        """Return the time between updates, of the options or else of the YAML [s].
+
+        Raises:
+            ConfigError: If that of the YAML is no multiple of ``dt`` [s].
+        """
+        period = self.control.control_period or self.choice.config.control_period
+        if period is None or period == self.control.control_period:
+            return period
+        steps = max(round(period / dt), 1)
+        if not math.isclose(steps * dt, period, rel_tol=1e-9):
+            raise ConfigError(
+                f"the controller_manager's update_rate {1.0 / period:g} Hz is a period "
+                f"of {period:g} s, which is no multiple of the physics step {dt:g} s; "
+                "choose another rate, dt or control_period"
+            )
+        return steps * dt
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Setup:
+    """What a simulation was started with."""
+
+    assembly: Assembly
+    options: SimulationConfig
+    scene: Scene
+    """The objects at the start."""
+
+
+def chosen_scene(description: RobotDescription, scene: Scene | File | None) -> Scene:
+    """Return the scene that is given, or that of the cell; ConfigError if it is wrong.
+
+    It is checked beside the robot.
+    """
+    cell = description.cell
+    found = scene or (cell and cell.scene) or Scene()
+    if not isinstance(found, Scene):
+        found = load_scene(found)
+    found.check_beside(description.model)
+    return found
+
+
+def _initial_position(
+    model: RobotModel, poses: PoseStore, pose: str | Mapping[str, float] | None
+) -> list[float]:
+    """Return every movable joint's position, in the order of the model."""
+    try:
+        given = poses.find(pose).positions if isinstance(pose, str) else pose or {}
+    except ControlError as error:
+        raise ConfigError(str(error)) from None
+    zeros = [0.0] * len(model.movable_joints)
+    return joint_positions(model, {**poses.start(), **given}, zeros)
+
+
+def _hardware(
+    model: RobotModel, engine: Engine, config: ControllerConfig
+) -> tuple[RobotHardware, ControllerManager]:
+    """Return the robot's hardware and its controllers, with the limits of the YAML."""
+    overrides = {
+        name: replace(model.joint(name).limits, **limits)
+        for name, limits in config.joint_limits().items()
+    }
+    hardware = RobotHardware(
+        model, engine.joint_names, engine.dt, overrides, engine.world.gravity
+    )
+    joints = {
+        name: replace(joint, limits=hardware.limits.get(name, joint.limits))
+        for name, joint in model.joint_by_name.items()
+    }
+    return hardware, ControllerManager(hardware, config, joints, model)

@@ -1,0 +1,145 @@
+"""Which controllers a bring-up loads and starts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from tool0.control.config import ControllerConfig
+from tool0.control.default_controllers import (
+    PERIOD,
+    controller_prefixes,
+    default_controllers,
+)
+from tool0.control.ros2.built_in import started as started_controllers
+from tool0.control.ros2.dialect import ROS2
+from tool0.description.finding import Finding, quoted, warning_at
+from tool0.description.robot import RobotDescription
+from tool0.errors import ConfigError, SourceLocation, did_you_mean
+from tool0.simulation.config import ControlConfig, Names
+from tool0.user_data import expanded
+
+DEFAULT_CONTROLLERS = (
+    "joint_state_controller",
+    "eff_joint_traj_controller",
+    "gripper_controller",
+)
+DEFAULT_STOPPED_CONTROLLERS = ("joint_group_eff_controller",)
+"""Of ROS 1, as in the launch file ``ur5_bringup.launch``; only those that the YAML
+defines.  In a cell, those of each robot, with its name as prefix."""
+
+
+class ControllerChoice(NamedTuple):
+    """The controllers of a bring-up."""
+
+    config: ControllerConfig
+    started: tuple[str, ...]
+    stopped: tuple[str, ...]
+    """To be loaded, not started."""
+    findings: tuple[Finding, ...]
+    """A warning if nothing can move, unless the options request it."""
+
+
+def choose_controllers(
+    description: RobotDescription, control: ControlConfig
+) -> ControllerChoice:
+    """Return the controllers that the options name, or the default ones.
+
+    Raises:
+        ConfigError: If the YAML does not define one of the names, or is wrong.
+    """
+    config = _config(description, control)
+    prefixes = ("", *controller_prefixes(description))
+    to_start, to_stop = _defaults(description, control, config)
+    started = _existing(config, control.controllers, to_start, prefixes)
+    stopped = _existing(config, control.stopped_controllers, to_stop, prefixes)
+    return ControllerChoice(
+        config,
+        started,
+        tuple(name for name in stopped if name not in started),
+        tuple(_findings(description, control, config, started)),
+    )
+
+
+def _defaults(
+    description: RobotDescription, control: ControlConfig, config: ControllerConfig
+) -> tuple[Sequence[str], Sequence[str]]:
+    """Return the controllers to start and to load, if the YAML defines them."""
+    if config.dialect is not ROS2:
+        return DEFAULT_CONTROLLERS, DEFAULT_STOPPED_CONTROLLERS
+    always, built_in = started_controllers()
+    if control.controllers_file is not None or not description.robots:
+        built_in = ()
+    return (*always, *built_in), ()
+
+
+def _config(description: RobotDescription, control: ControlConfig) -> ControllerConfig:
+    files = control.controllers_file
+    if files is None:
+        return default_controllers(
+            description,
+            gripper_action=control.gripper_action,
+            period=control.control_period or PERIOD,
+        )
+    if control.gripper_action:
+        raise ConfigError(
+            "gripper_action is for the built-in controllers, and controllers_file "
+            "replaces them; leave out one of the two"
+        )
+    given = [files] if isinstance(files, Path | str) else files
+    return ControllerConfig.from_files([expanded(file) for file in given])
+
+
+def _existing(
+    config: ControllerConfig,
+    names: Names | None,
+    default: Sequence[str],
+    prefixes: Sequence[str],
+) -> tuple[str, ...]:
+    """Return the names, which must be defined, or the default ones that are."""
+    defined = config.names
+    if names is None:
+        usual = dict.fromkeys(prefix + name for prefix in prefixes for name in default)
+        return tuple(name for name in usual if name in defined)
+    given = tuple(names.split() if isinstance(names, str) else names)
+    for name in given:
+        if name not in defined:
+            hint = did_you_mean(name, set(defined))
+            raise ConfigError(f"no controller '{name}' in the YAML{hint}")
+    return given
+
+
+def _findings(
+    description: RobotDescription,
+    control: ControlConfig,
+    config: ControllerConfig,
+    started: tuple[str, ...],
+) -> list[Finding]:
+    """Return a warning if nothing can move, unless the options request it."""
+    here = SourceLocation(description.source)
+    driven = [item.joint for item in description.model.transmissions]
+    if not driven:
+        problem = (
+            "the robot has no driven joint: no <transmission> or <ros2_control> names "
+            "one"
+        )
+        remedy = (
+            "add one for each joint that a motor moves, or use --ros2 (in Python: "
+            "ros2_control=True), which drives every joint"
+        )
+        return [warning_at(here, "no-driven-joint", "", problem, remedy)]
+    chosen = (control.controllers, control.stopped_controllers)
+    if started or chosen != (None, None):
+        return []
+    if config.names:
+        problem = f"no controller is started; the YAML defines {quoted(config.names)}"
+        remedy = "choose with --controllers 'NAME ...' (in Python: controllers=)"
+    else:
+        problem = f"no controller is loaded: no built-in one fits {quoted(driven)}"
+        remedy = (
+            "pass your own with --controllers-file FILE --controllers 'NAME ...' "
+            "(in Python: controllers_file=, controllers=)"
+        )
+    problem += "; brakes hold the joints"
+    return [warning_at(here, "no-controller", "", problem, remedy)]

@@ -1,0 +1,217 @@
+"""Requests to an arm, by poses of its tool."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.transform import Transform
+from tool0.errors import ControlError
+from tool0.kinematics.posture import Branch, Solution
+from tool0.protocol.arm import (
+    ArmInfo,
+    ListArms,
+    MoveLinear,
+    MoveTo,
+    ReadBranch,
+    ReadToolPose,
+    SolveInverseKinematics,
+)
+from tool0.protocol.controllers import Role, why_not_driven
+from tool0.protocol.goals import GoalStarted
+from tool0.protocol.motion import MoveJoints
+from tool0.protocol.trajectories import FollowTrajectory
+from tool0.simulation.controller_paths import trajectory_points
+from tool0.simulation.handlers.table import answer, handles
+from tool0.simulation.simulation import Simulation
+
+if TYPE_CHECKING:
+    from tool0.kinematics.chain import ArmChain, Array
+    from tool0.kinematics.inverse import InverseKinematics
+
+
+_AFTER_ANY_MOTION = 1e6
+"""Time after which every motion has ended [s]."""
+AT_REST = 1e-6
+"""Slower than this counts as standing still [rad/s, rad/s²]."""
+
+
+@handles(ListArms)
+def _list(simulation: Simulation, request: ListArms) -> tuple[ArmInfo, ...]:
+    return tuple(
+        ArmInfo(
+            name=name, base=chain.base, tip=chain.tip, joint_names=chain.joint_names
+        )
+        for name, chain in simulation.arms.items()
+    )
+
+
+@handles(ReadToolPose)
+def _pose(simulation: Simulation, request: ReadToolPose) -> Transform:
+    from tool0.description.transform import from_matrix
+
+    chain, model = simulation.arm(request.arm), simulation.description.model
+    found = link_poses(model, simulation.snapshot.positions)
+    T_tip_tool = from_matrix(_tool(simulation, chain, request))
+    T_root_tool = found[chain.tip] @ T_tip_tool
+    if request.relative_to is None:
+        return T_root_tool
+    return found[model.link(request.relative_to).name].inverse() @ T_root_tool
+
+
+@handles(ReadBranch)
+def _branch(simulation: Simulation, request: ReadBranch) -> Branch:
+    import numpy as np
+
+    chain, measured = simulation.arm(request.arm), simulation.snapshot.positions
+    q = np.array([measured[name] for name in chain.joint_names])
+    return _kinematics(chain).branch(q)
+
+
+@handles(SolveInverseKinematics)
+def _solve(
+    simulation: Simulation, request: SolveInverseKinematics | MoveTo
+) -> tuple[Solution, ...]:
+    import numpy as np
+
+    chain = simulation.arm(request.arm)
+    names = chain.joint_names
+    standing = _commanded(simulation, chain)
+    reference = np.array([standing[name] for name in names])
+    for joint, position in request.near.items():
+        if joint not in names:
+            raise ControlError(
+                f"near: '{joint}' is not a joint of the arm: {', '.join(names)}"
+            )
+        reference[names.index(joint)] = position
+    T_base_tool = _in_base(simulation, chain, request, standing)
+    T_base_tip = T_base_tool @ np.linalg.inv(_tool(simulation, chain, request))
+    return _kinematics(chain).solutions(T_base_tip, reference, request.branch)
+
+
+@handles(MoveTo)
+def _move_to(simulation: Simulation, request: MoveTo) -> GoalStarted:
+    controller = _controller(simulation, simulation.arm(request.arm))
+    positions = dict(_solve(simulation, request)[0].positions)
+    motion = MoveJoints(positions=positions, speed=request.speed, controller=controller)
+    (started,) = answer(simulation, motion)
+    return started
+
+
+@handles(MoveLinear)
+def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
+    import numpy as np
+
+    from tool0.motion.linear import plan_line
+
+    chain, model = simulation.arm(request.arm), simulation.description.model
+    controller = _controller(simulation, chain)
+    standing = _at_rest(simulation, controller)
+    positions = {**simulation.snapshot.positions, **standing}
+    path = plan_line(
+        _kinematics(chain),
+        np.array([standing[name] for name in chain.joint_names]),
+        _in_base(simulation, chain, request, positions),
+        _tool(simulation, chain, request),
+        T_root_base=link_poses(model, positions)[chain.base].matrix,
+        speed=request.speed,
+        acceleration=request.acceleration,
+        angular_speed=request.angular_speed,
+    )
+    if _at_rest(simulation, controller) != standing:
+        raise ControlError("the arm was moved while its line was planned")
+    trajectory = FollowTrajectory(
+        controller=controller,
+        points=tuple(trajectory_points(path.beside(standing))),
+        joint_names=tuple(standing),
+    )
+    return answer(simulation, trajectory)
+
+
+def _kinematics(chain: ArmChain) -> InverseKinematics:
+    """Return an arm's inverse kinematics; ControlError unless it is built like a UR."""
+    from tool0.kinematics.inverse import InverseKinematics
+
+    return InverseKinematics(chain)
+
+
+def _controller(simulation: Simulation, chain: ArmChain) -> str:
+    """Return the running trajectory controller of the arm's joints."""
+    for status in simulation.snapshot.controllers:
+        if (
+            status.is_running
+            and status.role is Role.TRAJECTORY
+            and status.joints.issuperset(chain.joint_names)
+        ):
+            return status.name
+    statuses = simulation.snapshot.controllers
+    raise ControlError(why_not_driven(statuses, chain.joint_names))
+
+
+def _commanded(simulation: Simulation, chain: ArmChain) -> Mapping[str, float]:
+    """Return the positions of all joints: the arm's as commanded, if they are."""
+    measured, core = simulation.snapshot.positions, simulation.core
+    try:
+        name = _controller(simulation, chain)
+        state = simulation.loop.call(
+            lambda: core.trajectory_controller(name).setpoint().state(), publishes=False
+        )
+    except ControlError:
+        return measured
+    commanded = zip(state.joint_names, state.desired.positions, strict=True)
+    return {**measured, **dict(commanded)}
+
+
+def _at_rest(simulation: Simulation, name: str) -> Mapping[str, float]:
+    """Return where a controller's joints stand, or raise ControlError."""
+    core = simulation.core
+
+    def read() -> Any:
+        controller = core.trajectory_controller(name)
+        state = controller.setpoint().state()
+        return state, controller.query_state(state.time + _AFTER_ANY_MOTION)
+
+    state, end = simulation.loop.call(read, publishes=False)
+    now = state.desired
+    still = max(map(abs, (*now.velocities, *now.accelerations))) < AT_REST
+    there = zip(now.positions, end.positions, strict=True)
+    if not still or max(abs(q - last) for q, last in there) > AT_REST:
+        raise ControlError(
+            f"move_linear starts at rest, and '{name}' is moving; wait for its goal, "
+            "or cancel that"
+        )
+    return dict(zip(state.joint_names, now.positions, strict=True))
+
+
+def _tool(simulation: Simulation, chain: ArmChain, request: Any) -> Array:
+    """Return the tool's pose in the flange, shape (4, 4)."""
+    import numpy as np
+
+    from tool0.description.transform import as_matrix
+    from tool0.kinematics.chain import fixed_transform
+
+    T = np.eye(4) if request.tool is None else as_matrix(request.tool)
+    if request.tip is None or request.tip == chain.tip:
+        return T
+    model = simulation.description.model
+    T_tip_tool: Array = fixed_transform(model, chain.tip, request.tip).matrix @ T
+    return T_tip_tool
+
+
+def _in_base(
+    simulation: Simulation,
+    chain: ArmChain,
+    request: Any,
+    position: Mapping[str, float],
+) -> Array:
+    """Return the requested pose in the link that carries the arm, shape (4, 4)."""
+    from tool0.description.transform import as_matrix
+
+    model = simulation.description.model
+    found = link_poses(model, position)
+    T = as_matrix(request.pose)
+    if request.relative_to is not None:
+        T = found[model.link(request.relative_to).name].matrix @ T
+    T_base_tool: Array = found[chain.base].inverse().matrix @ T
+    return T_base_tool

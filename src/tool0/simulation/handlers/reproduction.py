@@ -1,0 +1,197 @@
+"""The start of a session as plain data: with its journal, it repeats the session.
+
+``reproduction`` returns what a recording stores of a bring-up, ``restarted`` brings the
+same robot up again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import msgspec
+from msgspec import Struct
+
+from tool0.description.camera import Camera
+from tool0.description.config import DescriptionConfig
+from tool0.description.model import RobotModel
+from tool0.description.robot import load_description
+from tool0.description.scene import Scene
+from tool0.description.shapes import Mesh, placed_geometries
+from tool0.errors import Tool0Error
+from tool0.protocol.objects import ObjectInfo, info_of, object_of, with_meshes
+from tool0.simulation.bringup import start_simulation
+from tool0.simulation.config import ControlConfig, SimulationConfig
+from tool0.simulation.provenance import (
+    current_platform,
+    current_versions,
+    is_kernel_compiled,
+)
+from tool0.simulation.simulation import Simulation
+
+
+class MeshFile(Struct, frozen=True, kw_only=True):
+    """A mesh of the robot, or of an object at the start."""
+
+    uri: str
+    """As the URDF or the object has it."""
+    path: str
+    """Where it was."""
+    sha256: str
+    """Of its content."""
+
+
+class Reproduction(Struct, frozen=True, kw_only=True):
+    """All that a bring-up depends on, as plain data."""
+
+    versions: dict[str, str]
+    """Of ``tool0``, ``python`` and the engine's package."""
+    platform: str
+    """Operating system and processor."""
+    kernel: bool
+    """Whether compiled code executed the ticks; the results are the same."""
+    name: str
+    """Of the robot's model."""
+    source: str
+    """The xacro or URDF file it was read from."""
+    urdf: str
+    """The robot as one document."""
+    meshes: tuple[MeshFile, ...]
+    controllers: str
+    """The whole YAML of the controllers, as one text."""
+    started: tuple[str, ...]
+    """Controllers that were loaded and started, in order."""
+    loaded: tuple[str, ...]
+    """Controllers that were loaded only."""
+    initial_position: dict[str, float]
+    """Joint → [rad | m]; mimic joints follow."""
+    poses: dict[str, dict[str, float]]
+    """The named poses: joint → [rad | m]."""
+    scene: tuple[ObjectInfo, ...]
+    """The objects at the start."""
+    cameras: tuple[Camera, ...]
+    engine: str
+    engine_options: dict[str, str | bool | int | float | None]
+    dt: float
+    """[s]"""
+    control_period: float
+    """[s]"""
+    gravity: tuple[float, float, float]
+    """[m/s²]"""
+    spawn_z: float
+    """Height of the robot's root above the ground [m]."""
+    grasp_assist: bool
+
+
+def reproduction(simulation: Simulation) -> Reproduction:
+    """Return what repeats this simulation, together with its journal."""
+    setup = simulation.setup
+    description, options = setup.assembly.description, setup.options
+    model, choice = description.model, setup.assembly.choice
+    placed = zip(model.movable_joints, setup.assembly.position, strict=True)
+    return Reproduction(
+        versions=current_versions(options.engine),
+        platform=current_platform(),
+        kernel=is_kernel_compiled(),
+        name=model.name,
+        source=str(description.source),
+        urdf=description.urdf,
+        meshes=tuple(_mesh_files(model, setup.scene)),
+        controllers=choice.config.yaml(),
+        started=choice.started,
+        loaded=choice.stopped,
+        initial_position={joint.name: q for joint, q in placed if joint.mimic is None},
+        poses=_poses(simulation),
+        scene=tuple(map(info_of, setup.scene.objects)),
+        cameras=tuple(
+            replace(camera, location=None) for camera in simulation.cameras.values()
+        ),
+        engine=options.engine,
+        engine_options={
+            name: value if isinstance(value, bool | int | float | None) else str(value)
+            for name, value in options.engine_options.items()
+        },
+        dt=options.dt,
+        control_period=simulation.loop.control_period,
+        gravity=simulation.engine.world.gravity,
+        spawn_z=options.spawn_z,
+        grasp_assist=options.grasp_assist,
+    )
+
+
+def restarted(
+    start: Reproduction, folder: Path, meshes: Mapping[str, Path]
+) -> Simulation:
+    """Bring the same robot up again, without real time, and return it.
+
+    Args:
+        start: What ``reproduction`` returned.
+        folder: An empty one, for files that the bring-up reads.
+        meshes: Where the files of ``start.meshes`` are now, by their URIs.
+
+    Raises:
+        Tool0Error: If that fails, for instance because the engine is missing.
+    """
+    from xml.sax.saxutils import escape  # it loads ssl
+
+    urdf, controllers = folder / "robot.urdf", folder / "controllers.yaml"
+    document = start.urdf
+    for uri, path in meshes.items():
+        document = document.replace(f'"{escape(uri)}"', f'"{escape(str(path))}"')
+    urdf.write_text(document, encoding="utf-8")
+    controllers.write_text(start.controllers, encoding="utf-8")
+    description = load_description(DescriptionConfig(robot=urdf), spawn_z=start.spawn_z)
+    objects = (
+        object_of(msgspec.structs.replace(item, shape=with_meshes(item.shape, meshes)))
+        for item in start.scene
+    )
+    return start_simulation(
+        description,
+        ControlConfig(
+            controllers_file=controllers,
+            controllers=start.started,
+            stopped_controllers=start.loaded,
+            initial_pose=start.initial_position,
+            control_period=start.control_period,
+        ),
+        SimulationConfig(
+            engine=start.engine,
+            engine_options=start.engine_options,
+            dt=start.dt,
+            spawn_z=start.spawn_z,
+            scene=Scene(tuple(objects)),
+            grasp_assist=start.grasp_assist,
+            allow_penetration=True,  # if there was any, it was accepted then
+            realtime=False,
+        ),
+    )
+
+
+def digest(path: Path) -> str:
+    """Return the SHA-256 of a file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _mesh_files(model: RobotModel, scene: Scene) -> Iterator[MeshFile]:
+    """Yield each file once: by its URI in the URDF, or by its path in the scene."""
+    files: dict[str, Path] = {}
+    for link in model.links:
+        shapes = [visual.geometry for visual in link.visuals]
+        shapes += [collision.geometry for collision in link.collisions]
+        files |= {mesh.uri: mesh.path for mesh in shapes if isinstance(mesh, Mesh)}
+    for item in scene.objects:
+        for part, _ in placed_geometries(item.geometry):
+            if isinstance(part, Mesh):
+                files[str(part.path)] = part.path
+    for uri, path in files.items():
+        yield MeshFile(uri=uri, path=str(path), sha256=digest(path))
+
+
+def _poses(simulation: Simulation) -> dict[str, dict[str, float]]:
+    try:
+        poses = simulation.poses.all()
+    except Tool0Error:  # the user's file is damaged; the built-in ones need none
+        poses = simulation.poses.own
+    return {name: dict(pose.positions) for name, pose in poses.items()}

@@ -1,0 +1,150 @@
+"""Ends streams to an arm whose sender has fallen silent: nothing goes on by itself.
+
+A stream is two or more targets or velocities that follow each other within their
+timeout.  After a longer silence the arm stops, and what comes then, delayed by an
+outage or from a sender that was away, does not move it.  It takes a stop or another
+``take_arm`` before the next stream.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from dataclasses import dataclass
+from typing import Final, final
+
+from tool0.errors import ControlError, Tool0Error
+from tool0.protocol.arm_motion import EndStream
+from tool0.simulation.handlers.table import answer, handles
+from tool0.simulation.simulation import Simulation
+
+BRAKE: Final = 4.0
+"""Of the leading joint at the end of a stream, at least [rad/s²]; a stream of
+velocities ends as soon as with its own acceleration."""
+
+
+@handles(EndStream, in_tick=True)
+def _end(simulation: Simulation, request: EndStream) -> None:
+    core = simulation.core
+    controller = core.arm_motions.find(request.arm)
+    if controller.mode in {"servo", "speed"}:
+        rate = max(BRAKE, controller.stream_deceleration())
+        controller.stop_motion(rate, core.time, along_path=False)
+
+
+@dataclass(slots=True)
+class _Stream:
+    """The commands to one arm since its last stop."""
+
+    last: float
+    """When the last one came [wall s]."""
+    timeout: float
+    """[wall s]"""
+    is_stream: bool = False
+    """Whether there were at least two."""
+    silence: float | None = None
+    """How long it was silent when it ended [wall s]; None before that."""
+
+
+@final
+class StreamWatch:
+    """Watches the streams to each arm of a simulation in real time."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._changed = threading.Condition()
+        self._streams: dict[str, _Stream] = {}
+        self._thread: threading.Thread | None = None
+        self._is_closed = False
+
+    def admit(self, arm: str, timeout: float | None, *, is_rest: bool) -> None:
+        """Take note of a command, before it is carried out.
+
+        Args:
+            arm: Its name.
+            timeout: After which the stream has ended [wall s]; None: never.
+            is_rest: Whether the command is to stand still, which ends a stream in
+                order, and is always accepted.
+
+        Raises:
+            ControlError: If the stream that it continues has ended.
+        """
+        now = time.monotonic()
+        with self._changed:
+            stream = self._streams.get(arm)
+            if stream is not None and stream.silence is not None:
+                if is_rest:
+                    return
+                raise ControlError(
+                    f"the stream to the arm '{arm}' was silent for "
+                    f"{stream.silence:.1f} s and has ended; stop the arm, or take it "
+                    "again, before the next one"
+                )
+            if is_rest or timeout is None:
+                self._streams.pop(arm, None)
+                return
+            if stream is None or now - stream.last > stream.timeout:
+                self._streams[arm] = _Stream(now, timeout)
+                return
+            stream.last, stream.timeout = now, timeout
+            if not stream.is_stream:
+                stream.is_stream = True
+                self._start()
+                self._changed.notify()
+
+    def forget(self, arm: str) -> None:
+        """Let a new stream begin: the arm was stopped or taken, or follows a path."""
+        with self._changed:
+            self._streams.pop(arm, None)
+
+    def close(self) -> None:
+        """End with the simulation."""
+        with self._changed:
+            self._is_closed = True
+            self._changed.notify()
+        if self._thread is not None:
+            self._thread.join()
+
+    def _start(self) -> None:
+        if self._thread is None and not self._is_closed:
+            self._thread = threading.Thread(
+                target=self._watch, name="tool0 streams", daemon=True
+            )
+            self._thread.start()
+
+    def _watch(self) -> None:
+        while True:
+            with self._changed:
+                if self._is_closed:
+                    return
+                silent = self._find_silent()
+                if not silent:
+                    self._changed.wait(self._remaining())
+            for arm in silent:
+                with contextlib.suppress(Tool0Error):  # it may have been stopped
+                    answer(self._simulation, EndStream(arm=arm))
+
+    def _find_silent(self) -> list[str]:
+        """Return the arms whose stream ends now."""
+        now, is_paused = time.monotonic(), self._simulation.snapshot.is_paused
+        found = []
+        for arm, stream in self._streams.items():
+            if not stream.is_stream or stream.silence is not None:
+                continue
+            if is_paused:
+                stream.last = now  # who waits for time to pass sends nothing
+            elif now - stream.last > stream.timeout:
+                stream.silence = now - stream.last
+                found.append(arm)
+        return found
+
+    def _remaining(self) -> float | None:
+        """Return the time to the next end [wall s]; None without a stream."""
+        now = time.monotonic()
+        ends = [
+            max(0.0, stream.last + stream.timeout - now) + 1e-3
+            for stream in self._streams.values()
+            if stream.is_stream and stream.silence is None
+        ]
+        return min(ends, default=None)

@@ -1,0 +1,97 @@
+"""The journal: every request that changed the simulation, with its step.
+
+Between two requests a simulation is deterministic.  A session therefore repeats to the
+bit from its start (``simulation/handlers/reproduction``) and its journal.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from itertools import islice
+from typing import Final, NamedTuple, final
+
+from msgspec import Struct
+
+from tool0.simulation.core import Core
+
+MOST_REQUESTS: Final = 200_000
+"""Requests kept: 400 s of a stream at 500 Hz."""
+AT_ONCE: Final = 500
+"""Requests read at once: the tick does not wait for many."""
+MOST_ITEMS: Final = 2_000_000
+"""Trajectory points, knots of paths and the like kept with them."""
+
+
+class Executed(NamedTuple):
+    """A request that changed the simulation, or failed to."""
+
+    number: int
+    """Its place in the journal, from 0 on."""
+    step: int
+    """Ticks since the start; unlike ``tick``, a reset does not set it back."""
+    tick: int
+    """As of a snapshot: ticks since the start or the last reset."""
+    time: float
+    """Simulated time [s]."""
+    request: Struct
+    """As in the request table."""
+    error: str | None
+    """Why it failed."""
+
+
+@final
+class Journal:
+    """Keeps requests in the order of their ends.  Any thread may read them."""
+
+    def __init__(self, core: Core, steps: Callable[[], int]) -> None:
+        """Start empty; ``steps`` returns the ticks since the start of the loop."""
+        self._core = core
+        self._steps = steps
+        self._lock = threading.Lock()
+        self._entries: deque[tuple[Executed, int]] = deque()
+        self._n_items = 0
+        self._count = 0
+
+    def begin(self, request: Struct) -> Callable[[Exception | None], None]:
+        """Note the instant of a request; call the result with its outcome.
+
+        In the thread of the tick.
+        """
+        step, tick, time = self._steps(), self._core.ticks, self._core.time
+
+        def end(error: Exception | None) -> None:
+            why = None if error is None else str(error)
+            self._add(Executed(self._count, step, tick, time, request, why))
+
+        return end
+
+    def after(self, number: int = -1) -> tuple[Executed, ...]:
+        """Return the entries after one, oldest first: some of them, if they are many.
+
+        The oldest are dropped in a very long session: then the first entry's number is
+        above ``number + 1``, and the session cannot be repeated.
+        """
+        with self._lock:
+            first = self._count - len(self._entries)
+            start = max(number + 1 - first, 0)
+            found = islice(self._entries, start, start + AT_ONCE)
+            return tuple(entry for entry, _ in found)
+
+    def _add(self, entry: Executed) -> None:
+        n_items = _size(entry.request)
+        with self._lock:
+            self._count += 1
+            self._entries.append((entry, n_items))
+            self._n_items += n_items
+            while len(self._entries) > MOST_REQUESTS or (
+                self._n_items > MOST_ITEMS and len(self._entries) > 1
+            ):
+                self._n_items -= self._entries.popleft()[1]
+
+
+def _size(request: Struct) -> int:
+    """Return how many items the sequences of a request have."""
+    values = (getattr(request, name) for name in request.__struct_fields__)
+    return 1 + sum(len(value) for value in values if isinstance(value, tuple))

@@ -1,0 +1,503 @@
+"""The loop: drain the mailbox, tick, publish; in its own thread or in the caller's.
+
+The mailbox is the only input: operations from any thread, each executed between two
+ticks by the thread that owns the tick.  In real time that is the loop's own thread;
+otherwise it is the caller's thread while it advances time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import math
+import queue
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as FutureTimeoutError
+from functools import partial
+from typing import Any, NamedTuple, TypeVar, final
+
+from tool0.errors import ControlError, EngineError
+from tool0.protocol.bus import Bus, Faulted, GoalFinished, Overran, WasReset
+from tool0.protocol.goals import Goal
+from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot, ticks_between_snapshots
+from tool0.simulation.clock import FreezeMeter, Lag, Pacer, SpeedMeter
+from tool0.simulation.core import Core
+
+logger = logging.getLogger(__name__)
+
+POLL_PERIOD = 0.05
+"""Longest time between checks that the loop still runs [wall s]."""
+
+R = TypeVar("R")
+
+
+class _Operation(NamedTuple):
+    run: Callable[[], Any]
+    future: Future[Any]
+    publishes: bool
+
+
+@final
+class Loop:
+    """Owns the time of one core."""
+
+    def __init__(
+        self,
+        core: Core,
+        bus: Bus,
+        *,
+        paused: bool = False,
+        speed: float | None = None,
+    ) -> None:
+        """Publish the first snapshot; nothing runs yet.
+
+        ``speed`` is in simulated seconds per wall second; None runs only on
+        request, as fast as possible.
+        """
+        self._core = core
+        self._mailbox: queue.SimpleQueue[_Operation | None] = queue.SimpleQueue()
+        """None wakes the thread of the tick for what is urgent."""
+        self._urgent: deque[_Operation] = deque()
+        """Overtakes the mailbox."""
+        self._bus = bus
+        self._is_paused = paused
+        self._speed = None if speed is None else _checked_speed(speed)
+        self._pacer = Pacer(core.control_period, speed or 1.0)
+        self._meter = SpeedMeter()
+        self._lag = Lag()
+        default = ticks_between_snapshots(SNAPSHOT_PERIOD, core.control_period)
+        self._default_snapshot_ticks = self._snapshot_ticks = default
+        self._owner = threading.RLock()
+        self._closing = False
+        self._fault: Exception | None = None
+        self._update_running()
+        self.steps = 0
+        """Ticks since the start; unlike time, a reset does not set it back."""
+        self.max_drift = 0.0
+        """Largest departure of an uncommanded joint from its initial pose so far."""
+        self.when_observed: Callable[[Snapshot], None] = lambda snapshot: None
+        """Called after snapshots at the default period, between two ticks."""
+        self.when_frozen: Callable[[float], None] = lambda duration: None
+        """Called in real time, before the next tick, when the process was frozen: for
+        how long [wall s].  Not with an engine in a process of its own, which may be
+        late by itself."""
+        core.when_goal_starts = lambda goal: goal.when_finished(
+            lambda done: bus.announce(GoalFinished(done, core.time))
+        )
+        self._publish()
+        self._thread: threading.Thread | None = None
+        if speed is not None:
+            self._thread = threading.Thread(
+                target=self._run_forever, name="tool0 loop", daemon=True
+            )
+            self._thread.start()
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._core.time
+
+    @property
+    def control_period(self) -> float:
+        """Simulated time of a tick [s]."""
+        return self._core.control_period
+
+    @property
+    def overruns(self) -> int:
+        return self._pacer.overruns
+
+    @property
+    def is_realtime(self) -> bool:
+        return self._thread is not None
+
+    @property
+    def is_closed(self) -> bool:
+        return self._closing
+
+    def call(
+        self,
+        operation: Callable[[], R],
+        *,
+        publishes: bool = True,
+        urgent: bool = False,
+    ) -> R:
+        """Carry out ``operation`` between two ticks, and return what it returns.
+
+        It runs in the thread of the tick; a snapshot follows if it ``publishes``.  That
+        thread itself may call this between two ticks, too.  An urgent one is the next
+        of all: only the operation in progress is before it.
+
+        Raises:
+            ControlError: If the simulation is closed.
+        """
+        if self._closing:
+            raise ControlError("the simulation is closed")
+        future: Future[R] = Future()
+        if urgent:
+            self._urgent.append(_Operation(operation, future, publishes))
+            self._mailbox.put(None)
+        else:
+            self._mailbox.put(_Operation(operation, future, publishes))
+        while True:
+            is_own = self._thread in {None, threading.current_thread()}
+            if is_own and self._owner.acquire(blocking=False):
+                try:
+                    self._drain()
+                finally:
+                    self._owner.release()
+            try:
+                return future.result(POLL_PERIOD)
+            except FutureTimeoutError:
+                if self._closing:
+                    raise ControlError("the simulation was closed") from None
+
+    def post(
+        self, operation: Callable[[], object], when_failed: Callable[[Exception], None]
+    ) -> None:
+        """Carry out ``operation`` before the next tick, without waiting for it.
+
+        ``when_failed`` is called with its exception, in the thread of the tick.
+
+        Raises:
+            ControlError: If the simulation is closed.
+        """
+        if self._closing:
+            raise ControlError("the simulation is closed")
+
+        def note(future: Future[object]) -> None:
+            error = future.exception()
+            if isinstance(error, Exception):
+                when_failed(error)
+
+        future: Future[object] = Future()
+        future.add_done_callback(note)
+        self._mailbox.put(_Operation(operation, future, publishes=False))
+
+    def run(self, duration: float, until: Callable[[], bool] = lambda: False) -> None:
+        """Let ``duration`` simulated seconds pass, or fewer if ``until`` returns True.
+
+        It is called at every snapshot, and when a goal ends: not after every tick.
+
+        Raises:
+            EngineError: If the physics failed; a reset makes it run again.
+            ControlError: If the loop is paused or closed meanwhile.
+        """
+        end = self.steps + duration / self._core.control_period - 0.5
+        while self.steps < end and not until():
+            self.check()
+            if self._closing:
+                raise ControlError("the simulation was closed")
+            if self._is_paused:
+                raise ControlError("the simulation is paused; resume it, or step it")
+            if self._thread is not None or not self._owner.acquire(blocking=False):
+                left = (end - self.steps) * self._core.control_period
+                time.sleep(min(POLL_PERIOD, max(left / (self._speed or 1.0), 0.0005)))
+                continue
+            try:
+                while self.steps < end and self._is_running and not until():
+                    self._cycle(end - self.steps)
+                self._publish()
+            finally:
+                self._owner.release()
+        self.check()
+
+    def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
+        """Let time pass until ``goal`` ends; return whether it has.
+
+        ``timeout`` [s] is of wall time in real time, otherwise of simulated time; None
+        waits without limit.
+
+        Raises:
+            EngineError: If the physics failed: the goal would never end.
+            ControlError: If the loop is closed, or paused without real time.
+        """
+        limit = math.inf if timeout is None else timeout
+        if goal.status.is_terminal:
+            return True
+        if not self.is_realtime:
+            self.run(limit, until=lambda: goal.status.is_terminal)
+            return goal.status.is_terminal
+        end = time.monotonic() + limit
+        while not goal.wait(min(POLL_PERIOD, max(0.0, end - time.monotonic()))):
+            self.check()
+            if not time.monotonic() < end:
+                return False
+        return True
+
+    def set_paused(self, paused: bool) -> None:
+        """Pause or resume simulated time.  In the thread of the tick."""
+        self._is_paused = paused
+        self._update_running()
+        self._restart_clock()
+
+    def set_speed(self, factor: float) -> None:
+        """Run at ``factor`` times real time.  In the thread of the tick."""
+        if self._speed is None:
+            raise ControlError("this simulation does not run in real time")
+        self._speed = _checked_speed(factor)
+        self._restart_clock()
+
+    def step(self, ticks: int) -> None:
+        """Run ``ticks`` control periods while paused.  In the thread of the tick."""
+        if not self._is_paused:
+            raise ControlError("pause the simulation before stepping it")
+        self.check()
+        end = self.steps + ticks
+        while self.steps < end:
+            self._drain()
+            if self._closing or self._fault is not None:
+                break
+            self._tick(end - self.steps)
+        self.check()
+
+    def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
+        """Reset the core and clear a fault.  In the thread of the tick."""
+        self._core.reset(position, keep_time)
+        self._fault = None
+        self._update_running()
+        self._restart_clock()
+        self._bus.announce(WasReset(self._core.time, self.steps))
+
+    def publish_every(self, period: float) -> float:
+        """Publish snapshots at least every ``period`` [s] from now on.
+
+        In the thread of the tick.  Returns the period that applies: the longest one
+        that divides the default period and the control period divides.
+        """
+        control_period = self._core.control_period
+        self._snapshot_ticks = ticks_between_snapshots(period, control_period)
+        return self._snapshot_ticks * control_period
+
+    def close(self) -> None:
+        """End the loop, answer the rest of the mailbox, and close the engine."""
+        self._closing = True
+        self._update_running()
+        if self._thread is not None:
+            self._thread.join()
+        with self._owner:
+            self._drain()
+            self._core.sync_from_kernel()
+            self._core.manager.stop_all(self._core.state)
+            self._core.engine.close()
+
+    def _update_running(self) -> None:
+        """Record whether ticks may follow each other; the tick checks only that."""
+        self._is_running = not (
+            self._is_paused or self._closing or self._fault is not None
+        )
+
+    def check(self) -> None:
+        """Raise the reason why the simulation stands still, if it does."""
+        if self._fault is not None:
+            raise self._fault
+
+    def _run_forever(self) -> None:
+        freeze = None if self._core.engine.stepper is None else FreezeMeter()
+        with self._owner:
+            while not self._closing:
+                if freeze is not None and (duration := freeze.look()):
+                    self._attempt(partial(self.when_frozen, duration))
+                if not self._is_running:
+                    self._answer_next(POLL_PERIOD)
+                    continue
+                if (wait := self._pacer.wait_time()) > 0.0:
+                    self._answer_next(min(wait, POLL_PERIOD))
+                    continue
+                start, pacer = self.steps, self._pacer
+                self._cycle(pacer.tick())
+                pacer.tick_further(self.steps - start - 1)
+
+    def _cycle(self, most: float) -> None:
+        """Drain; then tick up to ``most`` times, unless an operation pauses that."""
+        if not self._mailbox.empty():
+            self._drain()
+            if not self._is_running:
+                return
+        self._tick(most)
+
+    def _tick(self, most: float) -> None:
+        """Tick up to ``most`` times and up to the next snapshot; publish it if due."""
+        core, start = self._core, self._core.ticks
+        left = self._snapshot_ticks - start % self._snapshot_ticks
+        try:
+            done = core.advance(math.ceil(min(most, left)))
+        except Exception as error:  # a bug in a controller must not lose the robot
+            if not isinstance(error, EngineError):
+                logger.exception("the control tick failed")
+            done = core.ticks - start + 1
+            self._fail(error)
+        self.steps += done
+        if core.ticks % self._snapshot_ticks == 0:
+            self._observe()
+
+    def _observe(self) -> None:
+        """Publish a snapshot; at the default period, look at limits and contacts, too.
+
+        So nothing that happens depends on the rates of subscribers.
+        """
+        core = self._core
+        if core.ticks % self._default_snapshot_ticks:
+            self._publish()
+            return
+        if core.control_boxes.has_limits:
+            self._attempt(core.check_safety_limits)
+        if core.arm_motions.has_taken:
+            self._attempt(core.check_motions)
+        self._attempt(core.check_contacts)
+        self._publish()
+        snapshot, grasp_assist = self._bus.latest, core.grasp_assist
+        if grasp_assist is not None and snapshot is not None:
+            self._attempt(lambda: grasp_assist.look(snapshot))
+        if snapshot is not None and self._fault is None:
+            self.when_observed(snapshot)
+
+    def _attempt(self, action: Callable[[], None]) -> None:
+        """Call something outside the tick that uses the engine; it may fail."""
+        if self._fault is not None:
+            return
+        try:
+            action()
+        except Exception as error:  # of any engine
+            self._fail(error)
+
+    def _fail(self, error: Exception) -> None:
+        """Stop ticking until a reset, and publish the reason."""
+        self._fault = error
+        self._update_running()
+        self._bus.announce(Faulted(str(error), self._core.time))
+        self._publish()
+
+    def _answer_next(self, timeout: float) -> None:
+        with contextlib.suppress(queue.Empty):
+            self._answer(self._mailbox.get(timeout=timeout))
+
+    def _drain(self) -> None:
+        """Carry out what waits now: what arrives meanwhile comes after a tick."""
+        for _ in range(self._mailbox.qsize()):
+            # An operation may drain the rest itself.
+            with contextlib.suppress(queue.Empty):
+                self._answer(self._mailbox.get_nowait())
+
+    def _answer(self, operation: _Operation | None) -> None:
+        """Carry out what is urgent, then ``operation``."""
+        while self._urgent:
+            self._carry_out(self._urgent.popleft())
+        if operation is not None:
+            self._carry_out(operation)
+
+    def _carry_out(self, operation: _Operation) -> None:
+        run, future, publishes = operation
+        self._core.sync_from_kernel()
+        if not future.set_running_or_notify_cancel():
+            return
+        if self._closing:
+            future.set_exception(ControlError("the simulation was closed"))
+            return
+        try:
+            answer = run()
+            if publishes:
+                self._publish()
+        except Exception as error:  # concerns only the caller
+            future.set_exception(error)
+        else:
+            future.set_result(answer)
+
+    def _restart_clock(self) -> None:
+        overruns = self._pacer.overruns
+        self._pacer = Pacer(self._core.control_period, self._speed or 1.0)
+        self._pacer.overruns = overruns
+        self._meter.restart(self._core.time, overruns)
+
+    def snapshot_with_arms(self) -> Snapshot:
+        """Publish a snapshot that has what moves each arm, and return it.
+
+        Raises:
+            ControlError: If the simulation is closed.
+        """
+
+        def publish() -> Snapshot:
+            self._publish(with_arms=True)
+            snapshot = self._bus.latest
+            assert snapshot is not None  # it was just published
+            return snapshot
+
+        return self.call(publish, publishes=False)
+
+    def refresh(self) -> None:
+        """Publish a snapshot soon, without waiting for it; also while time is held.
+
+        It has what was asked for since the last one.
+        """
+        if not self._closing:
+            self._mailbox.put(_Operation(self._publish, Future(), publishes=False))
+
+    def _publish(self, *, with_arms: bool = False) -> None:
+        core, meter, overruns = self._core, self._meter, self._pacer.overruns
+        self.max_drift = core.drift(self.max_drift)
+        time = core.time
+        if meter.measure(time, overruns):
+            self._announce_lag()
+        hardware, manager, fault = core.hardware, core.manager, self._fault
+        _, position, velocity, effort = core.state
+        bus = self._bus
+        has_forces = bus.are_forces_due(time)
+        self._bus.publish(
+            Snapshot(  # by position: keywords take ten times as long
+                time,
+                core.ticks,
+                hardware.joint_names,
+                tuple(position),
+                tuple(velocity),
+                tuple(effort),
+                manager.list(),
+                self._is_paused,
+                hardware.is_stopped,
+                meter.factor,
+                overruns,
+                meter.late_ticks,
+                None if fault is None else str(fault),
+                self._speed,
+                manager.setpoints(),
+                {},  # received setpoints: it is this process that computes them
+                core.scene.objects,
+                core.engine.world.object_states(),
+                core.stall_monitor.stalls,
+                core.grip_contacts.gripping,
+                core.control_boxes.states,
+                core.command if self._bus.wants_commands else (),
+                core.arm_samples()
+                if with_arms or (bus.wants_arms and has_forces)
+                else {},
+                core.engine.world.contacts()
+                if bus.wants_contacts and has_forces
+                else (),
+                self.steps,
+            )
+        )
+
+    def _announce_lag(self) -> None:
+        """Publish that the simulation falls behind the wall clock or keeps up again."""
+        if self._thread is None or self._is_paused:
+            return
+        factor, speed = self._meter.factor, self._speed or 1.0
+        if not self._lag.changes(factor / speed):
+            return
+        count = self._meter.late_ticks if self._lag.is_behind else 0
+        self._bus.announce(Overran(count, self._core.time))
+        logger.warning(
+            "the simulation %s: %.2f x real time of %g x, %d late ticks a second",
+            "falls behind" if self._lag.is_behind else "keeps up again",
+            factor,
+            speed,
+            self._meter.late_ticks,
+        )
+
+
+def _checked_speed(factor: float) -> float:
+    if not 0.0 < factor <= 1000.0:
+        raise ControlError(f"speed must be in (0, 1000], got {factor}")
+    return factor

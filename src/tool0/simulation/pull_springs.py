@@ -1,0 +1,130 @@
+"""Springs that pull links towards places, for an arm that is guided by hand.
+
+The force follows the link in the thread of the tick.  A program that computes it from
+snapshots is late, and a light wrist then swings.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, NamedTuple, final
+
+from tool0.description.forward_kinematics import link_pose
+from tool0.description.model import RobotModel
+from tool0.description.transform import Vector3
+from tool0.hardware.engine import JointState
+from tool0.simulation.applied_wrenches import AppliedWrench, AppliedWrenches
+
+PERIOD: Final = 0.004
+"""Simulated time between two forces of a spring [s]."""
+_ROUNDING: Final = 1e-9
+"""[s] that a time may differ from a multiple of the tick."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PullSpring:
+    """A damped spring from a point of a link to a place at rest."""
+
+    link: str
+    point: Vector3
+    """In the link's frame [m]."""
+    target: Vector3
+    """In the robot's root [m]."""
+    stiffness: float
+    """[N/m]"""
+    damping: float
+    """[N·s/m]"""
+    max_force: float
+    """[N]"""
+    duration: float
+    """[s]"""
+
+
+class _Pull(NamedTuple):
+    spring: PullSpring
+    until: float
+    """[s]"""
+    due: float
+    """When the next force begins [s]."""
+    before: Vector3
+    """Where the point was when the last one began, in the robot's root [m]."""
+
+
+@final
+class PullSprings:
+    """At most one spring for each link.  Only the thread of the tick may use them."""
+
+    def __init__(
+        self, model: RobotModel, joint_names: Sequence[str], wrenches: AppliedWrenches
+    ) -> None:
+        self._model, self._wrenches = model, wrenches
+        self._joint_names = tuple(joint_names)
+        self._pulls: dict[str, _Pull] = {}
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether ``tick`` has nothing to do."""
+        return not self._pulls
+
+    def pull(self, spring: PullSpring, now: JointState) -> None:
+        """Pull a link from the next tick on, in place of another spring on it.
+
+        Raises:
+            ModelError: If there is no such link.
+            EngineError: If it cannot move.
+        """
+        link = self._model.link(spring.link).name
+        self._wrenches.check(link)
+        until = now.time + spring.duration
+        known = self._pulls.get(link)
+        if known is None or known.spring.point != spring.point:
+            here = self._place(spring, now)
+            self._pulls[link] = _Pull(spring, until, now.time, here)
+        else:
+            self._pulls[link] = known._replace(spring=spring, until=until)
+
+    def release(self, link: str | None = None) -> None:
+        """End the spring on a link, or all of them."""
+        self._pulls = {
+            name: pull
+            for name, pull in self._pulls.items()
+            if link is not None and name != link
+        }
+
+    def tick(self, state: JointState) -> None:
+        """Let the forces act that are due; end the springs that are over."""
+        now = state.time + _ROUNDING
+        for link, pull in list(self._pulls.items()):
+            if pull.until <= now:
+                del self._pulls[link]
+            elif pull.due <= now:
+                here = self._place(pull.spring, state)
+                self._push(pull, here, state.time)
+                due = state.time + PERIOD
+                self._pulls[link] = pull._replace(due=due, before=here)
+
+    def _push(self, pull: _Pull, here: Vector3, now: float) -> None:
+        spring = pull.spring
+        x, y, z = (
+            spring.stiffness * (there - at) - spring.damping * (at - was) / PERIOD
+            for there, at, was in zip(spring.target, here, pull.before, strict=True)
+        )
+        part = min(1.0, spring.max_force / (math.hypot(x, y, z) or math.inf))
+        self._wrenches.add(
+            AppliedWrench(
+                name=spring.link,
+                force=(part * x, part * y, part * z),
+                torque=(0.0, 0.0, 0.0),
+                point=here,
+                start=now,
+                duration=PERIOD,
+            )
+        )
+
+    def _place(self, spring: PullSpring, state: JointState) -> Vector3:
+        """Return where the spring's point of its link is, in the robot's root [m]."""
+        position = dict(zip(self._joint_names, state.position, strict=True))
+        return link_pose(self._model, position, spring.link).apply(spring.point)

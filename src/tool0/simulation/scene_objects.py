@@ -1,0 +1,75 @@
+"""The objects around the robot: spawned, deleted and placed at run time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import final
+
+from tool0.description.model import RobotModel
+from tool0.description.scene import Scene, SceneObject
+from tool0.errors import ControlError
+from tool0.hardware.engine import Engine
+from tool0.protocol.state import ObjectState
+from tool0.simulation.applied_wrenches import AppliedWrenches
+
+
+@final
+class SceneObjects:
+    """The engine's objects, and the wrenches on them.
+
+    Only the thread that owns the tick may use them.
+    """
+
+    def __init__(self, model: RobotModel, engine: Engine, scene: Scene) -> None:
+        """Start with the objects that the engine was built with."""
+        self._model = model
+        self._world = engine.world
+        self.wrenches = AppliedWrenches(engine.world)
+        self.objects: tuple[SceneObject, ...] = scene.objects
+        """In the order of the engine's states."""
+
+    def check_names(self, item: SceneObject) -> None:
+        """Raise ConfigError if an object has the name of a link."""
+        Scene((item,)).check_beside(self._model)
+
+    def spawn(self, item: SceneObject) -> None:
+        """Add an object.
+
+        Raises:
+            ConfigError: If it has the name of a link.
+            ModelError: If the engine does not support such an object.
+            EngineError: If the name is taken, or the engine refuses.
+        """
+        self.check_names(item)
+        self._world.spawn(item)
+        self.objects = (*self.objects, item)
+
+    def delete(self, name: str) -> None:
+        """Remove an object, or raise EngineError if there is none."""
+        self._world.delete(name)
+        self.wrenches.clear(name)
+        self.objects = tuple(item for item in self.objects if item.name != name)
+
+    def changed(self, item: SceneObject) -> None:
+        """Note that the engine gave an object another mass or friction."""
+        self.objects = tuple(
+            item if other.name == item.name else other for other in self.objects
+        )
+
+    def place(self, state: ObjectState) -> None:
+        """Place an object.
+
+        Raises:
+            ControlError: If the state is not finite, or its quaternion has no length.
+            EngineError: If there is no such object, or it cannot have this velocity.
+        """
+        length = math.hypot(*state.quat_wxyz)
+        values = (*state.position, *state.linear, *state.angular)
+        if not (all(map(math.isfinite, values)) and 0.0 < length < math.inf):
+            raise ControlError(
+                f"object '{state.name}' needs a finite position and velocity, and a "
+                f"non-zero quaternion, got {state}"
+            )
+        w, x, y, z = (part / length for part in state.quat_wxyz)
+        self._world.place(replace(state, quat_wxyz=(w, x, y, z)))

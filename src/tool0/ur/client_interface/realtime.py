@@ -1,0 +1,79 @@
+"""The packet of the real-time interface, port 30003.
+
+Its layout is that of software 5.10, in the same order as since 3.0: later versions only
+append, and the first number is the size, so that clients of older versions read what
+they know.  Source:
+https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/realtime-guide.html
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from struct import Struct
+from typing import TYPE_CHECKING, Final
+
+from tool0.ur.rtde import quantities as q
+
+if TYPE_CHECKING:
+    from tool0.ur.control_box import UrControlBox
+
+N_VALUES: Final = 152
+SIZE: Final = 4 + 8 * N_VALUES
+"""Of the packet, with the number that says so [bytes]."""
+_PACKET: Final = Struct(f">i{N_VALUES}d")
+
+
+def realtime_packet(box: UrControlBox) -> bytes:
+    """Return the packet that shows a control box now."""
+    return _PACKET.pack(SIZE, *_values(box))
+
+
+def _values(box: UrControlBox) -> Iterator[float]:
+    """Return what follows the size, in the guide's order."""
+    state, arm = box.state, box.arm_update
+    yield box.time
+    for six in (
+        arm.target_position,
+        arm.target_velocity,
+        arm.target_acceleration,
+        q.currents(box),  # target currents
+        box.effort,  # target moments
+        box.q,
+        box.qd,
+        q.currents(box),
+        q.currents(box),  # control currents
+        box.tcp_pose(),
+        box.tcp_speed(),
+        box.tcp_wrench(),
+        box.tcp_pose(target=True),
+        box.tcp_speed(target=True),
+    ):
+        yield from six
+    yield float(q.digital_bits(state.digital_inputs))
+    yield from (q.ROOM_TEMPERATURE,) * 6
+    yield from (0.0, 0.0)  # execution time of the controller, test value
+    yield float(state.robot_mode)
+    yield from map(float, q.joint_modes(box))
+    yield float(state.safety_mode)
+    yield from _unused(6)
+    yield from q.tool_accelerometer(box)
+    yield from _unused(6)
+    yield state.speed_scaling
+    yield from _unused(3)  # linear momentum; two values of UR's own
+    yield q.SUPPLY_VOLTAGE
+    yield q.voltage(box)
+    yield q.robot_current(box)
+    yield from (q.voltage(box),) * 6
+    yield float(q.digital_bits(state.digital_outputs))
+    yield float(box.programs.state)
+    yield from q.elbow_position(box)
+    yield from q.elbow_velocity(box)
+    yield float(state.safety_mode)  # as the safety status
+    yield from _unused(3)
+    yield state.payload.mass
+    yield from state.payload.center_of_gravity
+    yield from q.payload_moments(box)
+
+
+def _unused(count: int) -> Sequence[float]:
+    return (0.0,) * count

@@ -1,0 +1,141 @@
+"""Executes the programs that clients send, one after the other."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, Final, final
+
+from tool0.errors import ControlError, Tool0Error
+from tool0.protocol.control_box import (
+    PowerOff,
+    PowerOn,
+    ReleaseBrakes,
+    UnlockProtectiveStop,
+)
+from tool0.ur.client_interface.scripts import UNNAMED, Script
+from tool0.ur.compiling import compiled
+
+if TYPE_CHECKING:
+    from tool0.ur.control_box import UrControlBox
+    from tool0.ur.programs import RunnableProgram
+
+logger = logging.getLogger(__name__)
+
+MAX_WAITING: Final = 32
+"""Programs that wait for their turn.  A further one replaces the oldest of them, as it
+would replace it anyway when both had started."""
+MAX_SECONDARY: Final = 16
+"""Secondary programs at a time."""
+
+
+@final
+class Uploads:
+    """Executes scripts: a program replaces the one that runs, a secondary does not."""
+
+    def __init__(self, box: UrControlBox) -> None:
+        self._box = box
+        self._waiting: deque[tuple[Script, int]] = deque()
+        """With the number of stops before each."""
+        self._arrived = asyncio.Event()
+        self._is_flooded = False
+        self._secondary: set[asyncio.Task[None]] = set()
+        self._stopping: set[asyncio.Task[None]] = set()
+        self._task = asyncio.create_task(self._execute_all())
+        arm = box.arm
+        self._commands: dict[str, Callable[[], Awaitable[object]]] = {
+            "power on": lambda: box.call(PowerOn(arm=arm)),
+            "set robotmode run": lambda: box.call(ReleaseBrakes(arm=arm)),
+            "set unlock protective stop": lambda: box.call(
+                UnlockProtectiveStop(arm=arm)
+            ),
+        }
+        """Lines that are no URScript; UR's own client library sends these."""
+        self._stops: dict[str, Callable[[], Awaitable[object]]] = {
+            "power off": self._power_off,
+            "stop program": box.programs.stop,
+        }
+        """Those that wait for nothing."""
+
+    def put(self, script: Script) -> None:
+        """Execute a script after those that wait; a stop at once."""
+        if (stop := self._stops.get(_line(script))) is not None:
+            task = asyncio.create_task(self._attempt(script, stop()))
+            self._stopping.add(task)
+            task.add_done_callback(self._stopping.discard)
+            return
+        if len(self._waiting) >= MAX_WAITING:
+            self._waiting.popleft()
+            if not self._is_flooded:
+                self._is_flooded = True
+                self._box.report(
+                    ControlError("programs arrive faster than they can be started")
+                )
+        self._waiting.append((script, self._box.programs.n_stops))
+        self._arrived.set()
+
+    async def close(self) -> None:
+        """End the secondary programs, and drop what waits."""
+        tasks = (self._task, *self._secondary, *self._stopping)
+        for task in tasks:
+            task.cancel()
+        await asyncio.wait(tasks)
+
+    async def _execute_all(self) -> None:
+        while True:
+            while not self._waiting:
+                self._is_flooded = False
+                self._arrived.clear()
+                await self._arrived.wait()
+            script, n_stops = self._waiting.popleft()
+            await self._attempt(script, self._execute(script, n_stops))
+
+    async def _attempt(self, script: Script, execution: Awaitable[object]) -> None:
+        """Report what goes wrong: one program must not stop the others."""
+        try:
+            await execution
+        except Tool0Error as error:
+            self._box.report(error)
+        except Exception as error:
+            logger.exception("the program '%s' could not be started", script.name)
+            self._box.messages.error(f"{script.name}: {error!r}")
+
+    async def _power_off(self) -> None:
+        """Switch the arm off, and start nothing that was sent before."""
+        self._box.programs.n_stops += 1
+        await self._box.call(PowerOff(arm=self._box.arm))
+
+    async def _execute(self, script: Script, n_stops: int) -> None:
+        self._box.programs.require_no_stop(script.name, n_stops)
+        command = self._commands.get(_line(script))
+        if command is not None:
+            await command()
+            return
+        program = await compiled(script.text, script.name)
+        if not script.is_secondary:
+            await self._box.programs.start(program, n_stops)
+            return
+        if len(self._secondary) >= MAX_SECONDARY:
+            raise ControlError(
+                f"{script.name}: {MAX_SECONDARY} secondary programs are running already"
+            )
+        task = asyncio.create_task(self._run_beside(program))
+        self._secondary.add(task)
+        task.add_done_callback(self._secondary.discard)
+
+    async def _run_beside(self, program: RunnableProgram[UrControlBox]) -> None:
+        """Run a secondary program, which does not get the arm."""
+        try:
+            await program.run(self._box)
+        except Tool0Error as error:
+            self._box.report(error)
+        except Exception as error:
+            logger.exception("the program '%s' failed", program.name)
+            self._box.messages.error(f"{program.name}: {error!r}")
+
+
+def _line(script: Script) -> str:
+    """Return the line that is a whole script; nothing for a program with a name."""
+    return " ".join(script.text.split()).lower() if script.name == UNNAMED else ""

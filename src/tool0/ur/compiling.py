@@ -1,0 +1,42 @@
+"""From the text of a program to one that can run."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from typing import TYPE_CHECKING
+
+from tool0.errors import ConfigError
+from tool0.ur.programs import RunnableProgram
+
+if TYPE_CHECKING:
+    from tool0.ur.control_box import UrControlBox
+
+
+async def compiled(text: str, name: str) -> RunnableProgram[UrControlBox]:
+    """Return a program; its text is read in another thread, as that takes a while.
+
+    The program that ur_rtde uploads is recognised and executed natively.
+
+    Raises:
+        Tool0Error: If it is not valid, with line and column.
+    """
+    return await asyncio.to_thread(_compile, text, name)
+
+
+def _compile(text: str, name: str) -> RunnableProgram[UrControlBox]:
+    from tool0.ur.rtde_control.program import recognise
+    from tool0.ur.urscript.program import compile_program
+
+    known = recognise(text)
+    if known is not None:
+        return known
+    return compile_program(text, name)
+
+
+def prepare() -> None:
+    """Import and build what the first program would wait for: some 0.3 s."""
+    from tool0.ur.urscript.program import compile_program
+
+    with contextlib.suppress(ConfigError):  # lark is not installed
+        compile_program("sleep(0.0)", "nothing")

@@ -1,0 +1,347 @@
+"""A control box as its ports see it: the arm, registers, messages and the program.
+
+Everything here belongs to the event loop of the UR process.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final, TypeVar, final
+
+import numpy as np
+from msgspec import UnsetType
+
+from tool0.api.connect import SocketChannel
+from tool0.description.model import (
+    FLANGE,
+    GRIPPER_PROTOCOLS,
+    ROBOTIQ,
+    JointLimits,
+)
+from tool0.description.parts import find_grippers, gripper_of
+from tool0.description.transform import Transform, Vector3
+from tool0.description.transform_arrays import matrix_of
+from tool0.errors import Tool0Error, UnreachableError
+from tool0.kinematics.chain import ArmChain, Array, find_chains, fixed_transform
+from tool0.kinematics.inverse import InverseKinematics
+from tool0.kinematics.scalar_kinematics import ScalarChain, ScalarPosture
+from tool0.protocol.control_box_state import ControlBoxState
+from tool0.protocol.request import Request
+from tool0.protocol.updates import ArmUpdate, Six, UpdateMessage
+from tool0.ur.messages import Messages
+from tool0.ur.pose import pose_of, transform_of
+from tool0.ur.programs import ProgramSlot
+from tool0.ur.registers import Registers
+from tool0.ur.robotiq.gripper import RobotiqGripper
+
+logger = logging.getLogger(__name__)
+R = TypeVar("R")
+
+CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
+"""The arms whose control box is a CB3; all later ones have an e-Series one."""
+
+
+@final
+class UrControlBox:
+    """One arm and what its control box knows about it."""
+
+    def __init__(
+        self,
+        channel: SocketChannel,
+        arm: str,
+        first: UpdateMessage,
+        *,
+        limits: Mapping[str, JointLimits] | None = None,
+        allow_sockets: bool = False,
+    ) -> None:
+        """Show an arm of the bring-up.
+
+        Args:
+            channel: The connection to the bring-up.
+            arm: As ``list_arms`` names it.
+            first: The first update, which has everything.
+            limits: Of each driven joint; those of the URDF, if left out.
+            allow_sockets: Whether programs may connect to other machines.
+        """
+        self.allow_sockets = allow_sockets
+        self._channel = channel
+        self._event_loop = asyncio.get_running_loop()
+        model = channel.description.model
+        self.arm = arm
+        self.chain: ArmChain = find_chains(model, limits)[arm]
+        self.kinematics = InverseKinematics(self.chain)
+        prefix = self.chain.tip.removesuffix(FLANGE)
+        base = f"{prefix}base"
+        has_base = any(link.name == base for link in model.links)
+        self.T_chain_base: Array = (
+            fixed_transform(model, self.chain.base, base).matrix
+            if has_base
+            else np.eye(4)
+        )
+        """UR's base frame in the link that carries the arm, shape (4, 4)."""
+        self.model_name = next(
+            (r.arm.name for r in channel.description.robots if r.prefix == prefix), ""
+        )
+        """Of the catalogue: ``ur5e``; empty for a robot of one's own."""
+        self.is_e_series = self.model_name not in CB3_ARMS
+        self.version = (5, 16, 0) if self.is_e_series else (3, 15, 8)
+        """Of the software that the box appears to run."""
+        self.rate = 500.0 if self.is_e_series else 125.0
+        """Of RTDE and the real-time interface [Hz]."""
+        self.registers = Registers()
+        self.messages = Messages()
+        self.programs = ProgramSlot(self)
+        self.when_updated: set[Callable[[], None]] = set()
+        """Called for each update."""
+        assert not isinstance(first.joint_names, UnsetType)
+        index = {name: k for k, name in enumerate(first.joint_names)}
+        self._indices = [index[name] for name in self.chain.joint_names]
+        self._waiting: list[asyncio.Future[None]] = []
+        self._postures_of = ScalarChain(
+            self.chain, np.asarray(np.linalg.inv(self.T_chain_base))
+        )
+        self._postures: dict[bool, ScalarPosture] = {}
+        """Those of this update: measured, and the setpoint's."""
+        self._T_tip_tcp: tuple[tuple[float, ...], Transform] = ((), Transform())
+        """The TCP in the flange: as UR's pose, and as a transform."""
+        self._known: dict[tuple[str, bool], Six] = {}
+        """Quantities computed from this update."""
+        self.update: UpdateMessage
+        """The newest update."""
+        self.note(first)
+        self.gripper: RobotiqGripper | None = None
+        """The gripper that the arm carries, if it speaks Robotiq's protocol."""
+        self.has_foreign_gripper = False
+        """Whether the arm carries a gripper that speaks no protocol of tool0's."""
+        name = gripper_of(model, arm)
+        if name is not None:
+            geometry = find_grippers(model)[name]
+            self.has_foreign_gripper = geometry.protocol != ROBOTIQ
+            if not self.has_foreign_gripper:
+                joint = index[geometry.joint]
+                self.gripper = RobotiqGripper(self, name, geometry, joint)
+
+    @property
+    def bringup(self) -> str:
+        """The name of the bring-up."""
+        return self._channel.name
+
+    # ---- updates --------------------------------------------------------------------
+
+    def take(self, update: UpdateMessage) -> None:
+        """Show the robot after another update, and tell everyone."""
+        self.note(update)
+        for callback in tuple(self.when_updated):
+            try:
+                callback()
+            except Exception:  # one must not stop the others
+                logger.exception("an update could not be shown")
+        waiting, self._waiting = self._waiting, []
+        for future in waiting:
+            if not future.done():
+                future.set_result(None)
+
+    def note(self, update: UpdateMessage) -> None:
+        """Take an update without telling anyone: a newer one has arrived already."""
+        self.update = update
+        if not isinstance(update.arms, UnsetType):
+            self.arm_update: ArmUpdate = update.arms[self.arm]
+        if not isinstance(update.control_boxes, UnsetType):
+            self.state: ControlBoxState = next(
+                box for box in update.control_boxes if box.arm == self.arm
+            )
+        self._postures.clear()
+        self._known.clear()
+
+    async def next_update(self) -> None:
+        """Wait for the next update."""
+        future: asyncio.Future[None] = self._event_loop.create_future()
+        self._waiting.append(future)
+        await future
+
+    async def until(self, condition: Callable[[], bool]) -> None:
+        """Wait for the first update at which a condition holds; now, if it does."""
+        while not condition():
+            await self.next_update()
+
+    async def sleep(self, duration: float) -> None:
+        """Wait for simulated time to pass [s]; a reset of the time ends it."""
+        start = self.time
+        await self.until(lambda: not 0.0 <= self.time - start < duration - 1e-9)
+
+    # ---- requests -------------------------------------------------------------------
+
+    async def call(self, request: Request[R]) -> R:
+        """Return the response of a request to the bring-up, or raise its error."""
+        future: asyncio.Future[R] = self._event_loop.create_future()
+
+        def finish(outcome: Callable[[], R]) -> None:
+            if future.done():
+                return  # cancelled
+            try:
+                future.set_result(outcome())
+            except Exception as error:
+                future.set_exception(error)
+
+        def when_done(outcome: Callable[[], R]) -> None:
+            self._event_loop.call_soon_threadsafe(finish, outcome)
+
+        self._channel.submit(request, when_done)
+        return await future
+
+    def send(self, request: Request[Any]) -> None:
+        """Send a request of which no answer is needed; failures are reported."""
+        try:
+            self._channel.post(request)
+        except Tool0Error as error:
+            self.report(error)
+
+    def report(self, error: Tool0Error) -> None:
+        """Tell clients and the log about an error."""
+        logger.warning("%s: %s", self.arm, error)
+        self.messages.error(str(error))
+
+    # ---- the arm --------------------------------------------------------------------
+
+    @property
+    def why_no_gripper(self) -> str:
+        """Why the arm has no ``gripper`` that programs and clients could use."""
+        if not self.has_foreign_gripper:
+            return "the arm carries no gripper"
+        return (
+            "the arm's gripper speaks no protocol that tool0 has (there is "
+            f"{', '.join(GRIPPER_PROTOCOLS)}): no ports, no rq_ functions"
+        )
+
+    @property
+    def stopped(self) -> str:
+        """Why no program moves the arm any more; empty if one may."""
+        state = self.state
+        if state.protective_stop:
+            return f"protective stop: {state.protective_stop}"
+        is_off = "" if state.may_move else "the arm was stopped or switched off"
+        return state.motion_failure or is_off
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.update.time
+
+    @property
+    def q(self) -> Six:
+        """Measured positions [rad], as for all: from base to flange."""
+        return self._of_joints(self.update.position)
+
+    @property
+    def qd(self) -> Six:
+        """Measured velocities [rad/s]."""
+        return self._of_joints(self.update.velocity)
+
+    @property
+    def effort(self) -> Six:
+        """Efforts of the drives [N·m]."""
+        return self._of_joints(self.update.effort)
+
+    @property
+    def tcp(self) -> Six:
+        """The pose of the tool centre point in the flange."""
+        return self.state.tcp
+
+    def tcp_pose(self, *, target: bool = False) -> Six:
+        """Return the measured pose of the TCP in the base frame, or the setpoint's."""
+        return self._once("pose", target, self._compute_pose)
+
+    def tcp_speed(self, *, target: bool = False) -> Six:
+        """Return the velocity of the TCP in the base frame's axes [m/s, rad/s]."""
+        return self._once("speed", target, self._compute_speed)
+
+    def tcp_frame(self, *, target: bool = False) -> Transform:
+        """Return the TCP in the base frame."""
+        if self.tcp != self._T_tip_tcp[0]:
+            self._T_tip_tcp = self.tcp, transform_of(self.tcp)
+        return self.posture(target=target).flange @ self._T_tip_tcp[1]
+
+    def flange_wrench(self) -> tuple[Vector3, Vector3]:
+        """Return the external force and torque at the flange, in the base's axes."""
+        flange, (fx, fy, fz, tx, ty, tz) = self.posture().flange, self.arm_update.wrench
+        return flange.rotate((fx, fy, fz)), flange.rotate((tx, ty, tz))
+
+    def tcp_wrench(self) -> Six:
+        """Return the external wrench at the TCP in the base frame's axes [N, N·m]."""
+        return self._once("wrench", False, self._compute_wrench)
+
+    def forward(self, q: Sequence[float], tcp: Sequence[float] | None = None) -> Six:
+        """Return the pose of the TCP at joint positions ``q`` [rad]."""
+        T_tip_tcp = transform_of(self.tcp if tcp is None else tcp)
+        return pose_of(self._postures_of.forward(q).flange @ T_tip_tcp)
+
+    def inverse(
+        self,
+        pose: Sequence[float],
+        near: Sequence[float] | None = None,
+        tcp: Sequence[float] | None = None,
+    ) -> Six:
+        """Return the joint positions nearest to ``near`` with the TCP at a pose [rad].
+
+        Args:
+            pose: In the base frame.
+            near: The setpoint, if left out [rad].
+            tcp: In the flange; that of the box, if left out.
+
+        Raises:
+            UnreachableError: If there are none, with the reason.
+        """
+        T_tip_tcp = matrix_of(self.tcp if tcp is None else tcp)
+        T = self.T_chain_base @ matrix_of(pose) @ np.linalg.inv(T_tip_tcp)
+        reference = self.arm_update.target_position if near is None else near
+        found = self.kinematics.solutions(T, np.asarray(reference, dtype=np.float64))
+        a, b, c, d, e, f = (found[0].positions[name] for name in self.chain.joint_names)
+        return (a, b, c, d, e, f)
+
+    def has_inverse(
+        self,
+        pose: Sequence[float],
+        near: Sequence[float] | None = None,
+        tcp: Sequence[float] | None = None,
+    ) -> bool:
+        """Return whether ``inverse`` finds joint positions."""
+        try:
+            self.inverse(pose, near, tcp)
+        except UnreachableError:
+            return False
+        return True
+
+    def _of_joints(self, values: Sequence[float]) -> Six:
+        a, b, c, d, e, f = (values[k] for k in self._indices)
+        return (a, b, c, d, e, f)
+
+    def posture(self, *, target: bool = False) -> ScalarPosture:
+        """Return the measured posture in the base frame, or that of the setpoint."""
+        if target not in self._postures:
+            q = self.arm_update.target_position if target else self.q
+            self._postures[target] = self._postures_of.forward(q)
+        return self._postures[target]
+
+    def _once(self, what: str, target: bool, compute: Callable[[bool], Six]) -> Six:
+        """Return a quantity of this update, computed by whoever needs it first."""
+        key = (what, target)
+        if key not in self._known:
+            self._known[key] = compute(target)
+        return self._known[key]
+
+    def _compute_pose(self, target: bool) -> Six:
+        return pose_of(self.tcp_frame(target=target))
+
+    def _compute_speed(self, target: bool) -> Six:
+        posture = self.posture(target=target)
+        qd = self.arm_update.target_velocity if target else self.qd
+        linear, angular = posture.velocity(posture.flange.apply(self.tcp[:3]), qd)
+        return (*linear, *angular)
+
+    def _compute_wrench(self, target: bool) -> Six:
+        (fx, fy, fz), (tx, ty, tz) = self.flange_wrench()
+        x, y, z = self.posture(target=target).flange.rotate(self.tcp[:3])
+        torque = (tx - y * fz + z * fy, ty - z * fx + x * fz, tz - x * fy + y * fx)
+        return (fx, fy, fz, *torque)

@@ -1,0 +1,341 @@
+"""Moves of one arm, as URScript's functions and ur_rtde's commands ask for them.
+
+Moves are planned here and sent as paths.  A move with a blend radius returns a little
+before the tool comes within it: the next move then replaces the rest of its path from
+there on.  If none comes in time, the arm comes to rest at the target.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar, final
+
+import numpy as np
+
+from tool0.errors import ControlError
+from tool0.kinematics.chain import Array
+from tool0.motion.moves import Move, MovePlan, MoveWarning
+from tool0.motion.planner import MovePlanner
+from tool0.protocol.arm_motion import ServoJoints, SpeedJoints, SpeedTool, StopArm
+from tool0.simulation.handlers.paths import path_request
+
+if TYPE_CHECKING:
+    from tool0.protocol.updates import Six
+    from tool0.ur.control_box import UrControlBox
+
+logger = logging.getLogger(__name__)
+T = TypeVar("T")
+
+LEAD: Final = (0.012, 0.03, 0.1)
+"""How long before a blend a move returns [s], so that there is time to plan and send
+the next one: at least, at first, and at most.  It follows the time that this takes."""
+_MARGIN: Final = 0.01
+"""How far ahead of the last update a path is replaced [s]; more where that failed."""
+_FIRST_KNOT: Final = 0.002
+"""The earliest knot of a path that replaces another one [s]."""
+_LEAD_FACTOR: Final = 1.5
+_LEAD_DECAY: Final = 0.8
+_ATTEMPTS: Final = 4
+_SHOWN_WARNINGS: Final = 5
+_ROUNDING: Final = 1e-9
+OWN_STREAM: Final = 1e6
+"""Timeout of the streams of a program of the box itself [wall s]: it may pause between
+two commands, and nobody else sends them, who could fall silent."""
+STOP: Final = 4.0
+"""Of the leading joint, when a motion is cancelled or replaced [rad/s²]."""
+
+
+class _Running(NamedTuple):
+    """A path that was sent."""
+
+    plan: MovePlan
+    number: int
+    """The bring-up's; 0 if there was nothing to do."""
+    sent: float
+    """Simulated time [s]."""
+
+
+@final
+class Moves:
+    """Moves the arm of a control box, for one program at a time."""
+
+    def __init__(self, box: UrControlBox) -> None:
+        self._box = box
+        self._running: _Running | None = None
+        self._lead = LEAD[1]
+
+    # ---- moves ----------------------------------------------------------------------
+
+    async def move(self, moves: Sequence[Move], *, wait: bool = True) -> None:
+        """Execute moves one after another, with their blends.
+
+        After a move with a blend radius, they are blended with it; any other motion
+        ends first.  If this is cancelled while it waits, the arm slows down to rest.
+
+        Args:
+            moves: At least one; nothing moves if one of them is impossible.
+            wait: Whether to return when the last move has ended, or is about to be
+                blended; otherwise as soon as the motion is accepted.
+
+        Raises:
+            UnreachableError: If a move cannot be done, with its number and the reason.
+            ControlError: If the arm may not move now.
+        """
+        self._running = running = await self._start(tuple(moves))
+        plan = running.plan
+        self._warn(plan.warnings)
+        if wait:
+            lead = self._lead if plan.tail else 0.0
+            await self._until(running, plan.zones[-1] - lead)
+
+    @property
+    def progress(self) -> int:
+        """The index of the move that is executed, of the last ones; -1 without."""
+        running = self._running
+        if running is None or self._has_ended(running):
+            return -1
+        return running.plan.move_at(self._path_time(running))
+
+    async def movej(
+        self, q: Sequence[float], a: float, v: float, t: float = 0.0, r: float = 0.0
+    ) -> None:
+        """Turn all joints in proportion, to positions [rad]."""
+        await self.move([Move(kind="joint", q=q, a=a, v=v, t=t, r=r)])
+
+    async def movel(
+        self, pose: Sequence[float], a: float, v: float, t: float = 0.0, r: float = 0.0
+    ) -> None:
+        """Move the TCP on a line."""
+        await self.move([Move(kind="linear", pose=pose, a=a, v=v, t=t, r=r)])
+
+    async def movep(
+        self, pose: Sequence[float], a: float, v: float, r: float = 0.0
+    ) -> None:
+        """Move the TCP on a line, with arcs at constant speed as blends."""
+        await self.move([Move(kind="process", pose=pose, a=a, v=v, r=r)])
+
+    async def movec(  # noqa: PLR0917 (URScript's)
+        self,
+        pose_via: Sequence[float],
+        pose_to: Sequence[float],
+        a: float,
+        v: float,
+        r: float = 0.0,
+        mode: int = 0,
+    ) -> None:
+        """Move the TCP on an arc."""
+        await self.move(
+            [
+                Move(
+                    kind="circular",
+                    via=pose_via,
+                    pose=pose_to,
+                    a=a,
+                    v=v,
+                    r=r,
+                    mode=mode,
+                )
+            ]
+        )
+
+    async def servoc(
+        self, pose: Sequence[float], a: float, v: float, r: float = 0.0
+    ) -> None:
+        """Move the TCP as ``movep`` does."""
+        await self.move([Move(kind="servo_circular", pose=pose, a=a, v=v, r=r)])
+
+    # ---- streams and stops ----------------------------------------------------------
+
+    async def servoj(
+        self,
+        q: Six,
+        t: float = 0.002,
+        lookahead_time: float = 0.1,
+        gain: float = 300.0,
+    ) -> None:
+        """Follow joint positions [rad]; return after ``t`` [s]."""
+        box = self._box
+        self._running = None
+        box.send(
+            ServoJoints(
+                arm=box.arm,
+                positions=q,
+                duration=t,
+                lookahead_time=lookahead_time,
+                gain=gain,
+                timeout=OWN_STREAM,
+            )
+        )
+        await box.sleep(t)
+
+    async def speedj(self, qd: Six, a: float, t: float | None = None) -> None:
+        """Ramp to joint velocities [rad/s]; return after ``t``, or at full speed."""
+        box, a = self._box, _above_0(a)
+        change = np.subtract(qd, box.arm_update.target_velocity)
+        self._running = None
+        box.send(
+            SpeedJoints(arm=box.arm, velocities=qd, acceleration=a, timeout=OWN_STREAM)
+        )
+        await box.sleep(float(np.abs(change).max()) / a if t is None else t)
+
+    async def speedl(
+        self, xd: Six, a: float, t: float | None = None, a_rot: float | None = None
+    ) -> None:
+        """Ramp to a velocity of the TCP [m/s, rad/s]; return as ``speedj`` does."""
+        box, a = self._box, _above_0(a)
+        change = np.subtract(xd, box.tcp_speed(target=True))
+        self._running = None
+        box.send(
+            SpeedTool(
+                arm=box.arm, twist=xd, acceleration=a, tcp=box.tcp, timeout=OWN_STREAM
+            )
+        )
+        if t is None:
+            t = _duration(change, a, a_rot)
+        await box.sleep(t)
+
+    async def stopj(self, a: float = 2.0) -> None:
+        """Ramp down to rest from any motion; ``a`` is the leading joint's [rad/s²]."""
+        box = self._box
+        await box.call(StopArm(arm=box.arm, deceleration=_above_0(a)))
+        self._running = None  # also a path that was to begin later
+        await self._rest()
+
+    async def stopl(self, a: float = 20.0, a_rot: float | None = None) -> None:
+        """Ramp down to rest in the time that the TCP needs with ``a`` [m/s²]."""
+        fastest = float(np.abs(self._box.arm_update.target_velocity).max())
+        duration = _duration(
+            np.array(self._box.tcp_speed(target=True)), _above_0(a), a_rot
+        )
+        await self.stopj(fastest / duration if duration * fastest > 0.0 else a)
+
+    # ---- paths ----------------------------------------------------------------------
+
+    async def _start(self, moves: tuple[Move, ...]) -> _Running:
+        if self._running is not None and not self._has_ended(self._running):
+            blended = await self._blend(self._running, moves)
+            if blended is not None:
+                return blended
+            await self._until(self._running, self._running.plan.duration)
+        box = self._box
+        while True:
+            if not box.arm_update.is_done:
+                await self.stopj(STOP)
+            start = box.arm_update.target_position
+            planner = self._planner()
+            plan = await _planned(partial(planner.plan, start, moves), moves)
+            if plan.duration == 0.0:
+                return _Running(plan, 0, box.time)
+            request = path_request(box.arm, plan.path)
+            try:
+                return _Running(plan, await box.call(request), box.time)
+            except ControlError:
+                await box.next_update()
+                if box.arm_update.is_done and box.arm_update.target_position == start:
+                    raise
+                # The last update did not show yet that the arm moved.
+
+    async def _blend(
+        self, running: _Running, moves: tuple[Move, ...]
+    ) -> _Running | None:
+        """Replace the end of a path; None if it is too late, or has no radius."""
+        box, plan, planner = self._box, running.plan, self._planner()
+        margin, start = _MARGIN, self._box.time
+        for _ in range(_ATTEMPTS):
+            if plan.tail is None or self._has_ended(running):
+                return None
+            before = box.time
+            at = max(plan.tail.entry, self._path_time(running) + margin)
+            rest = await _planned(partial(planner.resume, plan, at, moves), moves)
+            if rest is None:
+                return None
+            # The path begins with the motion of the old one, which may be 0.02 mm
+            # away: a knot at once would be a jump.
+            path = rest.path.since(_FIRST_KNOT)
+            request = path_request(box.arm, path, after=running.number, at=at)
+            try:
+                number = await box.call(request)
+            except ControlError as error:
+                logger.debug("%s: %s", box.arm, error)
+                margin = max(2.0 * margin, 1.5 * (box.time - before))
+            else:
+                taken = _LEAD_FACTOR * (box.time - start) + _MARGIN
+                self._lead = max(min(taken, LEAD[2]), _LEAD_DECAY * self._lead, LEAD[0])
+                return _Running(rest, number, box.time)
+        return None
+
+    def _warn(self, warnings: Sequence[MoveWarning]) -> None:
+        shown = list(map(str, warnings[:_SHOWN_WARNINGS]))
+        if len(warnings) > len(shown):
+            shown.append(f"{len(warnings) - len(shown)} more warnings of this path")
+        for warning in shown:
+            logger.warning("%s: %s", self._box.arm, warning)
+            self._box.messages.text(warning)
+
+    def _planner(self) -> MovePlanner:
+        box = self._box
+        return MovePlanner(box.kinematics, box.tcp, box.T_chain_base)
+
+    # ---- waiting --------------------------------------------------------------------
+
+    async def _until(self, running: _Running, time: float) -> None:
+        """Wait until a path is at a time, or has arrived; or until it was left.
+
+        Raises:
+            ControlError: If the arm has stopped.
+        """
+        box, end = self._box, running.plan.duration
+        must_arrive = time >= end - _ROUNDING
+
+        def is_over() -> bool:
+            is_there = not must_arrive and self._path_time(running) >= time - _ROUNDING
+            return is_there or self._has_ended(running) or bool(box.stopped)
+
+        try:
+            await box.until(is_over)
+        except asyncio.CancelledError:
+            if not self._has_ended(running):
+                box.send(StopArm(arm=box.arm, deceleration=STOP))
+            raise
+        if box.stopped:
+            raise ControlError(box.stopped)
+
+    def _path_time(self, running: _Running) -> float:
+        """Return where a path is, 0 before it [s]."""
+        update = self._box.arm_update
+        return update.path_time if update.path == running.number else 0.0
+
+    def _has_ended(self, running: _Running) -> bool:
+        """Return whether a path was followed to its end, or left."""
+        update = self._box.arm_update
+        if update.path == running.number:
+            return update.is_done or update.mode != "path"
+        is_reset = self._box.time < running.sent
+        return update.path > running.number or running.number == 0 or is_reset
+
+    async def _rest(self) -> None:
+        await self._box.next_update()
+        await self._box.until(lambda: self._box.arm_update.is_done)
+
+
+async def _planned(plan: Callable[[], T], moves: Sequence[Move]) -> T:
+    """Plan here if it is quick, otherwise in another thread."""
+    if len(moves) == 1 and moves[0].kind == "joint":
+        return plan()
+    return await asyncio.to_thread(plan)
+
+
+def _above_0(acceleration: float) -> float:
+    """Return an acceleration within what requests accept; ControlError unless > 0."""
+    if not acceleration > 0.0:
+        raise ControlError(f"an acceleration must be above 0, got {acceleration}")
+    return min(acceleration, 1000.0)
+
+
+def _duration(change: Array, a: float, a_rot: float | None) -> float:
+    """Return how long a change of the tool's velocity takes [s]."""
+    linear = float(np.linalg.norm(change[:3])) / a
+    return max(linear, float(np.linalg.norm(change[3:])) / (a_rot or a))

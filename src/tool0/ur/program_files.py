@@ -1,0 +1,67 @@
+"""Program files for the dashboard server, from a folder that the user has chosen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Final, final
+
+from tool0.ur.client_interface.scripts import MAX_PROGRAM
+
+SUFFIX: Final = ".script"
+"""Of URScript programs; PolyScope's ``.urp`` files are not read."""
+ROOTS: Final = ("/programs", "/ursim/programs")
+"""Where a UR and its simulator keep programs: here, both are the folder."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ProgramFile:
+    """A program that was loaded."""
+
+    name: str
+    """As the client named it, without folders."""
+    text: str
+
+
+@final
+class ProgramFiles:
+    """Reads programs from one folder, and nothing outside it."""
+
+    def __init__(self, folder: Path | None) -> None:
+        """Read from ``folder``; None has no programs."""
+        self._folder = None if folder is None else folder.resolve()
+
+    def read(self, name: str) -> ProgramFile | None:
+        """Return a program, or None if there is none of that name.
+
+        ``pick.urp`` is the file ``pick.script``: programs of PolyScope keep their name
+        when they are exported.
+        """
+        path = self._find(name)
+        if path is None:
+            return None
+        try:
+            with path.open(encoding="utf-8") as file:
+                text = file.read(MAX_PROGRAM + 1)
+        except (OSError, ValueError):
+            return None
+        if len(text) > MAX_PROGRAM:
+            return None
+        return ProgramFile(PurePosixPath(name).name, text)
+
+    def _find(self, name: str) -> Path | None:
+        if self._folder is None or not name or "\0" in name:
+            return None
+        relative = PurePosixPath(name)
+        for root in ROOTS:
+            if relative.is_relative_to(root):
+                relative = relative.relative_to(root)
+        if relative.is_absolute() or relative.suffix not in {SUFFIX, ".urp", ""}:
+            return None
+        try:
+            path = (self._folder / relative).with_suffix(SUFFIX).resolve()
+            is_ours = path.is_relative_to(self._folder) and path.is_file()
+        except (OSError, ValueError):  # too long, or no name at all
+            return None
+        return path if is_ours else None

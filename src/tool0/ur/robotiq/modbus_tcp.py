@@ -1,0 +1,73 @@
+"""Modbus TCP: frames with a header instead of an address and a checksum.
+
+"MODBUS Messaging on TCP/IP Implementation Guide V1.0b" (https://modbus.org).
+"""
+
+from __future__ import annotations
+
+import socket
+import struct
+from typing import Final, final
+
+from tool0.ur.listening import REQUEST_COST, Peer, Port
+from tool0.ur.robotiq.gripper import RobotiqGripper
+from tool0.ur.robotiq.modbus import Refusal, refusal, respond
+
+PORT: Final = 502
+UNPRIVILEGED_PORT: Final = 1502
+"""Where users may not listen on ports below 1024."""
+MAX_LENGTH: Final = 254
+"""Of the unit and the request [bytes]."""
+_HEADER = struct.Struct(">HHHB")
+
+
+@final
+class ModbusTcp:
+    """The gripper behind a gateway.  It answers whatever unit it is called."""
+
+    def __init__(self, gripper: RobotiqGripper) -> None:
+        self._gripper = gripper
+        self._port = Port("Modbus", self._serve)
+
+    @property
+    def number(self) -> int:
+        """Of the port, once it listens."""
+        return self._port.number
+
+    async def start(self, host: str, port_base: int) -> None:
+        """Listen; TransportError if the port is in use."""
+        port = PORT + port_base
+        if not _may_listen(host, port):
+            port = UNPRIVILEGED_PORT + port_base
+        await self._port.listen(host, port)
+
+    async def close(self) -> None:
+        """End all connections."""
+        await self._port.close()
+
+    async def _serve(self, peer: Peer) -> None:
+        while True:
+            header = await peer.reader.readexactly(_HEADER.size)
+            transaction, protocol, length, unit = _HEADER.unpack(header)
+            if protocol != 0 or not 2 <= length <= MAX_LENGTH:
+                return  # not Modbus: nothing tells where the next frame begins
+            request = await peer.reader.readexactly(length - 1)
+            if self._gripper.is_powered:
+                response = respond(self._gripper, request, is_tcp=True)
+            else:
+                response = refusal(request[0], Refusal.NO_RESPONSE)
+            size = len(response) + 1
+            peer.send(_HEADER.pack(transaction, 0, size, unit) + response)
+            await peer.account.pay(REQUEST_COST)
+
+
+def _may_listen(host: str, port: int) -> bool:
+    """Return whether this user may listen on a port at all."""
+    with socket.socket() as attempt:
+        try:
+            attempt.bind((host, port))
+        except PermissionError:
+            return False
+        except OSError:
+            pass  # for another reason, which the real attempt reports
+    return True

@@ -1,0 +1,156 @@
+"""Quantities that a control box reports and tool0 does not measure.
+
+The physics has no motors, voltages or temperatures.  What depends on them is a nominal
+constant, or follows from efforts by the rules below; each says which.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final
+
+from tool0.hardware.payload import payload_inertia
+from tool0.protocol.control_box_state import AnalogDomain, RobotMode, SafetyMode
+from tool0.protocol.updates import Six
+from tool0.ur.programs import RuntimeState
+
+if TYPE_CHECKING:
+    from tool0.ur.control_box import UrControlBox
+
+Three = tuple[float, float, float]
+
+TORQUE_PER_AMPERE: Final = 10.0
+"""Effort of a joint for each ampere of its motor [N·m/A].
+
+A convention: UR does not publish the constants of its motors, which differ from joint
+to joint.  With a gear of 101 they are of this size.  Times this, a reported current is
+the effort of the drive.
+"""
+SUPPLY_VOLTAGE: Final = 48.0
+"""Nominal, of the box, the arm and its motors [V]."""
+ROOM_TEMPERATURE: Final = 25.0
+"""Of joints; nothing heats them [°C]."""
+GRAVITY: Final = 9.80665
+"""Standard gravity, of an arm that stands upright [m/s²]."""
+
+JOINT_MODES: Final = {
+    RobotMode.POWER_OFF: 239,
+    RobotMode.POWER_ON: 247,
+    RobotMode.IDLE: 255,
+    RobotMode.BACKDRIVE: 238,
+    RobotMode.RUNNING: 253,
+}
+"""UR's mode of each joint: power off, booting, idle, backdrive, running."""
+TOOL_OFF, TOOL_RUNNING = 239, 253
+
+_SAFETY_BITS: Final = {
+    SafetyMode.NORMAL: 1 << 0,
+    SafetyMode.REDUCED: 1 << 1,
+    SafetyMode.PROTECTIVE_STOP: 1 << 2 | 1 << 10,
+    SafetyMode.RECOVERY: 1 << 3,
+    SafetyMode.SAFEGUARD_STOP: 1 << 4 | 1 << 10,
+    SafetyMode.SYSTEM_EMERGENCY_STOP: 1 << 5 | 1 << 7 | 1 << 10,
+    SafetyMode.ROBOT_EMERGENCY_STOP: 1 << 6 | 1 << 7 | 1 << 10,
+    SafetyMode.VIOLATION: 1 << 8 | 1 << 10,
+    SafetyMode.FAULT: 1 << 9 | 1 << 10,
+}
+"""Bits 0 … 10: normal, reduced, protective stop, recovery, safeguard stop, system's
+and robot's emergency stop, any emergency stop, violation, fault, stopped by safety."""
+
+
+def is_powered(box: UrControlBox) -> bool:
+    """Return whether the arm has power."""
+    return box.state.robot_mode is not RobotMode.POWER_OFF
+
+
+def currents(box: UrControlBox) -> Six:
+    """Return the motors' currents by ``TORQUE_PER_AMPERE`` [A]."""
+    a, b, c, d, e, f = (effort / TORQUE_PER_AMPERE for effort in box.effort)
+    return (a, b, c, d, e, f)
+
+
+def robot_current(box: UrControlBox) -> float:
+    """Return what the arm draws: its mechanical power at the supply's voltage [A]."""
+    pairs = zip(box.effort, box.qd, strict=True)
+    return sum(abs(effort * speed) for effort, speed in pairs) / SUPPLY_VOLTAGE
+
+
+def voltage(box: UrControlBox) -> float:
+    """Return the nominal voltage, or 0 without power [V]."""
+    return SUPPLY_VOLTAGE if is_powered(box) else 0.0
+
+
+def joint_modes(box: UrControlBox) -> tuple[int, ...]:
+    """Return UR's mode of each joint."""
+    return (JOINT_MODES.get(box.state.robot_mode, TOOL_RUNNING),) * 6
+
+
+def tool_mode(box: UrControlBox) -> int:
+    """Return UR's mode of the tool's board."""
+    return TOOL_RUNNING if is_powered(box) else TOOL_OFF
+
+
+def robot_status_bits(box: UrControlBox) -> int:
+    """Return bits 0 … 3: power on, program running, teach button, power button."""
+    running = box.programs.state is RuntimeState.PLAYING
+    return int(is_powered(box)) | int(running) << 1
+
+
+def safety_status_bits(box: UrControlBox) -> int:
+    """Return the bits of ``_SAFETY_BITS``."""
+    return _SAFETY_BITS.get(box.state.safety_mode, 1 << 9)
+
+
+def digital_bits(levels: tuple[bool, ...]) -> int:
+    """Return pins as bits: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
+    return sum(1 << pin for pin, level in enumerate(levels) if level)
+
+
+def configurable_bits(levels: tuple[bool, ...]) -> int:
+    """Return the configurable pins as bits 0 … 7."""
+    return digital_bits(levels) >> 8 & 0xFF
+
+
+def analog_io_types(box: UrControlBox) -> int:
+    """Return bits 0 … 3: whether inputs and outputs 0 and 1 are voltages."""
+    pins = (*box.state.analog_inputs, *box.state.analog_outputs)
+    return sum((pin.domain is AnalogDomain.VOLTAGE) << k for k, pin in enumerate(pins))
+
+
+def tool_analog_input_types(box: UrControlBox) -> int:
+    """Return bits 0 and 1: whether the tool's inputs are voltages."""
+    pins = box.state.tool_analog_inputs
+    return sum((pin.domain is AnalogDomain.VOLTAGE) << k for k, pin in enumerate(pins))
+
+
+def tool_accelerometer(box: UrControlBox) -> Three:
+    """Return what an accelerometer in the tool measures at rest [m/s²].
+
+    The motion's own acceleration is left out.
+    """
+    x, y, z = box.tcp_frame().rotation[2]
+    return (GRAVITY * x, GRAVITY * y, GRAVITY * z)
+
+
+def elbow_position(box: UrControlBox) -> Three:
+    """Return where the axis of the third joint is, in the base frame [m]."""
+    return box.posture().points[2]
+
+
+def elbow_velocity(box: UrControlBox) -> Three:
+    """Return the velocity of that point [m/s]."""
+    linear, _ = box.posture().velocity(elbow_position(box), box.qd, n_joints=2)
+    return linear
+
+
+def tcp_force(box: UrControlBox) -> float:
+    """Return the magnitude of the external force at the TCP [N]."""
+    return math.hypot(*box.tcp_wrench()[:3])
+
+
+def payload_moments(box: UrControlBox) -> Six:
+    """Return the payload's Ixx, Iyy, Izz, Ixy, Ixz, Iyz at its centre [kg·m²]."""
+    tensor = payload_inertia(box.state.payload).tensor
+    rows = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+    a, b, c, d, e, f = (float(tensor[row]) for row in rows)
+    return (a, b, c, d, e, f)

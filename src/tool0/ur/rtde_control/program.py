@@ -1,0 +1,178 @@
+"""The control program of ur_rtde: a server of commands that come through registers.
+
+The client writes a command and its arguments in one packet of RTDE.  A command is
+executed once; then its state is DONE until the client writes 0, and READY again.
+Streamed commands are executed whenever they are written, and the state stays READY.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Collection, Iterator
+from typing import TYPE_CHECKING, final
+
+from tool0.errors import ControlError
+from tool0.ur.rtde_control.commands import Commands
+from tool0.ur.rtde_control.exchange import Exchange, State
+from tool0.ur.rtde_control.script import ControlScript, parse
+from tool0.ur.tool_contact import ToolHistory
+
+if TYPE_CHECKING:
+    from tool0.ur.control_box import UrControlBox
+
+NOTHING, STOP = 0, 255
+"""Commands of every revision of the program."""
+
+
+def recognise(text: str) -> RtdeControl | None:
+    """Return the program in a text that was sent to a box; None if it is another one.
+
+    Raises:
+        ConfigError: If it is ur_rtde's, but with a path that it cannot have written.
+    """
+    script = parse(text)
+    return None if script is None else RtdeControl(script)
+
+
+@final
+class RtdeControl:
+    """An upload of the control program."""
+
+    def __init__(self, script: ControlScript) -> None:
+        self._script = script
+
+    @property
+    def name(self) -> str:
+        return self._script.name
+
+    async def run(self, box: UrControlBox) -> None:
+        """Execute commands until the client stops the program.
+
+        Raises:
+            Tool0Error: If a command fails, as an error in URScript would end it.
+        """
+        with ToolHistory(box) as history:
+            server = _CommandServer(box, self._script, history)
+            with server.listening():
+                await server.serve()
+
+
+@final
+class _CommandServer:
+    """Executes the commands of one client."""
+
+    def __init__(
+        self, box: UrControlBox, script: ControlScript, history: ToolHistory
+    ) -> None:
+        self._box = box
+        self._exchange = Exchange(box.registers, script.offset)
+        self._wake = asyncio.Event()
+        self._commands = Commands(
+            box, self._exchange, history, script.path, self._wake.set
+        )
+        self._watchdog = _Watchdog()
+
+    @contextlib.contextmanager
+    def listening(self) -> Iterator[None]:
+        """Be woken by what the client writes."""
+        self._box.registers.when_written.add(self._take)
+        self._box.when_updated.add(self._look)
+        try:
+            yield
+        finally:
+            self._box.registers.when_written.discard(self._take)
+            self._box.when_updated.discard(self._look)
+
+    async def serve(self) -> None:
+        """Execute commands until the client or its watchdog stops the program."""
+        serving = asyncio.create_task(self._serve())
+        watching = asyncio.create_task(self._watchdog.wait())
+        tasks = {serving, watching}
+        try:
+            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            for task in done:
+                task.result()
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            await self._commands.close()
+
+    async def _serve(self) -> None:
+        exchange, commands = self._exchange, self._commands
+        is_executed = False
+        exchange.show_progress(None)
+        while True:
+            self._wake.clear()
+            command = exchange.command
+            if command == STOP:
+                return
+            if commands.is_streamed(command):
+                await commands.execute(command)
+                exchange.tell(State.READY)
+            elif command == NOTHING:
+                is_executed = False
+                exchange.tell(State.READY)
+                await commands.look_for_contact()
+            elif not is_executed:
+                is_executed = True
+                await commands.execute(command)
+                if command == commands.SET_WATCHDOG:
+                    self._watchdog.start(exchange.number(0))
+                exchange.tell(State.DONE)
+            await self._wake.wait()
+            commands.check()
+            await self._box.programs.gate()
+
+    def _take(self, names: Collection[str]) -> None:
+        """Wake the server for a command; it is also what the watchdog waits for."""
+        if self._exchange.command_name in names:
+            self._exchange.written = names
+            self._watchdog.kick()
+            self._wake.set()
+
+    def _look(self) -> None:
+        """Keep the answers to polled queries up to date."""
+        if self._commands.is_polled(self._exchange.command):
+            self._wake.set()
+
+
+@final
+class _Watchdog:
+    """Fails when the client has not written for too long."""
+
+    def __init__(self) -> None:
+        self._is_set = asyncio.Event()
+        self._timeout = 0.0
+        self._last = 0.0
+
+    def start(self, min_frequency: float) -> None:
+        """Expect packets at least this often from now on [Hz]; 0 ends that."""
+        self.kick()
+        if min_frequency > 0.0:
+            self._timeout = 1.0 / min_frequency
+            self._is_set.set()
+        else:
+            self._is_set.clear()
+
+    def kick(self) -> None:
+        """Note a packet."""
+        self._last = asyncio.get_running_loop().time()
+
+    async def wait(self) -> None:
+        """Wait for a timeout.
+
+        Raises:
+            ControlError: At the first one.
+        """
+        loop = asyncio.get_running_loop()
+        while True:
+            await self._is_set.wait()
+            remaining = self._last + self._timeout - loop.time()
+            if remaining <= 0.0:
+                raise ControlError(
+                    "RTDE watchdog: the client wrote no command for "
+                    f"{self._timeout:.3g} s; the program stops"
+                )
+            await asyncio.sleep(remaining)

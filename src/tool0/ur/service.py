@@ -1,0 +1,174 @@
+"""The UR interface as a whole: a box and its ports for each arm."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import time
+from collections import deque
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any, Final, Protocol
+
+from tool0.api.connect import SocketChannel
+from tool0.errors import Tool0Error, TransportError
+from tool0.protocol.arm import ListArms
+from tool0.protocol.robot import ReadInfo
+from tool0.protocol.updates import SubscribeUpdates, UpdateMessage
+from tool0.ur.compiling import prepare
+from tool0.ur.control_box import UrControlBox
+from tool0.ur.options import UrArm, UrOptions
+
+logger = logging.getLogger(__name__)
+
+CONNECT_TIMEOUT: Final = 60.0
+"""Longest wait for the bring-up [wall s]."""
+_RETRY: Final = 0.02
+"""Between two attempts to connect [wall s]."""
+
+
+class BoxInterface(Protocol):
+    """One interface of a box, such as RTDE: it has one port or several."""
+
+    async def start(self, host: str, port_base: int) -> None:
+        """Listen; TransportError if a port is in use."""
+
+    async def close(self) -> None:
+        """End connections and ports."""
+
+
+def interfaces_of(box: UrControlBox, options: UrOptions) -> list[BoxInterface]:
+    """Return what a control box presents."""
+    from tool0.ur.client_interface.interface import ClientInterface
+    from tool0.ur.dashboard import Dashboard
+    from tool0.ur.program_watch import ProgramWatch
+    from tool0.ur.reporter import Reporter
+    from tool0.ur.rtde.server import RtdeServer
+
+    interfaces: list[BoxInterface] = [
+        ProgramWatch(box),
+        Reporter(box),
+        RtdeServer(box),
+        Dashboard(box, options.programs),
+        ClientInterface(box),
+    ]
+    if box.gripper is not None:
+        from tool0.ur.robotiq.interface import RobotiqInterface, serial_port_path
+
+        if options.active_gripper:
+            box.gripper.assume_activated()
+        port = serial_port_path(box.bringup, box.arm)
+        interfaces.append(RobotiqInterface(box.gripper, port))
+    elif box.has_foreign_gripper:
+        logger.warning("%s: %s", box.arm, box.why_no_gripper)
+    return interfaces
+
+
+async def connected(name: str) -> SocketChannel:
+    """Return a connection to a bring-up that may still be starting."""
+    deadline = time.monotonic() + CONNECT_TIMEOUT
+    while True:
+        try:
+            return await asyncio.to_thread(SocketChannel, name)
+        except TransportError:
+            if time.monotonic() > deadline:
+                raise
+        await asyncio.sleep(_RETRY)
+
+
+async def serve(
+    channel: SocketChannel,
+    options: UrOptions,
+    ready: Callable[[Mapping[str, UrArm]], None],
+) -> None:
+    """Serve the arms of a bring-up until it ends; ``ready`` gets where.
+
+    Raises:
+        TransportError: If there is no arm, or a port is in use.
+    """
+    loop = asyncio.get_running_loop()
+    has_ended = asyncio.Event()
+    first: asyncio.Future[UpdateMessage] = loop.create_future()
+    boxes: list[UrControlBox] = []
+    arrived: deque[UpdateMessage] = deque()
+
+    def take() -> None:
+        """Show the newest update: a busy process leaves out those before it."""
+        if not boxes:
+            if arrived and not first.done():
+                first.set_result(arrived[0])
+            return
+        while len(arrived) > 1:
+            update = arrived.popleft()
+            for box in boxes:
+                box.note(update)
+        if arrived:
+            update = arrived.popleft()
+            for box in boxes:
+                box.take(update)
+
+    def put(update: UpdateMessage) -> None:
+        arrived.append(update)
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            loop.call_soon_threadsafe(take)
+
+    def refuse(error: Tool0Error) -> None:
+        for box in boxes:
+            box.report(error)
+
+    def in_loop(callback: Callable[[Any], None]) -> Callable[[Any], None]:
+        def call(argument: Any) -> None:
+            with contextlib.suppress(RuntimeError):  # the loop has ended
+                loop.call_soon_threadsafe(callback, argument)
+
+        return call
+
+    channel.when_updated = put
+    channel.when_ended = in_loop(lambda failure: has_ended.set())
+    channel.when_refused = in_loop(refuse)
+    arms = [arm.name for arm in await asyncio.to_thread(channel.call, ListArms())]
+    if not arms:
+        raise TransportError("the robot has no arm that a UR's control box could drive")
+    request = SubscribeUpdates(arms=tuple(arms))
+    await asyncio.to_thread(channel.call, request)
+    update = await first
+    info = await asyncio.to_thread(channel.call, ReadInfo())
+    limits = {joint: found.limits for joint, found in info.joint_limits.items()}
+    boxes += [
+        UrControlBox(
+            channel, arm, update, limits=limits, allow_sockets=options.allow_sockets
+        )
+        for arm in arms
+    ]
+    async with contextlib.AsyncExitStack() as stack:
+        served = {}
+        for number, box in enumerate(boxes):
+            host, interfaces = options.host_of(number), interfaces_of(box, options)
+            for interface in interfaces:
+                stack.push_async_callback(_closing(interface))
+                await interface.start(host, options.port_base)
+            served[box.arm] = _served(host, interfaces)
+        ready(served)
+        await asyncio.to_thread(prepare)
+        await has_ended.wait()
+        for box in boxes:
+            await box.programs.stop()
+
+
+def _served(host: str, interfaces: list[BoxInterface]) -> UrArm:
+    """Return where an arm's interfaces, which have started, are."""
+    from tool0.ur.robotiq.interface import RobotiqInterface
+
+    for interface in interfaces:
+        if isinstance(interface, RobotiqInterface):
+            path = interface.serial_port
+            return UrArm(
+                address=host,
+                modbus_port=interface.modbus_tcp.number,
+                serial_port=None if path is None else str(path),
+            )
+    return UrArm(address=host)
+
+
+def _closing(interface: BoxInterface) -> Callable[[], Awaitable[None]]:
+    return interface.close

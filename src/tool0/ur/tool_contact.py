@@ -1,0 +1,105 @@
+"""Contacts of the tool, as URScript's ``tool_contact`` finds them, and where it was.
+
+UR does not publish its rule.  Here, a contact is an external force at the tool of
+``CONTACT_FORCE``; it began where the force had risen above ``START_FORCE``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final, NamedTuple, final
+
+from tool0.protocol.updates import Six
+
+if TYPE_CHECKING:
+    from tool0.ur.control_box import UrControlBox
+
+CONTACT_FORCE: Final = 5.0
+"""Against the direction that is watched [N]."""
+START_FORCE: Final = 1.0
+"""[N]"""
+MAX_STEPS: Final = 500
+"""How far back positions are known [updates]."""
+STEADY_TIME: Final = 0.5
+"""How long an arm has been at rest when it is steady [s]."""
+STEADY_SPEED: Final = 1e-3
+"""Of every joint, at most [rad/s]."""
+
+
+class _Moment(NamedTuple):
+    time: float
+    q: Six
+    force: tuple[float, float, float]
+    """External, in the flange's axes [N]."""
+    is_resting: bool
+
+
+@final
+class ToolHistory:
+    """The last moments of an arm, recorded while this is entered: a context manager."""
+
+    def __init__(self, box: UrControlBox) -> None:
+        self._box = box
+        self._moments: deque[_Moment] = deque(maxlen=MAX_STEPS)
+
+    def __enter__(self) -> ToolHistory:
+        self._record()
+        self._box.when_updated.add(self._record)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._box.when_updated.discard(self._record)
+
+    def positions(self, steps: int) -> Six:
+        """Return the joint positions some updates ago, or the oldest known [rad]."""
+        index = min(max(steps, 0), len(self._moments) - 1)
+        return self._moments[-1 - index].q
+
+    def contact(self, direction: Sequence[float]) -> int:
+        """Return how many updates ago the tool came into contact; 0 without one.
+
+        Args:
+            direction: In which the tool meets things, in the base frame's axes; of any
+                length; zero stands for all directions.
+        """
+        first = self._force_along(self._moments[-1], direction)
+        if first < CONTACT_FORCE:
+            return 0
+        steps = 0
+        for moment in reversed(self._moments):
+            if self._force_along(moment, direction) < START_FORCE:
+                break
+            steps += 1
+        return steps
+
+    def is_steady(self) -> bool:
+        """Return whether the arm has been at rest for ``STEADY_TIME``."""
+        now = self._moments[-1].time
+        for moment in reversed(self._moments):
+            if not moment.is_resting:
+                return False
+            if now - moment.time >= STEADY_TIME - 1e-9:
+                return True
+        return False
+
+    def _record(self) -> None:
+        box = self._box
+        if self._moments and box.time < self._moments[-1].time:
+            self._moments.clear()  # a reset
+        fx, fy, fz = box.arm_update.wrench[:3]
+        is_resting = max(map(abs, box.qd)) <= STEADY_SPEED
+        self._moments.append(_Moment(box.time, box.q, (fx, fy, fz), is_resting))
+
+    def _force_along(self, moment: _Moment, direction: Sequence[float]) -> float:
+        """Return the force that stops motion in a direction [N].
+
+        The flange's attitude is that of now: contacts are looked for while it hardly
+        turns.
+        """
+        if not any(direction[:3]):
+            return math.hypot(*moment.force)
+        force = self._box.posture().flange.rotate(moment.force)
+        along = sum(f * d for f, d in zip(force, direction[:3], strict=True))
+        return -along / math.hypot(*direction[:3])

@@ -1,0 +1,133 @@
+"""Compiled programs: closures over a frame of variables."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, Final, NamedTuple, TypeAlias, final
+
+from tool0.ur.urscript import syntax as s
+from tool0.ur.urscript.errors import Place, ValueProblem
+from tool0.ur.urscript.execution import MAX_DEPTH, Thread
+from tool0.ur.urscript.values import Value, weight
+
+_LONG: Final = 5
+"""Elements of a list from which on its size counts."""
+_PER_STATEMENT: Final = 10
+"""Elements whose work is that of one statement."""
+
+
+@final
+@dataclass(slots=True)
+class CallFrame:
+    """The variables that one call of a function sees."""
+
+    thread: Thread
+    globals: dict[str, Value]
+    locals: dict[str, Value]
+
+
+# Any: a Value, or with ``is_async`` an awaitable one.
+Run: TypeAlias = Callable[[CallFrame], Any]
+Combine: TypeAlias = Callable[[CallFrame, list[Value]], Value]
+
+
+class Node(NamedTuple):
+    """A compiled expression."""
+
+    run: Run
+    is_async: bool
+
+
+def combined(nodes: Sequence[Node], combine: Combine) -> Node:
+    """Return the node that combines the values of others, evaluated in order."""
+    runs = [node.run for node in nodes]
+    if not any(node.is_async for node in nodes):
+
+        def run(frame: CallFrame) -> Value:
+            return combine(frame, [each(frame) for each in runs])
+
+        return Node(run, is_async=False)
+
+    async def run_async(frame: CallFrame) -> Value:
+        return combine(frame, await evaluated(nodes, frame))
+
+    return Node(run_async, is_async=True)
+
+
+def charged(frame: CallFrame, value: Value) -> Value:
+    """Return a value; the work of making a long list counts as statements."""
+    if type(value) is tuple and len(value) > _LONG:
+        frame.thread.left -= weight(value) // _PER_STATEMENT
+    return value
+
+
+async def evaluated(nodes: Sequence[Node], frame: CallFrame) -> list[Value]:
+    """Return the values of nodes, evaluated in order."""
+    return [
+        await node.run(frame) if node.is_async else node.run(frame) for node in nodes
+    ]
+
+
+class Jump(Enum):
+    """Where execution continues after a statement that jumps."""
+
+    BREAK = "break"
+    CONTINUE = "continue"
+
+
+@final
+class Returned(NamedTuple):
+    """The value of ``return``."""
+
+    value: Value
+
+
+Outcome: TypeAlias = Jump | Returned | None
+Body: TypeAlias = Callable[[CallFrame], Awaitable[Outcome]]
+
+
+@final
+@dataclass(slots=True, eq=False)
+class Code:
+    """A function, a thread or the program, compiled."""
+
+    definition: s.Definition
+    n_variables: int
+    """Of its own; those of the program are global."""
+    defaults: dict[str, Node]
+    body: Body
+
+    @property
+    def name(self) -> str:
+        """Of the definition."""
+        return self.definition.name
+
+    @property
+    def at(self) -> Place:
+        """Where the definition stands."""
+        return self.definition.at
+
+    async def call(self, thread: Thread, arguments: Mapping[str, Value]) -> Value:
+        """Execute it and return its value."""
+        if thread.depth >= MAX_DEPTH:
+            raise ValueProblem(f"calls are nested deeper than {MAX_DEPTH} levels")
+        execution = thread.execution
+        execution.add_variables(self.n_variables)
+        frame = CallFrame(thread, execution.globals, dict(arguments))
+        thread.depth += 1
+        try:
+            for name, node in self.defaults.items():
+                if name not in arguments:
+                    (frame.locals[name],) = await evaluated([node], frame)
+            outcome = await self.body(frame)
+        finally:
+            thread.depth -= 1
+            execution.add_variables(-self.n_variables)
+        return outcome.value if isinstance(outcome, Returned) else None
+
+
+async def not_compiled(frame: CallFrame) -> Outcome:
+    """Stand for a body until it is compiled."""
+    raise AssertionError(frame)

@@ -1,0 +1,256 @@
+"""A running program: its threads, their time, and how they end.
+
+Threads are tasks of one event loop.  As on the robot, one that computes without end
+uses up its share of a control period and goes on in the next one.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Mapping
+from typing import TYPE_CHECKING, Final, Protocol, final
+
+from tool0.ur.tool_contact import ToolHistory
+from tool0.ur.urscript.errors import Place, URScriptError, ValueProblem
+from tool0.ur.urscript.sockets import Sockets
+from tool0.ur.urscript.values import Handle, Value
+
+if TYPE_CHECKING:
+    from tool0.ur.control_box import UrControlBox
+    from tool0.ur.moves import Moves
+
+MAX_THREADS: Final = 50
+MAX_VARIABLES: Final = 2_000
+"""Of all calls that are not finished, with those of the program."""
+MAX_DEPTH: Final = 100
+"""Of calls in calls."""
+SLICE: Final = 100
+"""Statements that a thread executes before others have their turn."""
+PER_PERIOD: Final = 500
+"""Statements of a program in one control period; the rest waits for the next one."""
+MAX_UPDATES: Final = 20
+"""Until a change is shown, at most; another client may have changed it back."""
+MAX_SPIN: Final = 1_000_000
+"""Statements of a thread without one that takes time, such as sync()."""
+
+
+class Runnable(Protocol):
+    """A program or a thread, compiled."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def at(self) -> Place: ...
+
+    async def call(self, thread: Thread, arguments: Mapping[str, Value]) -> Value: ...
+
+
+@final
+class Halted(Exception):  # noqa: N818 - the end of a program, not an error
+    """The statement ``halt``."""
+
+
+@final
+class Thread:
+    """One thread of a program; the program itself is the first."""
+
+    def __init__(self, execution: Execution, name: str) -> None:
+        self.execution = execution
+        self.name = name
+        self.left = SLICE
+        """Statements until others have their turn."""
+        self.depth = 0
+        """Of calls in calls."""
+        self._spun = 0
+
+    @property
+    def box(self) -> UrControlBox:
+        """The control box that the program runs on."""
+        return self.execution.box
+
+    @property
+    def moves(self) -> Moves:
+        """Moves of the robot."""
+        return self.execution.moves
+
+    async def give_way(self, at: Place) -> None:
+        """Yield to other threads, after a number of statements."""
+        used = SLICE - self.left
+        self.left = SLICE
+        self._spun += used
+        if self._spun > MAX_SPIN:
+            raise URScriptError(
+                f"thread '{self.name}' executed {MAX_SPIN} statements without one that "
+                "takes time; add sync() to its loop",
+                at,
+                self.execution.name,
+            )
+        await self.execution.share(used)
+        await self.hold()
+
+    async def timed(self, action: Awaitable[Value]) -> Value:
+        """Wait for something that takes time, and for the permission to go on."""
+        self._spun = 0
+        value = await action
+        await self.hold()
+        return value
+
+    async def hold(self) -> None:
+        """Wait while the program is paused, or another thread is critical."""
+        while True:
+            await self.execution.gate()
+            if self.execution.critical in {None, self}:
+                return
+            await self.box.next_update()
+
+    async def until_shown(self, condition: Callable[[], bool]) -> None:
+        """Wait until the updates show what a request has changed."""
+        for _ in range(MAX_UPDATES):
+            if condition():
+                return
+            await self.box.next_update()
+
+    async def moving(self, motion: Callable[[], Awaitable[None]]) -> None:
+        """Execute a motion, which one thread at a time can do.
+
+        Raises:
+            ValueProblem: Another thread is moving the robot, or it cannot move so.
+        """
+        execution = self.execution
+        if execution.mover not in {None, self}:
+            raise ValueProblem("another thread is controlling the robot already")
+        execution.mover = self
+        try:
+            await motion()
+        finally:
+            execution.mover = None
+
+
+@final
+class Execution:
+    """One run of a program."""
+
+    def __init__(
+        self,
+        name: str,
+        box: UrControlBox,
+        moves: Moves,
+        *,
+        is_secondary: bool = False,
+    ) -> None:
+        """Prepare to run.
+
+        Args:
+            name: Of the program's source, for messages.
+            box: The control box.
+            moves: Its arm's moves.
+            is_secondary: Whether it runs beside the program, also while that is paused.
+        """
+        self.name = name
+        self.box = box
+        self.moves = moves
+        self.sockets = Sockets(box)
+        self.history = ToolHistory(box)
+        self._is_secondary = is_secondary
+        self.force_damping = 0.005
+        """Of the next force mode."""
+        self.force_gain = 1.0
+        """Scales the gain of the next force mode."""
+        self.globals: dict[str, Value] = {}
+        self.critical: Thread | None = None
+        """The thread that entered its critical section."""
+        self.mover: Thread | None = None
+        """The thread that moves the robot."""
+        self._tasks: set[asyncio.Task[Value]] = set()
+        self._end: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._variables = 0
+        self._period = -1.0
+        self._used = 0
+
+    async def run(self, code: Runnable) -> None:
+        """Run a program to its end, and end its threads.
+
+        Raises:
+            URScriptError: The program failed, with the location.
+        """
+        with self.history:
+            main = self._start(code)
+            main.add_done_callback(lambda _: self._finish(None))
+            try:
+                await self._end
+            finally:
+                for task in self._tasks:
+                    task.cancel()
+                if self._tasks:
+                    await asyncio.wait(set(self._tasks))
+                self.sockets.close_all()
+
+    async def gate(self) -> None:
+        """Wait while the program is paused."""
+        if not self._is_secondary:
+            await self.box.programs.gate()
+
+    def add_variables(self, count: int) -> None:
+        """Count the variables of a call, or those of one that has ended.
+
+        Raises:
+            ValueProblem: There are too many.
+        """
+        self._variables += count
+        if count > 0 and self._variables > MAX_VARIABLES:
+            self._variables -= count
+            raise ValueProblem(f"the program has more than {MAX_VARIABLES} variables")
+
+    def start_thread(self, code: Runnable) -> Handle:
+        """Start a thread of the program."""
+        if len(self._tasks) >= MAX_THREADS:
+            raise ValueProblem(f"more than {MAX_THREADS} threads run")
+        return Handle(code.name, self._start(code))
+
+    def _start(self, code: Runnable) -> asyncio.Task[Value]:
+        task = asyncio.get_running_loop().create_task(self._run(code))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
+    async def _run(self, code: Runnable) -> Value:
+        thread = Thread(self, code.name)
+        try:
+            return await code.call(thread, {})
+        except Halted:
+            self._finish(None)
+        except ValueProblem as problem:
+            self._finish(URScriptError(str(problem), code.at, self.name))
+        except RecursionError:
+            message = "calls, blocks and expressions are nested too deep"
+            self._finish(URScriptError(message, code.at, self.name))
+        except Exception as error:  # whoever runs the program reports it
+            self._finish(error)
+        finally:
+            if self.critical is thread:
+                self.critical = None
+        return None
+
+    def _finish(self, error: Exception | None) -> None:
+        if self._end.done():
+            return
+        if error is None:
+            self._end.set_result(None)
+        else:
+            self._end.set_exception(error)
+
+    async def share(self, statements: int) -> None:
+        """Count statements of this control period; wait when there were too many."""
+        self._look_at_time()
+        self._used += statements
+        if self._used < PER_PERIOD:
+            await asyncio.sleep(0)
+        while self._used >= PER_PERIOD:
+            await self.box.next_update()
+            self._look_at_time()
+
+    def _look_at_time(self) -> None:
+        if self.box.time != self._period:
+            self._period = self.box.time
+            self._used = max(self._used - PER_PERIOD, 0)

@@ -1,0 +1,98 @@
+"""How the library describes its functions: names, parameters, implementations."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias, final, get_type_hints
+
+from tool0.ur.urscript.kinds import Kind
+from tool0.ur.urscript.values import Value, to_text
+
+NO_DEFAULT: Final = object()
+_THREAD: Final = "thread"
+
+# Any: the arguments of an implementation are what its kinds convert to.
+Implementation: TypeAlias = Callable[..., Value] | Callable[..., Awaitable[Value]]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter of a function of the library."""
+
+    name: str
+    kind: Kind
+    # Any: the default of the implementation.
+    default: Any
+
+    @property
+    def is_required(self) -> bool:
+        """Whether it has no default."""
+        return self.default is NO_DEFAULT
+
+    @property
+    def text(self) -> str:
+        """As a signature shows it; in brackets, what may be left out."""
+        if self.is_required:
+            return self.name
+        if self.default is None:
+            return f"[{self.name}]"
+        if isinstance(self.default, str):
+            return f'{self.name}="{self.default}"'
+        return f"{self.name}={to_text(self.default)}"
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A function of the library."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    call: Implementation
+    is_async: bool
+    takes_thread: bool
+    """Whether the first argument is the thread that calls it."""
+    is_physical: bool
+    """Whether it takes time of the robot, which secondary programs must not."""
+
+    @property
+    def signature(self) -> str:
+        """As the manual writes it: ``movej(q, a=1.4, …)``."""
+        return f"{self.name}({', '.join(item.text for item in self.parameters)})"
+
+
+def function(
+    call: Implementation, name: str | None = None, *, physical: bool = False
+) -> Function:
+    """Return a function of the library, described by the annotations of ``call``."""
+    hints = get_type_hints(call, include_extras=True)
+    parameters = []
+    takes_thread = False
+    for item in inspect.signature(call).parameters.values():
+        if item.name == _THREAD:
+            takes_thread = True
+            continue
+        is_required = item.default is inspect.Parameter.empty
+        default = NO_DEFAULT if is_required else item.default
+        kind = _kind_of(hints[item.name])
+        parameters.append(Parameter(item.name.rstrip("_"), kind, default))
+    return Function(
+        name or call.__name__.strip("_"),
+        tuple(parameters),
+        call,
+        inspect.iscoroutinefunction(call),
+        takes_thread,
+        physical,
+    )
+
+
+# Any: an annotation.
+def _kind_of(hint: Any) -> Kind:
+    for part in (hint, *getattr(hint, "__args__", ())):
+        for extra in getattr(part, "__metadata__", ()):
+            if isinstance(extra, Kind):
+                return extra
+    raise TypeError(f"{hint} has no kind")

@@ -1,0 +1,105 @@
+"""Between lexer and parser: new lines, limits of nesting, and blocks without an end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final, final
+
+from lark import Token
+from lark.lark import PostLex
+
+from tool0.ur.urscript.errors import Place, URScriptError
+
+MAX_NESTING: Final = 100
+"""Of blocks and brackets together, and of signs in a row."""
+_CLOSERS: Final = {"_CLOSE": "(", "RSQB": "["}
+_OPENERS: Final = {"_OPEN": ")", "LIST_OPEN": "]"}
+_BLOCKS: Final = ("IF", "WHILE", "DEFINE")
+
+
+@final
+class Layout(PostLex):
+    """Keeps the new lines that end a statement, and adds those that are left out."""
+
+    always_accept = ()
+
+    def process(self, stream: Iterator[Token]) -> Iterator[Token]:
+        """Return the tokens, every statement and header followed by one new line."""
+        opened: list[Token] = []
+        in_brackets = signs = 0
+        is_fresh = True
+        last: Token | None = None
+        askew: Token | None = None  # a block whose 'end' stands elsewhere
+        for token in stream:
+            kind = token.type
+            if kind == "_NL":
+                if not in_brackets and not is_fresh:
+                    is_fresh = True
+                    yield token
+                continue
+            signs = signs + 1 if kind in {"SIGN", "NOT"} else 0
+            if kind in _CLOSERS:
+                _close(opened, token)
+                in_brackets -= 1
+            elif kind in {"_END", "_ELIF", "_ELSE"}:
+                if in_brackets:
+                    raise _unclosed(opened[-1])
+                if not opened:
+                    raise _at(token, f"'{token}' without a block that it could end")
+                if kind == "_END":
+                    opener = opened.pop()
+                    if askew is None and not _is_aligned(opener, token):
+                        askew = opener
+                elif opened[-1].type != "IF":
+                    raise _at(token, f"'{token}' without an 'if'")
+                if not is_fresh:
+                    yield _new_line(token)
+            elif kind in _OPENERS:
+                opened.append(token)
+                in_brackets += 1
+            elif kind in _BLOCKS:
+                if in_brackets:
+                    raise _unclosed(opened[-1])
+                opened.append(token)
+            if max(len(opened), signs) > MAX_NESTING:
+                raise _at(token, f"nested deeper than {MAX_NESTING} levels")
+            yield token
+            last, is_fresh = token, False
+            if kind in {"_COLON", "_END"} and not in_brackets:
+                is_fresh = True
+                yield _new_line(token)
+        if opened:
+            is_block = opened[-1].type in _BLOCKS
+            raise _unclosed(askew if askew and is_block else opened[-1])
+        if last is not None and not is_fresh:
+            yield _new_line(last)
+
+
+def _new_line(beside: Token) -> Token:
+    return Token.new_borrow_pos("_NL", "\n", beside)
+
+
+def _is_aligned(opener: Token, end: Token) -> bool:
+    """Return whether an ``end`` stands below its block, or in the same line."""
+    return opener.line == end.line or opener.column == end.column
+
+
+def _close(opened: list[Token], token: Token) -> None:
+    if not opened or opened[-1].type in _BLOCKS:
+        raise _at(token, f"'{token}' without '{_CLOSERS[token.type]}'")
+    if opened[-1] != _CLOSERS[token.type]:
+        raise _at(token, f"'{token}' does not close {_named(opened[-1])}")
+    opened.pop()
+
+
+def _named(opener: Token) -> str:
+    return f"the '{opener}' of line {opener.line}, column {opener.column}"
+
+
+def _unclosed(opener: Token) -> URScriptError:
+    missing = _OPENERS.get(opener.type, "end")
+    return _at(opener, f"'{opener}' has no '{missing}'")
+
+
+def _at(token: Token, message: str) -> URScriptError:
+    return URScriptError(message, Place(token.line or 1, token.column or 1))

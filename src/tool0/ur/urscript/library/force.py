@@ -1,0 +1,212 @@
+"""Force mode, freedrive, tool, payload and safety."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Final, Literal, TypeAlias, cast
+
+from tool0.protocol.arm_motion import (
+    EndForceMode,
+    EndFreedrive,
+    StartForceMode,
+    StartFreedrive,
+    ZeroWrench,
+)
+from tool0.protocol.control_box import SetPayload, SetTcp, StopProtectively
+from tool0.protocol.updates import Six
+from tool0.ur.urscript.errors import ValueProblem
+from tool0.ur.urscript.execution import Thread
+from tool0.ur.urscript.functions import Function, function
+from tool0.ur.urscript.kinds import (
+    Flags,
+    Integer,
+    Kind,
+    Number,
+    PoseLike,
+    Spatial,
+    Text,
+    Vector,
+)
+from tool0.ur.urscript.values import Pose, Value, described
+
+STANDARD_GRAVITY: Final = 9.82
+"""The value in UR's programs [m/s²]; g differs by less than the tolerance."""
+_TOLERANCE: Final = 0.1
+_ALL: Final = (True,) * 6
+_BASE: Final = Pose((0.0,) * 6)
+
+
+def _feature(value: Value) -> Value:
+    if isinstance(value, Pose) or value in {"base", "tool"}:
+        return value
+    raise ValueProblem(f'a pose, "base" or "tool" is needed, not {described(value)}')
+
+
+Feature: TypeAlias = Annotated[Value, Kind("a pose", _feature)]
+
+
+async def force_mode(
+    thread: Thread,
+    task_frame: PoseLike,
+    selection_vector: Flags,
+    wrench: Spatial,
+    type_: Integer,
+    limits: Spatial,
+) -> None:
+    """Hold forces along some axes of a frame; motions go on along the others."""
+    if type_ not in {1, 2, 3}:
+        raise ValueProblem(f"type is {type_}; it can be 1, 2 or 3")
+    if min(limits) < 0.0:
+        raise ValueProblem("the limits are not negative")
+    execution = thread.execution
+    request = StartForceMode(
+        arm=thread.box.arm,
+        frame=_six(task_frame),
+        selection=selection_vector,
+        wrench=wrench,
+        kind=cast("Literal[1, 2, 3]", type_),
+        limits=limits,
+        tcp=thread.box.tcp,
+        damping=execution.force_damping,
+        gain_scaling=execution.force_gain,
+    )
+    await thread.box.call(request)
+
+
+async def end_force_mode(thread: Thread) -> None:
+    """Hold positions along all axes again."""
+    await thread.box.call(EndForceMode(arm=thread.box.arm))
+
+
+def force_mode_set_damping(thread: Thread, damping: Number) -> None:
+    """Set the damping of the next force mode, 0 … 1."""
+    if not 0.0 <= damping <= 1.0:
+        raise ValueProblem(f"damping is {damping}; it is from 0 to 1")
+    thread.execution.force_damping = damping
+
+
+def force_mode_set_gain_scaling(thread: Thread, scaling: Number) -> None:
+    """Scale the gain of the next force mode, 0 … 2."""
+    if not 0.0 <= scaling <= 2.0:
+        raise ValueProblem(f"scaling is {scaling}; it is from 0 to 2")
+    thread.execution.force_gain = scaling
+
+
+async def zero_ftsensor(thread: Thread) -> None:
+    """Tare the force-torque reading."""
+    await thread.box.call(ZeroWrench(arm=thread.box.arm))
+
+
+async def freedrive_mode(
+    thread: Thread, freeAxes: Flags = _ALL, feature: Feature = _BASE
+) -> None:
+    """Start freedrive: external forces move the arm along some axes of a frame."""
+    pose = feature
+    if feature == "base":
+        pose = _BASE
+    elif feature == "tool":
+        pose = Pose(thread.box.tcp_pose())
+    assert isinstance(pose, Pose)
+    request = StartFreedrive(arm=thread.box.arm, axes=freeAxes, frame=_six(pose))
+    await thread.box.call(request)
+
+
+async def end_freedrive_mode(thread: Thread) -> None:
+    """Hold the position again."""
+    await thread.box.call(EndFreedrive(arm=thread.box.arm))
+
+
+async def set_tcp(thread: Thread, pose: PoseLike, tcp_name: Text = "") -> None:
+    """Set the pose of the TCP in the flange; the name has no effect."""
+    del tcp_name
+    box, tcp = thread.box, _six(pose)
+    await box.call(SetTcp(arm=box.arm, pose=tcp))
+    await thread.until_shown(lambda: box.tcp == tcp)
+
+
+async def _set_payload(thread: Thread, mass: float, cog: Vector) -> None:
+    if mass < 0.0:
+        raise ValueProblem(f"the mass is {mass}; it is not negative")
+    box = thread.box
+    await box.call(SetPayload(arm=box.arm, mass=mass, center_of_gravity=cog))
+    await thread.until_shown(lambda: box.state.payload.mass == mass)
+    await box.call(ZeroWrench(arm=box.arm))
+
+
+async def set_payload(thread: Thread, m: Number, cog: Vector | None = None) -> None:
+    """Set mass [kg] and centre of gravity, at the TCP if left out; tares the sensor."""
+    x, y, z, *_ = thread.box.tcp
+    await _set_payload(thread, m, (x, y, z) if cog is None else cog)
+
+
+async def set_payload_mass(thread: Thread, m: Number) -> None:
+    """Set the mass [kg] of the payload; tares the sensor."""
+    await _set_payload(thread, m, thread.box.state.payload.center_of_gravity)
+
+
+async def set_payload_cog(thread: Thread, CoG: Vector) -> None:
+    """Set the centre of gravity of the payload [m]; tares the sensor."""
+    await _set_payload(thread, thread.box.state.payload.mass, CoG)
+
+
+async def set_target_payload(
+    thread: Thread,
+    m: Number,
+    cog: Vector,
+    inertia: Spatial = (0.0,) * 6,
+    transition_time: Number = 0,
+) -> None:
+    """Set mass and centre of gravity; inertia and transition time have no effect."""
+    if transition_time < 0.0 or min(inertia[:3]) < 0.0:
+        raise ValueProblem("transition time and moments of inertia are not negative")
+    await _set_payload(thread, m, cog)
+
+
+def get_target_payload(thread: Thread) -> float:
+    """Return the mass of the payload [kg]."""
+    return thread.box.state.payload.mass
+
+
+def get_target_payload_cog(thread: Thread) -> Value:
+    """Return the centre of gravity of the payload in the flange [m]."""
+    return tuple(thread.box.state.payload.center_of_gravity)
+
+
+def set_gravity(d: Vector) -> None:
+    """Accept the gravity of an upright mounting, which is the only one."""
+    x, y, z = d
+    if math.hypot(x, y) > _TOLERANCE or abs(z - STANDARD_GRAVITY) > _TOLERANCE:
+        raise ValueProblem(
+            f"the base stands upright: [0, 0, {STANDARD_GRAVITY}] is needed"
+        )
+
+
+def get_gravity() -> Value:
+    """Return the acceleration that carries the base against gravity [m/s²]."""
+    return (0.0, 0.0, STANDARD_GRAVITY)
+
+
+async def protective_stop(thread: Thread) -> None:
+    """Stop protectively."""
+    reason = "protective_stop() of the program"
+    await thread.box.call(StopProtectively(arm=thread.box.arm, reason=reason))
+
+
+def _six(pose: Pose) -> Six:
+    a, b, c, d, e, f = pose
+    return (a, b, c, d, e, f)
+
+
+FUNCTIONS: Final[tuple[Function, ...]] = (
+    function(force_mode, physical=True),
+    function(freedrive_mode, physical=True),
+    function(freedrive_mode, "teach_mode", physical=True),
+    *(function(item) for item in (end_force_mode, end_freedrive_mode)),
+    function(end_freedrive_mode, "end_teach_mode"),
+    *(function(item) for item in (force_mode_set_damping, force_mode_set_gain_scaling)),
+    *(function(item) for item in (get_gravity, get_target_payload)),
+    *(function(item) for item in (get_target_payload_cog, protective_stop)),
+    *(function(item) for item in (set_gravity, set_payload, set_payload_cog)),
+    *(function(item) for item in (set_payload_mass, set_target_payload, set_tcp)),
+    function(zero_ftsensor),
+)

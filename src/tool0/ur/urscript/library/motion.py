@@ -1,0 +1,162 @@
+"""Module motion: moves, servo and speed functions, stops.
+
+Joint moves: a [rad/s²] and v [rad/s] of the leading joint.  Moves of the tool: a [m/s²]
+and v [m/s].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from tool0.errors import UnreachableError
+from tool0.protocol.updates import Six
+from tool0.ur.urscript.errors import ValueProblem
+from tool0.ur.urscript.execution import Thread
+from tool0.ur.urscript.functions import Function, function
+from tool0.ur.urscript.kinds import Integer, Joints, Number, Spatial, Target
+from tool0.ur.urscript.values import Pose
+
+_LOOKAHEAD: Final = (0.03, 0.2)
+"""[s]"""
+_GAIN: Final = (100.0, 2000.0)
+
+
+def _joints(thread: Thread, target: Target) -> Six:
+    """Return joint positions; those nearest to the setpoint, for a pose."""
+    if not isinstance(target, Pose):
+        return target
+    try:
+        return thread.box.inverse(target, thread.box.arm_update.target_position)
+    except UnreachableError as error:
+        raise ValueProblem(f"no inverse kinematics solution: {error}") from None
+
+
+def _pose(thread: Thread, target: Target) -> Sequence[float]:
+    """Return a pose of the TCP; that at joint positions, if they are given."""
+    return target if isinstance(target, Pose) else thread.box.forward(target)
+
+
+def _check(a: float, v: float, t: float = 0.0, r: float = 0.0) -> None:
+    """Raise ValueProblem for values that no motion could have."""
+    if t < 0.0 or r < 0.0:
+        raise ValueProblem("time and blend radius are not negative")
+    if not t and not (a > 0.0 and v > 0.0):
+        raise ValueProblem("acceleration and speed are greater than 0")
+
+
+async def movej(
+    thread: Thread,
+    q: Target,
+    a: Number = 1.4,
+    v: Number = 1.05,
+    t: Number = 0,
+    r: Number = 0,
+) -> None:
+    """Move linearly in joint space."""
+    _check(a, v, t, r)
+    goal = _joints(thread, q)
+    await thread.moving(lambda: thread.moves.movej(goal, a, v, t, r))
+
+
+async def movel(
+    thread: Thread,
+    pose: Target,
+    a: Number = 1.2,
+    v: Number = 0.25,
+    t: Number = 0,
+    r: Number = 0,
+) -> None:
+    """Move the TCP on a straight line."""
+    _check(a, v, t, r)
+    goal = _pose(thread, pose)
+    await thread.moving(lambda: thread.moves.movel(goal, a, v, t, r))
+
+
+async def movep(
+    thread: Thread, pose: Target, a: Number = 1.2, v: Number = 0.25, r: Number = 0
+) -> None:
+    """Move the TCP with constant speed and circular blends."""
+    _check(a, v, 0.0, r)
+    goal = _pose(thread, pose)
+    await thread.moving(lambda: thread.moves.movep(goal, a, v, r))
+
+
+async def movec(
+    thread: Thread,
+    pose_via: Target,
+    pose_to: Target,
+    a: Number = 1.2,
+    v: Number = 0.25,
+    r: Number = 0,
+    mode: Integer = 0,
+) -> None:
+    """Move the TCP on a circular arc; mode 1 keeps its orientation to the arc."""
+    _check(a, v, 0.0, r)
+    if mode not in {0, 1}:
+        raise ValueProblem(f"mode is {mode}; it can be 0 or 1")
+    via, goal = _pose(thread, pose_via), _pose(thread, pose_to)
+    await thread.moving(lambda: thread.moves.movec(via, goal, a, v, r, mode))
+
+
+async def servoj(
+    thread: Thread,
+    q: Joints,
+    a: Number = 0,
+    v: Number = 0,
+    t: Number = 0.002,
+    lookahead_time: Number = 0.1,
+    gain: Number = 300,
+) -> None:
+    """Follow joint positions that are given again and again; a and v are not used."""
+    del a, v
+    if t < 0.0:
+        raise ValueProblem("the time is not negative")
+    lookahead = min(max(lookahead_time, _LOOKAHEAD[0]), _LOOKAHEAD[1])
+    stiffness = min(max(gain, _GAIN[0]), _GAIN[1])
+    await thread.moving(lambda: thread.moves.servoj(q, t, lookahead, stiffness))
+
+
+async def servoc(
+    thread: Thread, pose: Target, a: Number = 1.2, v: Number = 0.25, r: Number = 0
+) -> None:
+    """Follow poses of the TCP on arcs."""
+    _check(a, v, 0.0, r)
+    goal = _pose(thread, pose)
+    await thread.moving(lambda: thread.moves.servoc(goal, a, v, r))
+
+
+async def speedj(
+    thread: Thread, qd: Joints, a: Number = 1.4, t: Number | None = None
+) -> None:
+    """Accelerate to joint velocities; return after t, or when they are reached."""
+    await thread.moving(lambda: thread.moves.speedj(qd, a, t))
+
+
+async def speedl(
+    thread: Thread,
+    xd: Spatial,
+    a: Number = 1.2,
+    t: Number | None = None,
+    aRot: Number | None = None,
+) -> None:
+    """Accelerate to a velocity of the TCP; return after t, or when it is reached."""
+    await thread.moving(lambda: thread.moves.speedl(xd, a, t, aRot))
+
+
+async def stopj(thread: Thread, a: Number = 2.0) -> None:
+    """Decelerate the joints to rest."""
+    await thread.moving(lambda: thread.moves.stopj(a))
+
+
+async def stopl(thread: Thread, a: Number = 20.0, aRot: Number | None = None) -> None:
+    """Decelerate the TCP to rest."""
+    await thread.moving(lambda: thread.moves.stopl(a, aRot))
+
+
+FUNCTIONS: Final[tuple[Function, ...]] = tuple(
+    function(item, physical=True)
+    for item in (
+        *(movej, movel, movep, movec, servoj, servoc, speedj, speedl, stopj, stopl),
+    )
+)

@@ -1,0 +1,66 @@
+"""Time, messages and the end of programs."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from tool0.ur.urscript.errors import ValueProblem
+from tool0.ur.urscript.execution import Thread
+from tool0.ur.urscript.functions import Function, function
+from tool0.ur.urscript.kinds import AnyValue, Bool, Number, Text
+from tool0.ur.urscript.values import to_text
+
+_MESSAGE: Final = 25
+"""Statements that a message counts as, so that clients can follow."""
+
+
+async def sleep(thread: Thread, t: Number) -> None:
+    """Wait for simulated time [s]."""
+    if t < 0.0:
+        raise ValueProblem(f"the time is {t}, less than 0")
+    await thread.box.sleep(t)
+
+
+async def sync(thread: Thread) -> None:
+    """Wait for the next control period of the robot."""
+    await thread.box.sleep(1.0 / thread.box.rate)
+
+
+def get_steptime(thread: Thread) -> float:
+    """Return the control period [s]."""
+    return 1.0 / thread.box.rate
+
+
+def textmsg(thread: Thread, s1: AnyValue, s2: AnyValue = "") -> None:
+    """Send a text to the log of all clients."""
+    thread.left -= _MESSAGE
+    thread.box.messages.text(shown(to_text(s1) + to_text(s2)))
+
+
+async def popup(
+    thread: Thread,
+    s: AnyValue,
+    title: Text = "Popup",
+    warning: Bool = False,
+    error: Bool = False,
+    blocking: Bool = False,
+) -> None:
+    """Show a popup; a blocking one waits until it is closed."""
+    del warning, error
+    messages = thread.box.messages
+    messages.show_popup(shown(to_text(s)), shown(title))
+    popup = messages.popup
+    while blocking and messages.popup is popup:
+        await thread.box.next_update()
+
+
+def shown(text: str) -> str:
+    """Return a string of bytes as people read it."""
+    return text.encode("latin-1", "replace").decode("utf-8", "replace")
+
+
+FUNCTIONS: Final[tuple[Function, ...]] = (
+    function(sleep, physical=True),
+    function(sync, physical=True),
+    *(function(item) for item in (get_steptime, popup, textmsg)),
+)

@@ -1,0 +1,84 @@
+"""Settings that programs of PolyScope make first, and that change nothing here."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from tool0.ur.urscript.errors import ValueProblem
+from tool0.ur.urscript.functions import Function, function
+from tool0.ur.urscript.kinds import AnyValue, Bool, Integer, Number, Text
+
+
+def set_input_actions_to_default() -> None:
+    """Accept: inputs have no actions."""
+
+
+def set_safety_mode_transition_hardness(type_: Integer) -> None:
+    """Accept a value that has no effect."""
+
+
+def _input_domain(port: Integer, domain: Integer) -> None:
+    """Accept: inputs are volts unless the simulation sets them as currents."""
+
+
+def _input_action(port: Integer, action: Text) -> None:
+    if action != "default":
+        raise ValueProblem(f'inputs have no actions but "default", not "{action}"')
+
+
+def _runstate_output(outputId: Integer, state: Integer) -> None:
+    if state:
+        raise ValueProblem("outputs do not follow the state of the program: 0 is left")
+
+
+def _accept_one(value: AnyValue) -> None:
+    """Accept a value that has no effect."""
+
+
+def _accept_two(index: Integer, value: AnyValue) -> None:
+    """Accept values that have no effect."""
+
+
+def _accept_none() -> None:
+    """Ignore the setting."""
+
+
+def set_tool_communication(
+    enabled: Bool,
+    baud_rate: Integer = 115200,
+    parity: Integer = 0,
+    stop_bits: Integer = 1,
+    rx_idle_chars: Number = 1.5,
+    tx_idle_chars: Number = 3.5,
+) -> None:
+    """Accept that the tool's serial line is off."""
+    if enabled:
+        raise ValueProblem("the tool's serial line is not simulated")
+
+
+FUNCTIONS: Final[tuple[Function, ...]] = (
+    function(set_input_actions_to_default),
+    function(set_safety_mode_transition_hardness),
+    function(set_tool_communication),
+    function(_input_domain, "set_standard_analog_input_domain"),
+    function(_input_domain, "set_tool_analog_input_domain"),
+    function(_accept_two, "set_analog_inputrange"),
+    function(_accept_one, "set_tool_output_mode"),
+    function(_accept_two, "set_tool_digital_output_mode"),
+    function(_accept_none, "high_holding_torque_enable"),
+    function(_accept_none, "high_holding_torque_disable"),
+    *(
+        function(_input_action, f"set_{group}_input_action")
+        for group in (
+            *("standard_digital", "configurable_digital", "tool_digital"),
+            "gp_boolean",
+        )
+    ),
+    *(
+        function(_runstate_output, f"set_runstate_{group}_output_to_value")
+        for group in (
+            *("standard_digital", "configurable_digital", "tool_digital"),
+            *("standard_analog", "gp_boolean"),
+        )
+    ),
+)

@@ -1,0 +1,168 @@
+"""The state of the arm.  Poses are in the base frame, angles in radians."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from tool0.errors import UnreachableError
+from tool0.ur.urscript.errors import ValueProblem
+from tool0.ur.urscript.execution import Thread
+from tool0.ur.urscript.functions import Function, function
+from tool0.ur.urscript.kinds import Integer, Joints, Number, PoseLike, Spatial, Target
+from tool0.ur.urscript.values import Pose, Value
+
+_AT_FLANGE: Final = (0.0,) * 6
+
+
+def get_actual_joint_positions(thread: Thread) -> Value:
+    """Return the measured joint positions."""
+    return thread.box.q
+
+
+def get_actual_joint_positions_history(thread: Thread, steps: Integer = 0) -> Value:
+    """Return the measured joint positions some control periods ago."""
+    return thread.execution.history.positions(steps)
+
+
+def get_actual_joint_speeds(thread: Thread) -> Value:
+    """Return the measured joint velocities [rad/s]."""
+    return thread.box.qd
+
+
+def get_target_joint_positions(thread: Thread) -> Value:
+    """Return the setpoint of the joint positions."""
+    return thread.box.arm_update.target_position
+
+
+def get_target_joint_speeds(thread: Thread) -> Value:
+    """Return the setpoint of the joint velocities [rad/s]."""
+    return thread.box.arm_update.target_velocity
+
+
+def get_actual_tcp_pose(thread: Thread) -> Value:
+    """Return the measured pose of the TCP."""
+    return Pose(thread.box.tcp_pose())
+
+
+def get_target_tcp_pose(thread: Thread) -> Value:
+    """Return the setpoint of the TCP's pose."""
+    return Pose(thread.box.tcp_pose(target=True))
+
+
+def get_actual_tcp_speed(thread: Thread) -> Value:
+    """Return the measured velocity of the TCP [m/s, rad/s]."""
+    return Pose(thread.box.tcp_speed())
+
+
+def get_target_tcp_speed(thread: Thread) -> Value:
+    """Return the setpoint of the TCP's velocity [m/s, rad/s]."""
+    return Pose(thread.box.tcp_speed(target=True))
+
+
+def get_actual_tool_flange_pose(thread: Thread) -> Value:
+    """Return the measured pose of the flange."""
+    return Pose(thread.box.forward(thread.box.q, _AT_FLANGE))
+
+
+def get_tcp_offset(thread: Thread) -> Value:
+    """Return the pose of the TCP in the flange."""
+    return Pose(thread.box.tcp)
+
+
+def get_tcp_force(thread: Thread) -> Value:
+    """Return the external wrench at the flange, in the base frame's axes [N, N·m]."""
+    force, torque = thread.box.flange_wrench()
+    return Pose([*force, *torque])
+
+
+def force(thread: Thread) -> float:
+    """Return the magnitude of the external force [N]."""
+    return math.hypot(*thread.box.arm_update.wrench[:3])
+
+
+def get_joint_torques(thread: Thread) -> Value:
+    """Return the joint torques that the external wrench causes [N·m]."""
+    return thread.box.posture().efforts(*thread.box.flange_wrench())
+
+
+def get_forward_kin(
+    thread: Thread, q: Joints | None = None, tcp: PoseLike | None = None
+) -> Value:
+    """Return the pose of the TCP at joint positions; the measured ones, if left out."""
+    return Pose(thread.box.forward(thread.box.q if q is None else q, tcp))
+
+
+def get_inverse_kin(
+    thread: Thread,
+    x: PoseLike,
+    qnear: Joints | None = None,
+    maxPositionError: Number = 1e-10,
+    maxOrientationError: Number = 1e-10,
+    tcp: PoseLike | None = None,
+) -> Value:
+    """Return the joint positions nearest to qnear, or to the measured ones."""
+    del maxPositionError, maxOrientationError  # the solutions are exact
+    near = thread.box.q if qnear is None else qnear
+    try:
+        return thread.box.inverse(x, near, tcp)
+    except UnreachableError as error:
+        raise ValueProblem(f"no inverse kinematics solution: {error}") from None
+
+
+def get_inverse_kin_has_solution(
+    thread: Thread,
+    pose: PoseLike,
+    qnear: Joints | None = None,
+    maxPositionError: Number = 1e-10,
+    maxOrientationError: Number = 1e-10,
+    tcp: PoseLike | None = None,
+) -> bool:
+    """Return whether get_inverse_kin has a solution."""
+    try:
+        get_inverse_kin(thread, pose, qnear, maxPositionError, maxOrientationError, tcp)
+    except ValueProblem:
+        return False
+    return True
+
+
+def is_within_safety_limits(
+    thread: Thread, position: Target, qNear: Joints | None = None
+) -> bool:
+    """Return whether a pose or joint positions can be reached."""
+    if isinstance(position, Pose):
+        return get_inverse_kin_has_solution(thread, position, qNear)
+    limits = [joint.limits for joint in thread.box.chain.joints]
+    return all(
+        limit.lower <= x <= limit.upper
+        for x, limit in zip(position, limits, strict=True)
+    )
+
+
+def is_steady(thread: Thread) -> bool:
+    """Return whether the arm has been at rest for 0.5 s."""
+    return thread.execution.history.is_steady()
+
+
+def tool_contact(thread: Thread, direction: Spatial | None = None) -> Value:
+    """Return since how many control periods something touches the tool; 0 if nothing.
+
+    The direction is that of the motion, in the base frame; zeros stand for any.  The
+    velocity of the TCP, if left out.
+    """
+    motion = thread.box.tcp_speed() if direction is None else direction
+    return thread.execution.history.contact(motion)
+
+
+FUNCTIONS: Final[tuple[Function, ...]] = tuple(
+    function(item)
+    for item in (
+        *(force, get_actual_joint_positions, get_actual_joint_positions_history),
+        *(get_actual_joint_speeds, get_actual_tcp_pose, get_actual_tcp_speed),
+        *(get_actual_tool_flange_pose, get_forward_kin, get_inverse_kin),
+        *(get_inverse_kin_has_solution, get_joint_torques, get_target_joint_positions),
+        *(get_target_joint_speeds, get_target_tcp_pose, get_target_tcp_speed),
+        *(get_tcp_force, get_tcp_offset, is_steady, is_within_safety_limits),
+        tool_contact,
+    )
+)

@@ -1,0 +1,90 @@
+"""Programs as clients send them: text to something that a control box can run."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, final
+
+from tool0.ur.moves import Moves
+from tool0.ur.urscript import syntax as s
+from tool0.ur.urscript.checking import Checker
+from tool0.ur.urscript.code import Code
+from tool0.ur.urscript.compiling import Compiler
+from tool0.ur.urscript.errors import Place, URScriptError
+from tool0.ur.urscript.execution import Execution
+from tool0.ur.urscript.parsing import parse
+from tool0.ur.urscript.scopes import program_scope
+
+if TYPE_CHECKING:
+    from tool0.ur.control_box import UrControlBox
+
+
+@final
+class URScriptProgram:
+    """A checked program."""
+
+    def __init__(self, code: Code, name: str) -> None:
+        self._code = code
+        self._source = name
+
+    @property
+    def name(self) -> str:
+        """Of its ``def``; that of the source for bare statements."""
+        return self._code.name
+
+    @property
+    def is_secondary(self) -> bool:
+        """Whether it is a ``sec``: it runs beside the program and moves nothing."""
+        return self._code.definition.kind == "sec"
+
+    async def run(self, box: UrControlBox) -> None:
+        """Run on a control box to the end.
+
+        Raises:
+            URScriptError: The program failed, with the location.
+        """
+        execution = Execution(
+            self._source,
+            box,
+            Moves(box),
+            is_secondary=self.is_secondary,
+        )
+        await execution.run(self._code)
+
+
+def compile_program(text: str, name: str = "program") -> URScriptProgram:
+    """Return a program that is checked and ready to run.
+
+    A program is a ``def`` or a ``sec`` without parameters, or bare statements.  Of
+    several definitions the last one is the program, which can call the others.  A long
+    program takes time: call it in another thread than the event loop's.
+
+    Args:
+        text: The program; lines end with LF, CRLF or CR.
+        name: Of the source, for messages.
+
+    Raises:
+        URScriptError: What is wrong, with line and column.
+        ConfigError: lark is not installed.
+    """
+    main = _main(parse(text, name), name)
+    scope = program_scope(main)
+    Checker(name).check(scope)
+    code = Compiler(name).compile(scope)
+    return URScriptProgram(code, name)
+
+
+def _main(statements: s.Block, name: str) -> s.Definition:
+    if not statements:
+        raise URScriptError("the program is empty", Place(1, 1), name)
+    last = statements[-1]
+    if not all(isinstance(item, s.Definition) for item in statements):
+        return s.Definition(statements[0].at, "def", name, (), statements)
+    assert isinstance(last, s.Definition)
+    if last.kind == "thread":
+        raise URScriptError("a 'thread' is part of a program", last.at, name)
+    if last.parameters:
+        raise URScriptError(
+            f"'{last.name}' is the program: it has no parameters", last.at, name
+        )
+    others = statements[:-1]
+    return s.Definition(last.at, last.kind, last.name, (), (*others, *last.body))

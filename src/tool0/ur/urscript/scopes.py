@@ -1,0 +1,101 @@
+"""Which variables and functions a name means (URScript manual, "Scoping rules").
+
+Variables of the program's first level are global.  In a function or a thread a name is
+global if the program has such a global, and local otherwise or after ``local``.
+Functions and threads are visible where they are defined and further inside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import final
+
+from tool0.ur.urscript import syntax as s
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """The names that the body of one definition can use."""
+
+    definition: s.Definition
+    parent: Scope | None
+    functions: dict[str, s.Definition]
+    """Defined in this body."""
+    locals: frozenset[str]
+    globals: frozenset[str]
+    """Of the program, the same in each scope."""
+
+    def find(self, name: str) -> tuple[s.Definition, Scope] | None:
+        """Return a visible function or thread, with the scope that defines it."""
+        scope: Scope | None = self
+        while scope is not None:
+            if name in scope.functions:
+                return scope.functions[name], scope
+            scope = scope.parent
+        return None
+
+    def visible_functions(self) -> list[str]:
+        """Return the names of all functions and threads that are visible."""
+        own = list(self.functions)
+        return own + (self.parent.visible_functions() if self.parent else [])
+
+    def inner(self, definition: s.Definition) -> Scope:
+        """Return the scope of a definition in this one's body."""
+        return _scope(definition, self, self.globals)
+
+
+def program_scope(program: s.Definition) -> Scope:
+    """Return the scope of a whole program."""
+    own = {
+        item.name
+        for item in _own(program.body)
+        if isinstance(item, s.Assign) and not item.indexes
+    }
+    declared = {
+        item.name
+        for item in _all(program.body)
+        if isinstance(item, s.Assign) and item.scope == "global"
+    }
+    return _scope(program, None, frozenset(own | declared))
+
+
+def _scope(
+    definition: s.Definition, parent: Scope | None, known: frozenset[str]
+) -> Scope:
+    own = list(_own(definition.body))
+    functions = {item.name: item for item in own if isinstance(item, s.Definition)}
+    local = {item.name for item in definition.parameters}
+    if parent is not None:
+        for item in own:
+            is_local = isinstance(item, s.Assign) and (
+                item.scope == "local"
+                or (item.scope is None and not item.indexes and item.name not in known)
+            )
+            if is_local and isinstance(item, s.Assign):
+                local.add(item.name)
+    return Scope(definition, parent, functions, frozenset(local), known)
+
+
+def _own(block: s.Block) -> Iterator[s.Statement]:
+    """Yield the statements of a body, without those of definitions in it."""
+    for item in block:
+        yield item
+        for inner in _blocks(item):
+            yield from _own(inner)
+
+
+def _all(block: s.Block) -> Iterator[s.Statement]:
+    for item in _own(block):
+        yield item
+        if isinstance(item, s.Definition):
+            yield from _all(item.body)
+
+
+def _blocks(item: s.Statement) -> tuple[s.Block, ...]:
+    if isinstance(item, s.While):
+        return (item.body,)
+    if isinstance(item, s.If):
+        return (*(body for _, body in item.branches), item.otherwise)
+    return ()

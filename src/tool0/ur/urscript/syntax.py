@@ -1,0 +1,234 @@
+"""The syntax tree of a URScript program.
+
+Chains of operators are flat, so that a long sum is not a deep tree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, final
+
+from tool0.ur.urscript.errors import Place
+
+Constant: TypeAlias = bool | int | float | str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Literals:
+    """A number, a string, True or False."""
+
+    at: Place
+    value: Constant
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A variable."""
+
+    at: Place
+    name: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ListOf:
+    """``[a, b, …]``."""
+
+    at: Place
+    items: tuple[Expression, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class PoseOf:
+    """``p[x, y, z, rx, ry, rz]``."""
+
+    at: Place
+    items: tuple[Expression, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Index:
+    """``base[i][j]`` or ``base[i, j]``."""
+
+    at: Place
+    base: Expression
+    indexes: tuple[Expression, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Unary:
+    """``-a``, ``+a`` or ``not a``."""
+
+    at: Place
+    operator: str
+    operand: Expression
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Operand:
+    """A further operand of a chain, with its operator."""
+
+    at: Place
+    """Of the operator."""
+    operator: str
+    value: Expression
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """``first op a op b …`` of operators with one precedence, from the left."""
+
+    at: Place
+    first: Expression
+    rest: tuple[Operand, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """``value`` or ``name = value``."""
+
+    at: Place
+    name: str | None
+    value: Expression
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Call:
+    """``name(arguments)``."""
+
+    at: Place
+    name: str
+    arguments: tuple[Argument, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Run:
+    """``run name()``: starts a thread and is its handle."""
+
+    at: Place
+    name: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Join:
+    """``join handle``: waits for a thread and is what it returns."""
+
+    at: Place
+    handle: Expression
+
+
+Expression: TypeAlias = (
+    Literals | Name | ListOf | PoseOf | Index | Unary | Chain | Call | Run | Join
+)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Assign:
+    """``[local | global] name[i] = value``."""
+
+    at: Place
+    scope: Literal["local", "global"] | None
+    name: str
+    indexes: tuple[Expression, ...]
+    value: Expression
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Evaluate:
+    """An expression as a statement."""
+
+    at: Place
+    value: Expression
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class If:
+    """``if … elif … else … end``."""
+
+    at: Place
+    branches: tuple[tuple[Expression, Block], ...]
+    otherwise: Block
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class While:
+    """``while … end``."""
+
+    at: Place
+    condition: Expression
+    body: Block
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Return:
+    """``return [value]``."""
+
+    at: Place
+    value: Expression | None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Kill:
+    """``kill handle``."""
+
+    at: Place
+    handle: Expression
+
+
+Keyword: TypeAlias = Literal[
+    "break", "continue", "halt", "pause", "pass", "enter_critical", "exit_critical"
+]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Simple:
+    """A statement of one word."""
+
+    at: Place
+    keyword: Keyword
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """``name`` or ``name = default``."""
+
+    at: Place
+    name: str
+    default: Expression | None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """``def``, ``sec`` or ``thread``."""
+
+    at: Place
+    kind: Literal["def", "sec", "thread"]
+    name: str
+    parameters: tuple[Parameter, ...]
+    body: Block
+
+
+Statement: TypeAlias = (
+    Assign | Evaluate | If | While | Return | Kill | Simple | Definition
+)
+Block: TypeAlias = tuple[Statement, ...]

@@ -1,0 +1,331 @@
+"""The values of URScript and its operators.
+
+Values never change: an assignment to an element makes a new list.  Arguments and
+assignments therefore copy, as on the robot.  A string is a sequence of bytes; each is
+one character here.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import operator
+from collections.abc import Callable, Sequence
+from typing import Final, TypeAlias, Union, final
+
+from tool0.ur.urscript.errors import ValueProblem
+from tool0.ur.urscript.trees import INT_RANGE, MAX_TEXT
+
+MAX_LIST: Final = 10_000
+"""Most elements of a list; a pose counts six."""
+MAX_WRITTEN: Final = 500
+"""Most elements of a list that is written as text."""
+MAX_PRODUCT: Final = 2_000
+"""Most multiplications of a product of matrices."""
+
+
+@final
+class Pose(tuple[float, ...]):
+    """``p[x, y, z, rx, ry, rz]`` [m, rad], also a wrench or a twist."""
+
+    __slots__ = ()
+
+
+@final
+class Handle:
+    """A thread that was started."""
+
+    def __init__(self, name: str, task: asyncio.Task[Value]) -> None:
+        self.name = name
+        self._task = task
+
+    def kill(self) -> None:
+        """End the thread at its next statement that waits."""
+        self._task.cancel()
+
+    async def end(self) -> Value:
+        """Return what the thread returns when it ends; nothing if it was killed."""
+        await asyncio.wait([self._task])
+        return None if self._task.cancelled() else self._task.result()
+
+
+Value: TypeAlias = Union[bool, int, float, str, Pose, "tuple[Value, ...]", Handle, None]
+_FAMILIES: Final[dict[type, str]] = {
+    bool: "a boolean",
+    int: "an integer",
+    float: "a float",
+    str: "a string",
+    Pose: "a pose",
+    tuple: "a list",
+    Handle: "a thread",
+    type(None): "nothing",
+}
+
+
+def described(value: Value) -> str:
+    """Return the kind of a value, with its article."""
+    return _FAMILIES[type(value)]
+
+
+def is_number(value: Value) -> bool:
+    """Return whether a value is an integer or a float; booleans are neither."""
+    return type(value) is float or type(value) is int
+
+
+def checked_list(items: Sequence[Value]) -> tuple[Value, ...]:
+    """Return a list, or a matrix as a list of equal rows.
+
+    Raises:
+        ValueProblem: The elements are of different kinds, or nested too deep.
+    """
+    if weight(items) > MAX_LIST:
+        raise ValueProblem(f"lists have at most {MAX_LIST} elements")
+    families = {"a number" if is_number(item) else described(item) for item in items}
+    if len(families) > 1:
+        mixed = " and ".join(sorted(families))
+        raise ValueProblem(f"a list has elements of one kind, not {mixed}")
+    if families & {"nothing", "a thread"}:
+        raise ValueProblem(f"{families.pop()} cannot be an element of a list")
+    rows = [item for item in items if type(item) is tuple]
+    if rows:
+        if len({len(row) for row in rows}) > 1:
+            raise ValueProblem("the rows of a matrix have equal lengths")
+        if any(type(item) in {tuple, Pose} for row in rows for item in row):
+            raise ValueProblem("lists can be nested once, as a matrix")
+    return tuple(items)
+
+
+def weight(items: Sequence[Value]) -> int:
+    """Return how many values a list has, with those of its rows or poses."""
+    first = items[0] if items else None
+    return len(items) * (len(first) if isinstance(first, tuple) else 1)
+
+
+def checked_pose(items: Sequence[Value]) -> Pose:
+    """Return a pose of six numbers."""
+    if len(items) != 6:
+        raise ValueProblem(f"a pose has 6 numbers, not {len(items)}")
+    numbers: list[float] = []
+    for item in items:
+        if type(item) is not float and type(item) is not int:
+            raise ValueProblem(f"a pose has 6 numbers, not {described(item)}")
+        numbers.append(float(item))
+    return Pose(numbers)
+
+
+def checked_text(text: str) -> str:
+    """Return a string that is not too long."""
+    if len(text) > MAX_TEXT:
+        raise ValueProblem(f"strings have at most {MAX_TEXT} bytes, not {len(text)}")
+    return text
+
+
+def to_text(value: Value) -> str:
+    """Return a value as text; floats have 6 decimals without trailing zeros."""
+    match value:
+        case bool() | int():
+            return str(value)
+        case float():
+            if not math.isfinite(value):
+                return str(value)
+            text = f"{value:.6f}".rstrip("0").rstrip(".")
+            return "0" if text == "-0" else text
+        case str():
+            return value
+        case tuple():
+            if weight(value) > MAX_WRITTEN:
+                size = f"{MAX_WRITTEN} elements"
+                raise ValueProblem(f"a list of more than {size} is no text")
+            start = "p[" if isinstance(value, Pose) else "["
+            return start + ", ".join(to_text(item) for item in value) + "]"
+        case _:
+            raise ValueProblem(f"{described(value)} cannot be written as text")
+
+
+# ---- elements -----------------------------------------------------------------------
+
+
+def element(value: Value, index: Value) -> Value:
+    """Return an element of a list or a pose, or a row of a matrix."""
+    return _items(value)[_checked_index(value, index)]
+
+
+def with_element(value: Value, indexes: Sequence[Value], new: Value) -> Value:
+    """Return a list, matrix or pose with another element."""
+    items = list(_items(value))
+    k = _checked_index(value, indexes[0])
+    rest = indexes[1:]
+    items[k] = with_element(items[k], rest, new) if rest else new
+    return checked_pose(items) if isinstance(value, Pose) else checked_list(items)
+
+
+def _items(value: Value) -> tuple[Value, ...]:
+    if not isinstance(value, tuple):
+        raise ValueProblem(f"{described(value)} has no elements")
+    return value
+
+
+def _checked_index(value: Value, index: Value) -> int:
+    if type(index) is not int:
+        raise ValueProblem(f"an index is an integer, not {described(index)}")
+    size = len(_items(value))
+    if not 0 <= index < size:
+        raise ValueProblem(f"index {index} of {described(value)} of {size} elements")
+    return index
+
+
+# ---- operators ----------------------------------------------------------------------
+
+Operator: TypeAlias = Callable[[Value, Value], Value]
+Numbers: TypeAlias = Callable[[float, float], float]
+
+
+def _quotient(a: float, b: float) -> float:
+    if b == 0:
+        raise ValueProblem("division by zero")
+    return a / b
+
+
+def _remainder(a: float, b: float) -> float:
+    """Return the remainder with the sign of ``a``, as in C."""
+    if b == 0:
+        raise ValueProblem("division by zero")
+    if type(a) is int and type(b) is int:
+        rest = abs(a) % abs(b)
+        return rest if a >= 0 else -rest
+    if not math.isfinite(a):
+        raise ValueProblem(f"remainder of {a}")
+    return math.fmod(a, b)
+
+
+def _arithmetic(symbol: str, compute: Numbers) -> Operator:
+    def apply(a: Value, b: Value) -> Value:
+        kinds = type(a), type(b)
+        if kinds == (float, float):
+            return compute(a, b)  # type: ignore[arg-type]
+        if is_number(a) and is_number(b):
+            return checked_integer(compute(a, b))  # type: ignore[arg-type]
+        if symbol == "+" and kinds == (str, str):
+            return checked_text(f"{a}{b}")
+        if Pose in kinds:
+            raise ValueProblem(
+                f"'{symbol}' does not apply to poses; use pose_add, pose_sub or "
+                "pose_trans"
+            )
+        if symbol == "*" and _is_matrix(a) and (_is_matrix(b) or type(b) is tuple):
+            return _matrix_product(a, b)  # type: ignore[arg-type]
+        if tuple in kinds:
+            return _by_element(symbol, apply, a, b)
+        raise ValueProblem(
+            f"'{symbol}' does not apply to {described(a)} and {described(b)}"
+        )
+
+    return apply
+
+
+def checked_integer(value: float) -> float:
+    """Return a number; integers have 32 bits."""
+    if type(value) is int and value not in INT_RANGE:
+        raise ValueProblem(f"the integer {value} has more than 32 bits; use floats")
+    return value
+
+
+def _is_matrix(value: Value) -> bool:
+    return type(value) is tuple and bool(value) and type(value[0]) is tuple
+
+
+def _matrix_product(a: tuple[Value, ...], b: tuple[Value, ...]) -> Value:
+    columns = list(zip(*b, strict=True)) if _is_matrix(b) else [b]
+    multiply, add = ARITHMETIC["*"], ARITHMETIC["+"]
+
+    def dot(row: Value, column: Sequence[Value]) -> Value:
+        items = _items(row)
+        if len(items) != len(column):
+            raise ValueProblem(
+                f"a matrix with {len(items)} columns times one with {len(column)} rows"
+            )
+        total: Value = 0
+        for x, y in zip(items, column, strict=True):
+            total = add(total, multiply(x, y))
+        return total
+
+    if len(a) * len(columns) * len(b) > MAX_PRODUCT:
+        raise ValueProblem("these matrices are too large to be multiplied")
+    rows = [tuple(dot(row, column) for column in columns) for row in a]
+    return tuple(rows) if _is_matrix(b) else tuple(row[0] for row in rows)
+
+
+def _by_element(symbol: str, apply: Operator, a: Value, b: Value) -> Value:
+    if type(a) is tuple and type(b) is tuple:
+        if len(a) != len(b):
+            raise ValueProblem(
+                f"'{symbol}' of lists with {len(a)} and {len(b)} elements"
+            )
+        return tuple(apply(x, y) for x, y in zip(a, b, strict=True))
+    if type(a) is tuple:
+        return tuple(apply(x, b) for x in a)
+    return tuple(apply(a, y) for y in _items(b))
+
+
+def _ordering(symbol: str, compare: Callable[[float, float], bool]) -> Operator:
+    def apply(a: Value, b: Value) -> Value:
+        if not (is_number(a) and is_number(b)):
+            raise ValueProblem(
+                f"'{symbol}' does not apply to {described(a)} and {described(b)}"
+            )
+        return compare(a, b)  # type: ignore[arg-type]
+
+    return apply
+
+
+def _equality(symbol: str, compare: Callable[[Value, Value], bool]) -> Operator:
+    def apply(a: Value, b: Value) -> Value:
+        if type(a) is not type(b) and not (is_number(a) and is_number(b)):
+            raise ValueProblem(
+                f"'{symbol}' does not apply to {described(a)} and {described(b)}"
+            )
+        return compare(a, b)
+
+    return apply
+
+
+ARITHMETIC: Final[dict[str, Operator]] = {
+    "+": _arithmetic("+", operator.add),
+    "-": _arithmetic("-", operator.sub),
+    "*": _arithmetic("*", operator.mul),
+    "/": _arithmetic("/", _quotient),
+    "%": _arithmetic("%", _remainder),
+    "<": _ordering("<", operator.lt),
+    ">": _ordering(">", operator.gt),
+    "<=": _ordering("<=", operator.le),
+    ">=": _ordering(">=", operator.ge),
+    "==": _equality("==", operator.eq),
+    "!=": _equality("!=", operator.ne),
+}
+"""Operators that compute with both operands."""
+
+
+def negated(value: Value) -> Value:
+    """Return ``-value``."""
+    return ARITHMETIC["-"](0, value) if type(value) is not float else -value
+
+
+def positive(value: Value) -> Value:
+    """Return ``+value``."""
+    return ARITHMETIC["+"](0, value)
+
+
+def truth(value: Value) -> bool:
+    """Return a boolean, or whether a string has characters, as a condition."""
+    if type(value) is bool:
+        return value
+    if type(value) is str:
+        return bool(value)
+    raise ValueProblem(f"a condition is a boolean, not {described(value)}")
+
+
+def boolean(symbol: str, value: Value) -> bool:
+    """Return an operand of ``and``, ``or``, ``xor`` or ``not``."""
+    if type(value) is not bool:
+        raise ValueProblem(f"'{symbol}' applies to booleans, not to {described(value)}")
+    return value
