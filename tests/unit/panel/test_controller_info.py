@@ -30,7 +30,9 @@ def why(state: str | None, kind: str = KIND, joint: Joint = ELBOW) -> str | None
         claimed=claimed,
     )
     loaded = [] if state is None else [status]
-    (info,) = controller_infos({"it": kind}, loaded, {"elbow": joint}, ROS1.role)
+    (info,) = controller_infos(
+        {"it": kind}, loaded, {"elbow": joint}, {"it": ROS1.role(kind)}
+    )
     return info.undrivable
 
 
@@ -65,7 +67,7 @@ def test_limits_are_those_that_the_controllers_keep(tmp_path: Path) -> None:
         "    max_velocity: 1.5\n"
     )
     with tool0.bringup(realtime=False, controllers_file=file) as robot:
-        view = SimulationView(robot.simulation)
+        view = SimulationView(robot.backend)
         (elbow,) = [
             joint for joint in view.info.robot.joints if joint.name == "elbow_joint"
         ]

@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
+from tool0.protocol.methods import methods
 from tool0.protocol.programs import RunProgram, StopRun
-from tool0.protocol.request import Request
+from tool0.protocol.request import Request, method_name
 from tool0.protocol.robot import ReadSnapshot
 from tool0.protocol.running import EmergencyStop
 from tool0.server.budget import RESERVE, Account, Budget
 from tool0.server.session import MAX_BACKLOG, MAX_TEXTS, Ident, Session
-from tool0.simulation.handlers.table import entries, entry_of
 
 LONG = 30.0  # [wall s]; only a failing test waits so long
 
@@ -82,7 +82,7 @@ class Peer:
             await gate.wait()
 
     def note(self, request: Request[Any]) -> None:
-        self.done.append(entry_of(type(request)).name)
+        self.done.append(method_name(type(request)))
         self.changed.set()
 
     async def until(self, condition: Callable[[], bool]) -> None:
@@ -237,10 +237,10 @@ def test_a_stop_follows_a_start_in_progress_before_everything_else() -> None:
 
 @pytest.mark.parametrize("stop", [EmergencyStop, StopRun])
 def test_stops_are_urgent(stop: type[Request[Any]]) -> None:
-    assert entry_of(stop).is_urgent
+    assert stop.is_urgent
 
 
-def test_the_table_has_everything_that_a_stop_revokes() -> None:
-    named = {name for entry in entries().values() for name in entry.revokes}
+def test_the_contract_has_everything_that_a_stop_revokes() -> None:
+    named = {name for request in methods().values() for name in request.revokes}
     assert named
-    assert named <= entries().keys()
+    assert named <= methods().keys()

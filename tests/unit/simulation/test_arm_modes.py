@@ -179,7 +179,7 @@ def test_only_one_arm_of_a_cell_stops() -> None:
 
 def test_a_taken_arm_is_given_back(robot: tool0.Robot) -> None:
     box, before = robot.arm.control_box, running(robot)
-    simulation = robot.channel.simulation  # type: ignore[attr-defined]  # in process
+    simulation = robot.simulation
     core = simulation.core
 
     def take(by: str) -> None:

@@ -32,7 +32,7 @@ def test_any_import_couples_two_packages_once(source: Path) -> None:
 
 def test_the_share_is_printed_and_bounded(source: Path) -> None:
     text = "coupled package pairs: 2 of 6 (33%)"
-    assert report(source, 2) == (text, 0)
-    line, status = report(source, 1)
+    assert report(source, 0.33) == (text, 0)
+    line, status = report(source, 0.32)
     assert line.startswith(text)
     assert status == 1
