@@ -1,6 +1,6 @@
 """Our Modbus server beside pymodbus's: start, latency, and clients that flood.
 
-``python benchmarks/modbus.py`` prints the table of docs/adr/0018-modbus.md.  Each
+``python benchmarks/modbus.py`` prints the table of docs/adr/0019-modbus.md.  Each
 server runs in a process of its own that has loaded what the UR interface needs anyway.
 """
 
