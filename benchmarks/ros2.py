@@ -20,6 +20,7 @@ from subprocess import DEVNULL, PIPE, Popen
 
 import tool0
 from tool0.api.address import Claim
+from tool0.api.channel import backend_of
 from tool0.installation.ros2.installation import NODE_FOLDER, Ros2, find_ros2
 from tool0.server.server import Server, UnixSocketService
 
@@ -154,7 +155,7 @@ def _robot(*, realtime: bool) -> Iterator[tool0.Robot]:
     """Bring a robot up that other processes can reach."""
     with tool0.bringup(arm=ARM, ros2_control=True, realtime=realtime) as robot:
         service = UnixSocketService(Claim(NAME))
-        with Server(robot.backend, [service], NAME):
+        with Server(backend_of(robot.channel), [service], NAME):
             yield robot
 
 

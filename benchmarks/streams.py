@@ -13,6 +13,7 @@ from subprocess import PIPE, Popen
 
 import tool0
 from tool0.api.address import Claim
+from tool0.api.channel import backend_of
 from tool0.server.server import Server, UnixSocketService
 
 NAME = f"benchmark-streams-{os.getpid()}"
@@ -42,7 +43,7 @@ def tick_cost_ratio(readers: int, rate: float) -> float:
     service = UnixSocketService(Claim(NAME))
     with (
         tool0.bringup() as robot,
-        Server(robot.backend, [service], NAME),
+        Server(backend_of(robot.channel), [service], NAME),
     ):
         ratios = []
         for _ in range(ROUNDS):

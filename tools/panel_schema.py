@@ -11,7 +11,7 @@ import msgspec
 
 from tool0.panel.protocol import ViewMessage
 from tool0.protocol.codec import EventMessage, Hello, Reply, wire_type
-from tool0.protocol.methods import methods
+from tool0.protocol.methods import contract
 from tool0.protocol.request import response_type
 
 SCHEMA = Path(__file__).parent.parent / "web" / "protocol.schema.json"
@@ -22,7 +22,7 @@ def schema_text() -> str:
 
     The first two are objects whose keys are the methods.
     """
-    rows = dict(sorted(methods().items()))
+    rows = dict(sorted(contract().items()))
     responses = [wire_type(response_type(request)) for request in rows.values()]
     messages = [Hello, Reply, *get_args(ViewMessage), *get_args(EventMessage)]
     refs, components = msgspec.json.schema_components(

@@ -14,7 +14,7 @@ from typing import Any, get_args, get_origin
 
 import msgspec
 
-from tool0.protocol.methods import methods
+from tool0.protocol.methods import contract
 from tool0.protocol.request import Request, method_name, response_type
 
 DOCUMENT = Path(__file__).parent.parent / "docs" / "requests.md"
@@ -82,7 +82,7 @@ From Python, `tool0.connect(name)` returns the same `Robot` as `tool0.bringup()`
 def document() -> str:
     """Return the text of the document."""
     groups: dict[str, list[type[Request[Any]]]] = {}
-    for request in methods().values():
+    for request in contract().values():
         groups.setdefault(request.__module__.rpartition(".")[2], []).append(request)
     parts = [HEAD]
     for group, title in TITLES.items():
@@ -252,7 +252,7 @@ def _structs() -> tuple[type, ...]:
     from tool0.protocol.codec import ErrorInfo, Outcome, SnapshotMessage
     from tool0.protocol.sensors import Picture
 
-    for request in methods().values():
+    for request in contract().values():
         visit(response_type(request))
         for name, hint in typing.get_type_hints(request, include_extras=True).items():
             if name in request.__struct_fields__:

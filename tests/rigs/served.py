@@ -8,6 +8,7 @@ import pytest
 
 import tool0
 from tool0.api.address import Claim
+from tool0.api.channel import backend_of
 from tool0.server.server import Server, UnixSocketService
 
 
@@ -24,5 +25,5 @@ def use_folder(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Path:
 def serving(robot: tool0.Robot, name: str = "tool0") -> Iterator[Server]:
     """Serve ``robot`` over the Unix socket."""
     service = UnixSocketService(Claim(name))
-    with Server(robot.backend, [service], name) as server:
+    with Server(backend_of(robot.channel), [service], name) as server:
         yield server

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol, TypeVar, final
 
+from tool0.errors import ControlError
 from tool0.protocol.backend import missing
 from tool0.protocol.goals import Goal, GoalStarted
 from tool0.protocol.request import Request, checked
@@ -131,3 +132,14 @@ class LocalChannel:
     def close(self) -> None:
         if self._process.is_this:  # a forked child leaves it to its parent
             self._states.close()
+
+
+def backend_of(channel: Channel) -> Backend:
+    """Return what answers the requests of a channel, for servers.
+
+    Raises:
+        ControlError: If it is in another process.
+    """
+    if not isinstance(channel, LocalChannel):
+        raise ControlError("the simulation runs in another process")
+    return channel.backend

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from tool0.api.channel import Channel, LocalChannel
+from tool0.api.channel import Channel, backend_of
 from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.api.gripper import Gripper
 from tool0.api.scene import SceneHandle
@@ -61,7 +61,6 @@ if TYPE_CHECKING:
     from tool0.description.robot import RobotDescription
     from tool0.description.transform import Transform
     from tool0.hardware.engine import Engine
-    from tool0.protocol.backend import Backend
     from tool0.protocol.bus import Subscription
     from tool0.protocol.controllers import ControllerStatus
     from tool0.protocol.objects import Collision
@@ -163,21 +162,10 @@ class Robot(AbstractContextManager["Robot"]):
         """
         from tool0.simulation.handlers.backend import SimulationBackend
 
-        backend = self.backend
+        backend = backend_of(self.channel)
         if not isinstance(backend, SimulationBackend):
             raise ControlError("this robot is not simulated")
         return backend.simulation
-
-    @property
-    def backend(self) -> Backend:
-        """What answers its requests and has its states, for servers.
-
-        Raises:
-            ControlError: If the robot is in another process.
-        """
-        if not isinstance(self.channel, LocalChannel):
-            raise ControlError("the simulation runs in another process")
-        return self.channel.backend
 
     @property
     def engine(self) -> Engine:

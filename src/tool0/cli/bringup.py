@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
+from tool0.api.channel import backend_of
 from tool0.cli.options import BringupOptions, RunOptions
 from tool0.cli.text import (
     StatusLine,
@@ -166,7 +167,7 @@ def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Ser
 
         services.append(panel_service(robot, endpoint)[1])
     name = "" if claim is None else claim.name
-    return Server(robot.backend, services, name)
+    return Server(backend_of(robot.channel), services, name)
 
 
 @contextlib.contextmanager

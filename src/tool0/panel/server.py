@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, final
 from starlette.responses import PlainTextResponse
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from tool0.api.channel import backend_of
 from tool0.api.robot import Robot
 from tool0.panel.address import Endpoint, open_endpoint
 from tool0.protocol.backend import Backend
@@ -260,7 +261,7 @@ def panel_service(
 ) -> tuple[Backend, WebService]:
     """Return what a server needs to show ``robot`` as a page."""
     if isinstance(robot, Robot):
-        backend = robot.backend
+        backend = backend_of(robot.channel)
 
         def view() -> ViewSource:
             from tool0.panel.simulation_view import SimulationView

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from importlib import import_module
 from types import ModuleType
 from typing import Any, Final
@@ -39,9 +40,17 @@ _METHODS: Final[dict[str, type[Request[Any]]]] = {}
 def methods() -> Mapping[str, type[Request[Any]]]:
     """Return every request class that connections take, by the name of its method."""
     if not _METHODS:
-        for name in _MODULES:
-            _METHODS.update(_declared(import_module(f"tool0.protocol.{name}")))
+        _METHODS.update(contract())
     return _METHODS
+
+
+@cache
+def contract() -> Mapping[str, type[Request[Any]]]:
+    """Return the request classes of this package, by the name of their methods."""
+    found: dict[str, type[Request[Any]]] = {}
+    for name in _MODULES:
+        found |= _declared(import_module(f"tool0.protocol.{name}"))
+    return found
 
 
 def register(request: type[Request[Any]]) -> None:

@@ -14,6 +14,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeVar
 
+from tool0.api.channel import backend_of
 from tool0.errors import Tool0Error
 from tool0.installation.child_process import ChildProcess, last_lines
 
@@ -215,5 +216,5 @@ def _served_name(robot: Robot | str, label: str, stack: contextlib.ExitStack) ->
     claim = Claim(f"{label}-{os.getpid()}-{next(_numbers)}")
     stack.callback(claim.close)
     service = UnixSocketService(claim)
-    stack.enter_context(Server(robot.backend, [service], claim.name))
+    stack.enter_context(Server(backend_of(robot.channel), [service], claim.name))
     return claim.name

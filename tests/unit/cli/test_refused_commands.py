@@ -8,6 +8,7 @@ from lacking import Lacking
 
 import tool0
 from tool0.api.address import Claim
+from tool0.api.channel import backend_of
 from tool0.cli import FAILED, main
 from tool0.protocol.objects import AddObject, RemoveObject
 from tool0.protocol.programs import CheckProgram, RunProgram
@@ -23,7 +24,7 @@ LACKS = (AddObject, RemoveObject, CheckProgram, RunProgram, StartRecording, Rese
 @pytest.fixture(scope="module", autouse=True)
 def served(runtime_folder: Path) -> Iterator[None]:
     with tool0.bringup(gripper=None, realtime=False) as robot:
-        backend = Lacking(robot.backend, LACKS, REASON)
+        backend = Lacking(backend_of(robot.channel), LACKS, REASON)
         with Server(backend, [UnixSocketService(Claim("tool0"))], "tool0"):
             yield
 

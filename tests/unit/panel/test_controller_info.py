@@ -3,6 +3,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import tool0
+from tool0.api.channel import backend_of
 from tool0.control.ros1.dialect import ROS1
 from tool0.description.model import Joint, JointLimits, JointType
 from tool0.panel.simulation_view import SimulationView, controller_infos
@@ -67,7 +68,7 @@ def test_limits_are_those_that_the_controllers_keep(tmp_path: Path) -> None:
         "    max_velocity: 1.5\n"
     )
     with tool0.bringup(realtime=False, controllers_file=file) as robot:
-        view = SimulationView(robot.backend)
+        view = SimulationView(backend_of(robot.channel))
         (elbow,) = [
             joint for joint in view.info.robot.joints if joint.name == "elbow_joint"
         ]

@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 
 import tool0
+from tool0.api.channel import backend_of
 from tool0.panel.notices import (
     MAX_AT_ONCE,
     NOTICES_KEPT,
@@ -122,7 +123,7 @@ def test_findings_about_the_yaml_come_first(tmp_path: Path) -> None:
 def test_an_unreadable_pose_file_is_reported_once(
     robot: tool0.Robot, data_home: Path
 ) -> None:
-    view = SimulationView(robot.backend)
+    view = SimulationView(backend_of(robot.channel))
     robot.save_pose("mine")
     (file,) = data_home.rglob("*.yaml")
     file.write_text("{")
@@ -160,7 +161,7 @@ def test_a_joint_that_pushes_and_does_not_move_is_reported(
     ((severity, code, text),) = [item for item in seen(watcher) if "elbow" in item[2]]
     assert (severity, code) == ("warning", "stall")
     assert "'forearm_link' touches 'shoulder_link'" in text
-    view = SimulationView(robot.backend)
+    view = SimulationView(backend_of(robot.channel))
     (stall,) = view.status(clients=1).stalls
     view.close()
     assert (stall.joint, stall.effort) == ("elbow_joint", 150.0)

@@ -83,7 +83,7 @@ def test_what_needs_physics_says_so(view: Panel) -> None:
         for method in ("pause", "emergency_stop", "switch_controllers", "read_info"):
             error = page.request(method)
             assert error is not None
-            assert error["type"] == "ControlError"
+            assert error["type"] == "NotOfferedError"
             assert f"'{method}'" in error["message"]
         page.send("steer_joints", controller="arm", positions={})
         assert "'steer_joints'" in page.next("reply")["error"]["message"]

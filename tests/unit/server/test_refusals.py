@@ -13,7 +13,7 @@ from served import use_folder
 
 import tool0
 from tool0.api.address import Claim
-from tool0.api.channel import LocalChannel
+from tool0.api.channel import LocalChannel, backend_of
 from tool0.api.connect import SocketChannel
 from tool0.errors import ControlError, Tool0Error
 from tool0.protocol.arm_motion import SpeedTool
@@ -42,7 +42,7 @@ def robot() -> Iterator[tool0.Robot]:
 
 @pytest.fixture
 def still(robot: tool0.Robot) -> Lacking:
-    return Lacking(robot.backend, {type(item) for item in MOTIONS}, REASON)
+    return Lacking(backend_of(robot.channel), {type(item) for item in MOTIONS}, REASON)
 
 
 def refusal(request: Request[Any]) -> str:

@@ -2,7 +2,7 @@
 
 from tools.request_docs import DOCUMENT, document
 
-from tool0.protocol.methods import methods
+from tool0.protocol.methods import contract
 
 
 def test_the_document_is_generated_from_the_contract_as_it_is() -> None:
@@ -13,7 +13,7 @@ def test_the_document_is_generated_from_the_contract_as_it_is() -> None:
 
 def test_every_request_and_each_of_its_fields_is_in_the_document() -> None:
     text = document()
-    for name, request in methods().items():
+    for name, request in contract().items():
         _, found, rest = text.partition(f"### `{name}`\n")
         assert found, name
         section = rest.partition("\n### ")[0]
