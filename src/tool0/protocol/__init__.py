@@ -1,0 +1,1 @@
+"""The contract between clients and backends: requests, values, states, events."""

@@ -1,1 +1,1 @@
-"""The loop, its mailbox and its bus, and the facade for the interfaces."""
+"""The simulation as a backend: handlers, core, loop and its mailbox."""
