@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from tool0.control.goal import TrajectoryTolerances
 from tool0.control.position_limits import check_position, position_range
 from tool0.control.spline import (
     JointSpline,
@@ -18,6 +17,7 @@ from tool0.control.spline import (
     MotionPlan,
     wrap_offset,
 )
+from tool0.control.tolerances import TrajectoryTolerances
 from tool0.control.trajectory import BLOCK, MARGIN, TrajectoryGoal
 from tool0.description.model import Joint, JointType
 from tool0.errors import GoalRejectedError

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import final
 
-from tool0.control.goal import (
+from tool0.control.tolerances import (
     DEFAULT_GOAL_TOLERANCE,
     DEFAULT_SLIDING_TOLERANCE,
     DEFAULT_STOPPED_VELOCITY,

@@ -8,7 +8,6 @@ from collections.abc import Collection, Iterable, Sequence
 from operator import neg, sub
 from typing import NamedTuple, final
 
-from tool0.control.goal import UNCHECKED
 from tool0.control.spline import (
     JointSpline,
     Polynomial,
@@ -17,6 +16,7 @@ from tool0.control.spline import (
     SplineSection,
     resting,
 )
+from tool0.control.tolerances import UNCHECKED
 from tool0.errors import ControlError
 from tool0.protocol.goals import Goal, GoalResult, GoalStatus, Tolerance
 

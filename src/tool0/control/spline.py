@@ -11,7 +11,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, final
 
-from tool0.control.goal import NO_TOLERANCES, JointTolerances
+from tool0.control.tolerances import NO_TOLERANCES, JointTolerances
 from tool0.description.model import shortest_turn
 from tool0.errors import GoalRejectedError
 from tool0.protocol.goals import Goal

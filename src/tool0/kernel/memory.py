@@ -14,10 +14,10 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from tool0.control.goal import UNCHECKED
 from tool0.control.law import ActiveLaw, CommandLaw, GripperLaw, TrajectoryLaw
 from tool0.control.sampler import Check, GoalMonitor, Piece
 from tool0.control.spline import JointSpline, Segment, along
+from tool0.control.tolerances import UNCHECKED
 
 MOST_PIECES = 16
 """Pieces of a motion per joint; Python continues a longer one."""

@@ -1,4 +1,7 @@
-"""Goals: their status, outcome and tolerances, and the requests about them."""
+"""Goals: their status, outcome and tolerances, and the requests about them.
+
+A fault is an exception, an outcome is a value.
+"""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ import math
 import pytest
 from toy_robot import ARM, DT, JOINTS, POSITION_ARM, ToyRobot
 
-from tool0.control.goal import DEFAULT_GOAL_TIME
+from tool0.control.tolerances import DEFAULT_GOAL_TIME
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.model import Interface
 from tool0.errors import GoalRejectedError

@@ -16,7 +16,6 @@ from bisect import bisect_right
 from collections.abc import Collection, Sequence
 from typing import final
 
-from tool0.control.goal import JointTolerances, TrajectoryTolerances, as_tolerance
 from tool0.control.goal_motion import (
     Splines,
     check_finite,
@@ -27,6 +26,7 @@ from tool0.control.goal_motion import (
     whole_turns,
 )
 from tool0.control.spline import JointSpline, Knots, Sample, hold, stop
+from tool0.control.tolerances import JointTolerances, TrajectoryTolerances, as_tolerance
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.model import Joint, JointType
 from tool0.errors import GoalRejectedError, did_you_mean

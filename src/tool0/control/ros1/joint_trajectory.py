@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from tool0.control.goal import DEFAULT_GOAL_TIME, TrajectoryTolerances
 from tool0.control.goal_motion import splines_by_plan
 from tool0.control.joint_tracking import JointTracking
 from tool0.control.law import TrajectoryLaw
@@ -25,6 +24,7 @@ from tool0.control.ros1.goal_check import (
 )
 from tool0.control.sampler import GoalMonitor
 from tool0.control.spline import JointSpline, MotionPlan
+from tool0.control.tolerances import DEFAULT_GOAL_TIME, TrajectoryTolerances
 from tool0.control.trajectory import Setpoint, TrajectoryGoal, joints_motion
 from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace

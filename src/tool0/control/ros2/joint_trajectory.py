@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, NamedTuple, final
 
-from tool0.control.goal import TrajectoryTolerances
 from tool0.control.goal_motion import check_limits, splines_by_plan
 from tool0.control.joint_tracking import JointTracking
 from tool0.control.law import TrajectoryClock, TrajectoryLaw
@@ -29,6 +28,7 @@ from tool0.control.ros2.trajectory_motion import (
 from tool0.control.ros2.trajectory_settings import Replacement, SpeedSource
 from tool0.control.sampler import TrajectorySampler
 from tool0.control.spline import JointSpline, Motion, MotionPlan, hold
+from tool0.control.tolerances import TrajectoryTolerances
 from tool0.control.trajectory import Setpoint, TrajectoryGoal, joints_motion
 from tool0.control.trajectory_monitor import TrajectoryMonitor
 from tool0.description.model import Interface, Joint

@@ -12,8 +12,8 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from tool0.control.goal import JointTolerances, TrajectoryTolerances, as_tolerance
 from tool0.control.goal_motion import check_finite
+from tool0.control.tolerances import JointTolerances, TrajectoryTolerances, as_tolerance
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.errors import GoalRejectedError, did_you_mean
 from tool0.protocol.goals import Tolerance, ToleranceOverride

@@ -10,7 +10,6 @@ import logging
 import math
 from collections.abc import Sequence
 
-from tool0.control.goal import TrajectoryTolerances
 from tool0.control.parameters import (
     INTERFACE_OF_NAME,
     RobotJoints,
@@ -22,6 +21,7 @@ from tool0.control.ros2.joint_trajectory import JointTrajectorySpec
 from tool0.control.ros2.trajectory_check import Acceptance
 from tool0.control.ros2.trajectory_gains import choice, read_joint_gains
 from tool0.control.ros2.trajectory_settings import Replacement, SpeedSource
+from tool0.control.tolerances import TrajectoryTolerances
 from tool0.description.model import Interface, Joint
 from tool0.description.yaml_values import Namespace
 from tool0.errors import ConfigError, did_you_mean

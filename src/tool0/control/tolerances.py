@@ -1,7 +1,4 @@
-"""Goals, their tolerances and their outcomes.
-
-A fault is an exception, an outcome is a value.
-"""
+"""The tolerances of goals: a controller's own, and those that a goal overrides."""
 
 from __future__ import annotations
 
