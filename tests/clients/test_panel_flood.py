@@ -138,7 +138,7 @@ def test_a_connection_that_requests_nothing_is_dropped(
     sockets: list[socket.socket],
     beginning: bytes,
 ) -> None:
-    monkeypatch.setattr("tool0.panel.entrance.IDLE_AFTER", 0.2)
+    monkeypatch.setattr("tool0.panel.connection_limits.IDLE_AFTER", 0.2)
     with Panel(robot) as panel, page_at(panel.url) as page:
         idle = open_idle(panel.url, beginning)
         sockets.append(idle)
@@ -153,7 +153,7 @@ def test_a_stranger_makes_room_and_a_page_never_does(
     monkeypatch: pytest.MonkeyPatch,
     sockets: list[socket.socket],
 ) -> None:
-    monkeypatch.setattr("tool0.panel.entrance.MAX_CONNECTIONS", 2)
+    monkeypatch.setattr("tool0.panel.connection_limits.MAX_CONNECTIONS", 2)
     with Panel(robot) as panel, silent_page(panel.url) as page:
         stranger = open_idle(panel.url, b"")
         sockets.append(stranger)

@@ -17,7 +17,7 @@ from starlette.staticfiles import StaticFiles
 from tool0.errors import ModelError, RenderError
 from tool0.panel.address import Endpoint
 from tool0.panel.camera_images import MAX_WIDTH, MIN_WIDTH, ImageKind
-from tool0.panel.entrance import Visitor
+from tool0.panel.connection_limits import Visitor
 from tool0.panel.robot_info import URDF_PATH
 
 if TYPE_CHECKING:

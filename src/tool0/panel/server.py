@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp
 
     from tool0.panel.camera_images import CameraImages
-    from tool0.panel.entrance import Entrance
+    from tool0.panel.connection_limits import Entrance
     from tool0.panel.replay.view import Replay
     from tool0.panel.view import RobotView
     from tool0.panel.view_feed import ViewFeed, ViewSource
@@ -61,7 +61,7 @@ def load() -> None:
     import uvicorn.protocols.websockets.websockets_sansio_impl  # noqa: F401
 
     import tool0.panel.app
-    import tool0.panel.entrance
+    import tool0.panel.connection_limits
     import tool0.panel.simulation_view
     import tool0.panel.view_feed  # noqa: F401
 
@@ -113,7 +113,7 @@ class WebService:
 
         from tool0.panel.app import build_app
         from tool0.panel.camera_images import CameraImages
-        from tool0.panel.entrance import Entrance
+        from tool0.panel.connection_limits import Entrance
         from tool0.panel.view_feed import ViewFeed
 
         source = self._make_source()
@@ -183,7 +183,7 @@ class _PageTransport:
     is_trusted: Final = False
 
     def __init__(self, socket: WebSocket) -> None:
-        from tool0.panel.entrance import Visitor
+        from tool0.panel.connection_limits import Visitor
 
         self._socket = socket
         self._visitor = Visitor.of(socket.scope)

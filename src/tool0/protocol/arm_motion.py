@@ -212,7 +212,7 @@ class ReadArmMotion(ArmRequest[ArmUpdate], frozen=True):
 
 
 class ZeroWrench(ArmRequest[None], frozen=True):
-    """Let the wrench that updates have of an arm be 0 now: tare."""
+    """Tare the wrench that updates have of an arm."""
 
 
 class EndStream(Request[None], frozen=True):

@@ -26,9 +26,9 @@ LAG_PERIOD = 0.1
 some 20 µs."""
 STILL = 0.005
 """Travel below which it has not moved [rad | m]."""
-BREAK = 0.05
+CHATTER_TIME = 0.05
 """Time below the limit that does not end a push [s]: contacts chatter."""
-WEAKEST = 0.1
+MIN_CONTACT_SHARE = 0.1
 """Contacts weaker than this part of the strongest one do not stop a joint."""
 
 
@@ -43,7 +43,9 @@ def external_contacts(
             ordered = pair if pair[0] in links else pair[::-1]
             found.append((math.hypot(*contact.force), ordered))
     found.sort(reverse=True)
-    return tuple(pair for force, pair in found if force >= WEAKEST * found[0][0])
+    return tuple(
+        pair for force, pair in found if force >= MIN_CONTACT_SHARE * found[0][0]
+    )
 
 
 @final
@@ -86,7 +88,7 @@ class StallMonitor:
             self._lagging = [d for d in self._drives if d.lags(state, positions)]
         if any(map(ge, map(abs, self._select(state.effort)), self._limits)):
             self._last = state.time
-        elif not (self._lagging or state.time - self._last < BREAK):
+        elif not (self._lagging or state.time - self._last < CHATTER_TIME):
             self.stalls = ()
             return
         pushing = [drive for drive in self._drives if drive.pushes(state)]
@@ -162,10 +164,10 @@ class _Drive:
         """Return whether the joint pushes; note since when without moving."""
         effort, time = state.effort[self.index], state.time
         if abs(effort) < self.limit:
-            return time - self.last < BREAK
+            return time - self.last < CHATTER_TIME
         position, sign = state.position[self.index], math.copysign(1.0, effort)
         has_moved = abs(position - self._position) > STILL
-        if has_moved or sign != self._sign or not time - self.last < BREAK:
+        if has_moved or sign != self._sign or not time - self.last < CHATTER_TIME:
             self.since, self._position, self._sign = time, position, sign
         self.last = time
         return True

@@ -212,7 +212,7 @@ class ArmModes:
         self._block(state)
         return state
 
-    def give_back(self, arm: str | None, now: JointState) -> None:
+    def release(self, arm: str | None, now: JointState) -> None:
         """Start the controllers again that ran when the arm was taken.
 
         An arm that is not taken is left alone.

@@ -139,7 +139,7 @@ class ArmMotions:
         self._boxes.change(self._boxes.find(name), motion_failure="")
         return self.specs[name].name
 
-    def give_back(self, arm: str | None, now: JointState) -> None:
+    def release(self, arm: str | None, now: JointState) -> None:
         """Stop an arm, and start its controllers again once it rests."""
         name = self._boxes.find(arm).arm
         if name not in self._taken or name in self._returning:
@@ -363,10 +363,10 @@ class ArmMotions:
     def _release(self, arm: str, now: JointState) -> None:
         wanted = self._controller(arm).at_rest(now)
         self.abort(arm, now)
-        self._modes.give_back(arm, wanted)
-        self._carry(arm, now)
+        self._modes.release(arm, wanted)
+        self._preload_integrals(arm, now)
 
-    def _carry(self, arm: str, now: JointState) -> None:
+    def _preload_integrals(self, arm: str, now: JointState) -> None:
         """Let controllers of efforts start with those that hold the arm now.
 
         With an integral of 0 the arm would sag until it has built up.

@@ -1,4 +1,4 @@
-"""What moves each arm and pushes its tool, for those who ask: the tick pays nothing."""
+"""Samples of the arms on demand: what moves each, and the wrench on its tool."""
 
 from __future__ import annotations
 

@@ -444,7 +444,7 @@ class Core:
         return self._samples.read(self.time, before, self.state, self._forces())
 
     def zero_wrench(self, arm: str | None) -> None:
-        """Let the wrench on an arm's tool be 0 in samples from now on."""
+        """Tare the wrench on an arm's tool in samples from now on."""
         self.arm_samples()
         self._samples.zero(arm)
 

@@ -186,7 +186,7 @@ def test_a_taken_arm_is_given_back(robot: tool0.Robot) -> None:
         simulation.loop.call(lambda: core.arm_modes.take(None, by, core.state))
 
     def give_back() -> None:
-        simulation.loop.call(lambda: core.arm_modes.give_back(None, core.state))
+        simulation.loop.call(lambda: core.arm_modes.release(None, core.state))
 
     take("a program")
     take("another")

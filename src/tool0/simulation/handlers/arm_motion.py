@@ -44,7 +44,7 @@ def _take(simulation: Simulation, request: TakeArm) -> None:
 def _return(simulation: Simulation, request: ReturnArm) -> None:
     core, by = simulation.core, request.by
     if by is None or core.control_boxes.find(request.arm).taken_by == by:
-        core.arm_motions.give_back(request.arm, core.state)
+        core.arm_motions.release(request.arm, core.state)
         _forget_stream(simulation, request)
 
 

@@ -62,7 +62,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 T = TypeVar("T")
-Waiting = Generator[None, None, T]
+StepCoroutine = Generator[None, None, T]
 """Waits for a snapshot wherever it yields."""
 
 _BRAKE: Final = 4.0
@@ -153,7 +153,7 @@ class ProgramExecution:
         time = round(snapshot.time - self._start, 6)
         self._show(state="paused" if self._is_paused else "running", time=time)
 
-    def _run(self) -> Waiting[None]:
+    def _run(self) -> StepCoroutine[None]:
         state: RunState = "succeeded"
         reason = ""
         try:
@@ -169,7 +169,7 @@ class ProgramExecution:
         yield from self._give_back()
         self._finish(state, reason)
 
-    def _watched(self, steps: Waiting[None]) -> Waiting[None]:
+    def _watched(self, steps: StepCoroutine[None]) -> StepCoroutine[None]:
         """Execute steps; end them when something else has happened to the arm."""
         while True:
             self._watch()
@@ -210,7 +210,7 @@ class ProgramExecution:
             raise ControlError(f"'{box.taken_by}' moves the arm '{box.arm}'")
         self._call(TakeArm(arm=self.arm, by=self._name))
 
-    def _give_back(self) -> Waiting[None]:
+    def _give_back(self) -> StepCoroutine[None]:
         """Stop the arm, and let its controllers start again, if it is still taken."""
         self._events.close()
         if self._box.taken_by != self._name:
@@ -247,7 +247,7 @@ class ProgramExecution:
 
     # ---- steps ----------------------------------------------------------------------
 
-    def _steps(self, steps: Sequence[Step], parents: StepPath) -> Waiting[None]:
+    def _steps(self, steps: Sequence[Step], parents: StepPath) -> StepCoroutine[None]:
         index = 0
         while index < len(steps):
             step, path = steps[index], (*parents, index + 1)
@@ -263,7 +263,7 @@ class ProgramExecution:
                 yield from self._step(path, step)
             index += 1
 
-    def _step(self, path: StepPath, step: Step) -> Waiting[None]:
+    def _step(self, path: StepPath, step: Step) -> StepCoroutine[None]:
         match step:
             case GripperStep():
                 yield from self._grip(step)
@@ -276,7 +276,7 @@ class ProgramExecution:
             case SetOutputStep(output=pin, level=level):
                 self._call(SetIO(arm=self.arm, digital_outputs={pin: level}))
 
-    def _loop(self, loop: LoopStep, path: StepPath) -> Waiting[None]:
+    def _loop(self, loop: LoopStep, path: StepPath) -> StepCoroutine[None]:
         count = 0
         while loop.times is None or count < loop.times:
             pin = loop.while_input
@@ -287,7 +287,7 @@ class ProgramExecution:
             yield from self._steps(loop.steps, path)
             count += 1
 
-    def _gate(self, path: StepPath) -> Waiting[None]:
+    def _gate(self, path: StepPath) -> StepCoroutine[None]:
         """Begin a step, or pause before it."""
         self._show_step(path)
         if self._stepping and not self._is_paused:
@@ -295,7 +295,7 @@ class ProgramExecution:
         while self._is_paused:
             yield
 
-    def _moves(self, moves: Sequence[NumberedMove]) -> Waiting[None]:
+    def _moves(self, moves: Sequence[NumberedMove]) -> StepCoroutine[None]:
         """Move through targets; one by one while it is stepped."""
         done = 0
         has_begun = False  # the next one
@@ -308,7 +308,7 @@ class ProgramExecution:
             has_begun = n_moves < len(rest)
             done += n_moves
 
-    def _path(self, moves: Sequence[NumberedMove]) -> Waiting[ProgramPath]:
+    def _path(self, moves: Sequence[NumberedMove]) -> StepCoroutine[ProgramPath]:
         q = self._setpoint
         known = self._plan.find(moves[0].path, q)
         if known is not None and len(known.steps) == len(moves):
@@ -316,7 +316,7 @@ class ProgramExecution:
         found = yield from self._planned(lambda: plan_path(self._context, moves, q))
         return found
 
-    def _follow(self, path: ProgramPath) -> Waiting[int]:
+    def _follow(self, path: ProgramPath) -> StepCoroutine[int]:
         """Follow a path; return how many of its moves are done."""
         yield from self._start_path(path)
         plan, n_moves = path.plan, len(path.steps)
@@ -332,7 +332,7 @@ class ProgramExecution:
         self._require_whole(path)
         return n_moves
 
-    def _start_path(self, path: ProgramPath) -> Waiting[None]:
+    def _start_path(self, path: ProgramPath) -> StepCoroutine[None]:
         """Let the arm begin a path, and wait for the next snapshot."""
         if path.plan.duration > 0.0:
             self._path_number = self._call(path_request(self.arm, path.plan.path))
@@ -344,7 +344,7 @@ class ProgramExecution:
         if duration > 0.0 and (is_left or self._path_time < duration - _ROUNDING):
             raise _EndedError("stopped", "something else stopped the arm on its path")
 
-    def _search(self, path: StepPath, step: UntilStep) -> Waiting[None]:
+    def _search(self, path: StepPath, step: UntilStep) -> StepCoroutine[None]:
         q = self._setpoint
         found = self._plan.find(path, q) or (
             yield from self._planned(lambda: plan_search(self._context, path, step, q))
@@ -366,7 +366,7 @@ class ProgramExecution:
                 "failed", f"{what} on the whole way of {step.distance:g} m"
             )
 
-    def _grip(self, step: GripperStep) -> Waiting[None]:
+    def _grip(self, step: GripperStep) -> StepCoroutine[None]:
         context = self._context
         geometry = context.geometry
         assert geometry is not None  # it was planned
@@ -404,7 +404,7 @@ class ProgramExecution:
                 "failed", f"the gripper holds nothing: it is '{state.motion}'"
             )
 
-    def _wait(self, step: WaitStep) -> Waiting[None]:
+    def _wait(self, step: WaitStep) -> StepCoroutine[None]:
         left = float("inf") if step.duration is None else step.duration
         pin = step.input
         while True:
@@ -426,7 +426,7 @@ class ProgramExecution:
     def _call(self, request: Request[Response]) -> Response:
         return answer(self._simulation, request)
 
-    def _planned(self, plan: Callable[[], T]) -> Waiting[T]:
+    def _planned(self, plan: Callable[[], T]) -> StepCoroutine[T]:
         """Plan while the arm rests; in real time, in a thread of its own."""
         if not self._simulation.loop.is_realtime:
             return plan()
@@ -473,7 +473,7 @@ class ProgramExecution:
     def _path_time(self) -> float:
         return self._motion.progress(self._simulation.core.time)[1]
 
-    def _rest(self) -> Waiting[None]:
+    def _rest(self) -> StepCoroutine[None]:
         while not self._is_done:
             yield
 

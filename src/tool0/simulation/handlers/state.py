@@ -123,7 +123,7 @@ def _stop_motions(simulation: Simulation, request: StopMotions) -> None:
             core.cancel(goal)
     for arm in core.arm_motions.specs:
         if not simulation.program_runs.is_ending(arm):
-            core.arm_motions.give_back(arm, core.state)
+            core.arm_motions.release(arm, core.state)
     core.stop_trajectories()
 
 
