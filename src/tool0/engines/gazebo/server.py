@@ -262,7 +262,7 @@ def _free_port() -> int:
             socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe,
             contextlib.suppress(OSError),
         ):
-            probe.bind(("127.0.0.1", port))
+            probe.bind(("", port))  # gzserver binds it on all addresses
             return port
 
 
