@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from numbers import Real
-from typing import final
+from typing import TYPE_CHECKING, final
 
 from tool0.api.channel import Channel
-from tool0.control.controller import ControllerSpec
 from tool0.errors import GoalTimeoutError, RequestError
 from tool0.protocol.controllers import (
     Gains,
@@ -37,7 +36,9 @@ from tool0.protocol.trajectories import (
     TrajectoryPoint,
     TrajectoryState,
 )
-from tool0.simulation.handlers import motion
+
+if TYPE_CHECKING:
+    from tool0.control.controller import ControllerSpec
 
 
 @final
@@ -361,7 +362,9 @@ class ControllerHandle:
         Raises:
             ControlError: If the simulation runs in another process.
         """
-        return self._channel.call(motion.ReadControllerSpec(controller=self.name))
+        from tool0.simulation.handlers.motion import ReadControllerSpec
+
+        return self._channel.call(ReadControllerSpec(controller=self.name))
 
     def __repr__(self) -> str:
         return f"ControllerHandle({self.name!r})"

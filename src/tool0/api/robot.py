@@ -14,7 +14,6 @@ from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.api.gripper import Gripper
 from tool0.api.scene import SceneHandle
 from tool0.api.sensors import CameraHandle, ForceTorque
-from tool0.control.config import ControllerConfig
 from tool0.description.model import JointLimits
 from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, RenderError, RequestError, did_you_mean
@@ -48,7 +47,6 @@ from tool0.protocol.running import (
     Step,
 )
 from tool0.protocol.sensors import ListCameras
-from tool0.simulation.handlers import motion
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -57,6 +55,7 @@ if TYPE_CHECKING:
     from tool0.api.episodes import EpisodesHandle
     from tool0.api.programs import ProgramHandle, Programs
     from tool0.api.recording import Recording
+    from tool0.control.config import ControllerConfig
     from tool0.description.poses import NamedPose
     from tool0.description.robot import RobotDescription
     from tool0.description.transform import Transform
@@ -429,10 +428,13 @@ class Robot(AbstractContextManager["Robot"]):
         if config is None:
             self.channel.call(LoadController(name=name))
             return
+        from tool0.control.config import ControllerConfig
+        from tool0.simulation.handlers.motion import LoadControllerWith
+
         if not isinstance(config, ControllerConfig):
             problem = f"'config': need a ControllerConfig, got {config!r:.80}"
             raise RequestError("load", problem)
-        self.channel.call(motion.LoadControllerWith(name=name, config=config))
+        self.channel.call(LoadControllerWith(name=name, config=config))
 
     def configure(self, name: str) -> None:
         """Configure a controller of ROS 2 that was loaded without it.
