@@ -12,7 +12,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import NoReturn, final
 
-from tool0.description.transform import from_matrix
+import numpy as np
+
 from tool0.errors import EngineError, EngineUnavailableError
 from tool0.hardware.bodies import Matrix
 
@@ -234,4 +235,28 @@ def pack_floats(values: Sequence[float]) -> bytes:
 
 def pack_pose(pose: Matrix) -> bytes:
     """Return the homogeneous matrix ``pose`` as position and quaternion w x y z."""
-    return pack_floats([*pose[:3, 3], *from_matrix(pose).quat_wxyz])
+    return pack_floats([*pose[:3, 3], *quat_wxyz(pose)])
+
+
+def quat_wxyz(pose: Matrix) -> list[float]:
+    """Return the rotation of ``pose``, by the largest of the four components.
+
+    Not ``Transform.quat_wxyz``, which differs in the last bit: gzserver's state after a
+    reset, and with it every recording, depends on that.
+
+    Source: S. W. Shepperd, "Quaternion from rotation matrix" (1978).
+    """
+    r = pose[:3, :3]
+    trace = float(np.trace(r))
+    squares = [1.0 + trace, *(1.0 - trace + 2.0 * float(r[i, i]) for i in range(3))]
+    k = int(np.argmax(squares))
+    rows = np.array(
+        [
+            [squares[0], r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]],
+            [r[2, 1] - r[1, 2], squares[1], r[0, 1] + r[1, 0], r[0, 2] + r[2, 0]],
+            [r[0, 2] - r[2, 0], r[0, 1] + r[1, 0], squares[2], r[1, 2] + r[2, 1]],
+            [r[1, 0] - r[0, 1], r[0, 2] + r[2, 0], r[1, 2] + r[2, 1], squares[3]],
+        ]
+    )
+    quat = rows[k] / (2.0 * np.sqrt(squares[k]))
+    return [float(part) for part in quat]

@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import final
 
-from tool0.description.forward_kinematics import link_poses
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.transform import Pose, pose_matrix
@@ -19,6 +18,7 @@ from tool0.engines.gazebo.connection import (
     pack_pose,
 )
 from tool0.engines.gazebo.robot_urdf import (
+    body_poses,
     gazebo_urdf,
     mimic_constraints,
 )
@@ -69,7 +69,7 @@ class GazeboEngine:
         check_dt(dt)
         if world is not None:
             check_world(world)
-        self._model = model = description.model
+        model = description.model
         self._bodies = moving_bodies(model)
         check_masses(model, self._bodies)
         self.joint_names = tuple(joint.name for joint in model.movable_joints)
@@ -118,15 +118,11 @@ class GazeboEngine:
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
         self._finish_step()
         self._steps = round(time / self.dt)
-        given = dict(zip(self.joint_names, position, strict=True))
-        poses = link_poses(self._model, given)
+        poses = body_poses(self._bodies, list(position))
         answer = self._connection.request(
             RequestKind.RESET,
             pack_floats([self._steps * self.dt, *position]),
-            *(
-                pack_pose(self._root @ poses[body.joint.child].matrix)
-                for body in self._bodies
-            ),
+            *(pack_pose(self._root @ pose) for pose in poses),
             self.world.start_poses(),
         )
         self._take_state(answer)

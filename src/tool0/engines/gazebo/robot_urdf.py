@@ -23,7 +23,6 @@ from typing import final
 
 import numpy as np
 
-from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import Joint, JointType, Mimic, RobotModel, Visual
 from tool0.description.packages import resolve_uri
 from tool0.description.shapes import Mesh
@@ -65,9 +64,10 @@ def mimic_constraints(
     model: RobotModel, bodies: tuple[MovingBody, ...]
 ) -> tuple[MimicConstraint, ...]:
     """Return the constraint of each mimic joint, or raise ModelError."""
-    at_zero = link_poses(model, {body.joint.name: 0.0 for body in bodies})
+    at_zero = body_poses(bodies, [0.0] * len(bodies))
     axes = [
-        np.array(at_zero[body.joint.child].rotate(body.joint.axis)) for body in bodies
+        pose[:3, :3] @ np.asarray(body.joint.axis)
+        for body, pose in zip(bodies, at_zero, strict=True)
     ]
     found = []
     for i, body in enumerate(bodies):
@@ -164,6 +164,31 @@ def _set_color(
     for tag in ("ambient", "diffuse"):
         ET.SubElement(material, tag).text = " ".join(map(repr, rgba))
     ET.SubElement(visual, "transparency").text = repr(1.0 - rgba[3])
+
+
+def body_poses(bodies: tuple[MovingBody, ...], position: list[float]) -> list[Matrix]:
+    """Return each movable joint's child link in the robot's root, shape (4, 4).
+
+    Not by ``link_poses``, which differs in the last bit: see ``connection.quat_wxyz``.
+    """
+    poses: list[Matrix] = []
+    for body, q in zip(bodies, position, strict=True):
+        above = np.eye(4) if body.parent < 0 else poses[body.parent]
+        poses.append(above @ body.placement @ _motion(body.joint, q))
+    return poses
+
+
+def _motion(joint: Joint, q: float) -> Matrix:
+    """Return the displacement of the joint's child at ``q``, shape (4, 4)."""
+    motion = np.eye(4)
+    axis = np.asarray(joint.axis)
+    if joint.type is JointType.PRISMATIC:
+        motion[:3, 3] = q * axis
+        return motion
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    motion[:3, :3] += np.sin(q) * cross + (1.0 - np.cos(q)) * cross @ cross
+    return motion
 
 
 def _gearbox_sdf(
