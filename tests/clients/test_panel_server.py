@@ -390,7 +390,7 @@ WRONG = [
     (
         '{"method": "pose_joints", "params": {"positions": {"elbow_joint": 1}}}',
         None,
-        "ControlError",
+        "NotOfferedError",
         "tool0 view",
     ),
 ]

@@ -148,16 +148,14 @@ class Simulation:
             latest_only: Deliver events, and the newest snapshot only.
             when_published: Called for every snapshot, in the thread of the tick.
         """
-        if rate is None:
-            return self.bus.subscribe(keep_all=keep_all)
-        if not MIN_SNAPSHOT_RATE <= rate <= MAX_SNAPSHOT_RATE:
+        if rate is not None and not MIN_SNAPSHOT_RATE <= rate <= MAX_SNAPSHOT_RATE:
             raise ControlError(
                 f"rate {rate} Hz is outside [{MIN_SNAPSHOT_RATE:g}, "
                 f"{MAX_SNAPSHOT_RATE:g}] Hz"
             )
         subscription = self.bus.subscribe(
-            1.0 / rate,
-            self._update_snapshot_period,
+            SNAPSHOT_PERIOD if rate is None else 1.0 / rate,
+            (lambda: None) if rate is None else self._update_snapshot_period,
             keep_all=keep_all,
             most_kept=most_kept,
             with_commands=with_commands,
@@ -167,7 +165,8 @@ class Simulation:
             latest_only=latest_only,
             when_published=when_published,
         )
-        self._update_snapshot_period()
+        if rate is not None:
+            self._update_snapshot_period()
         return subscription
 
     @property
