@@ -1,7 +1,7 @@
 """The messages to a page after ``subscribe_view``: the robot as pages show it.
 
 Each message is a JSON object with its name in ``type``.  ``web/protocol.schema.json``
-and the page's TypeScript types are made from the classes below and the request table.
+and the page's TypeScript types are made from the classes below and the contract.
 Units are SI: [rad | m], [s], [N·m | N].  Numbers that are infinite in the model are
 null here, since JSON has no infinity.
 """

@@ -122,7 +122,11 @@ class Backend(Protocol):
         """Return why requests of a class are not offered; empty if they are."""
 
     def answer(self, request: Request[Any]) -> Any:
-        """Return the response to a checked request, or raise Tool0Error."""
+        """Return the response to a checked request that is offered.
+
+        Raises:
+            Tool0Error: If it cannot be carried out.
+        """
 
     def post(
         self, request: Request[Any], when_failed: Callable[[Exception], None]

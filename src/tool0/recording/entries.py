@@ -38,7 +38,7 @@ class RecordedRequest:
     time: float
     """Simulated time [s]."""
     method: str
-    """Its name, as in the request table."""
+    """Its name on a connection."""
     params: Mapping[str, Any] | None
     """None if they could not be written."""
     error: str | None = None

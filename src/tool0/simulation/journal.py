@@ -36,7 +36,7 @@ class Executed(NamedTuple):
     time: float
     """Simulated time [s]."""
     request: Struct
-    """As in the request table."""
+    """Its name on a connection."""
     error: str | None
     """Why it failed."""
 

@@ -1,4 +1,4 @@
-"""Requests to an arm, by poses of its tool."""
+"""Handlers of the requests to an arm, by poses of its tool."""
 
 from __future__ import annotations
 

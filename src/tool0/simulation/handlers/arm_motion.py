@@ -1,8 +1,4 @@
-"""Requests to an arm that a program moves in place of ROS's controllers.
-
-A program takes the arm, sends paths or streams, and gives it back.  The joints are in
-the order from base to flange.
-"""
+"""Handlers of the requests to an arm that a program moves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Requests to the control box of an arm: pins, payload, program, power and stops."""
+"""Handlers of the requests to the control box of an arm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Requests to a parallel gripper, by the opening between its pads."""
+"""Handlers of the requests to a parallel gripper."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The request for the hardware components, as ros2_control's controller_manager has."""
+"""The handler of the request for the hardware components."""
 
 from __future__ import annotations
 

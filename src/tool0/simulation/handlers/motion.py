@@ -1,4 +1,4 @@
-"""Requests to controllers and their manager, and the goals that they start."""
+"""Handlers of the requests to controllers and their manager."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Requests about the objects around the robot."""
+"""Handlers of the requests about the objects around the robot."""
 
 from __future__ import annotations
 

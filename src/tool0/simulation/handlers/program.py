@@ -1,4 +1,4 @@
-"""Requests about programs: check, run, save and export them."""
+"""Handlers of the requests about programs: check, run, save and export them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Requests to cameras and force-torque sensors."""
+"""Handlers of the requests to cameras and force-torque sensors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Requests about the whole robot: state, streams, time and safety."""
+"""Handlers of the requests about the whole robot: state, time and safety."""
 
 from __future__ import annotations
 
