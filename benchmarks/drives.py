@@ -17,8 +17,9 @@ from tool0.control.default_controllers import controllers_yaml, default_controll
 from tool0.control.parameters import RobotJoints
 from tool0.control.ros1.joint_trajectory import JointTrajectorySpec
 from tool0.description.catalogue import NO_GRIPPER, arms, grippers
+from tool0.description.loading import assemble
 from tool0.description.model import Inertial, RobotModel
-from tool0.description.robot import RobotDescription, assemble
+from tool0.description.robot import RobotDescription
 from tool0.hardware.bodies import JointDynamics
 from tool0.protocol.controllers import Gains
 from tool0.simulation.bringup import start_simulation

@@ -12,7 +12,7 @@ from time import perf_counter
 import numpy as np
 
 from tool0.description.catalogue import arms
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.errors import UnreachableError
 from tool0.kinematics.chain import find_chains
 from tool0.kinematics.inverse import InverseKinematics

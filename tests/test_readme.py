@@ -85,8 +85,8 @@ def test_links_lead_somewhere(page: str) -> None:
 
 def test_the_formula_of_the_conventions_is_the_gripper_s() -> None:
     """docs/conventions.md writes numbers that live in the gripper's YAML."""
+    from tool0.description.loading import assemble
     from tool0.description.model import RotaryOpening
-    from tool0.description.robot import assemble
 
     text = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
     (gripper,) = assemble().model.grippers

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.description.catalogue import arms
-from tool0.description.robot import load_robot
+from tool0.description.loading import load_robot
 from tool0.engines.mujoco.gl import make_context
 from tool0.engines.mujoco.model import build_spec
 from tool0.sensing.cameras import encode_png

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from tool0.description.config import Cell, CellRobot, DescriptionConfig
     from tool0.description.finding import Finding
     from tool0.description.model import JointLimits, ParallelGripper, RobotModel
-    from tool0.description.poses import NamedPose
+    from tool0.description.named_pose import NamedPose
     from tool0.description.robot import RobotDescription
     from tool0.description.transform import Pose, Transform
     from tool0.errors import (

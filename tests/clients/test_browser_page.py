@@ -10,7 +10,7 @@ from playwright.sync_api import Browser
 
 import tool0
 from conftest import OpenTab
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.panel.robot_info import RobotFiles
 from tool0.panel.server import STATIC, Panel
 from tool0.panel.view import RobotView

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from benchmarks.drives import drift, spectral_radius, tracking
 
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 
 ROBOTS = (("ur3e", "hande"), ("ur10e", "2f140"), ("ur30", "none"))
 

@@ -11,7 +11,7 @@ from ur5_rig import GRIPPER
 
 import tool0
 from tool0.control.default_controllers import controllers_yaml
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, Transform

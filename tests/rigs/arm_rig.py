@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from tool0.description.loading import assemble, load_robot
 from tool0.description.model import RobotModel
-from tool0.description.robot import assemble, load_robot
 from tool0.kinematics.chain import ArmChain, find_chains
 
 JOINTS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")

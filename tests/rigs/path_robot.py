@@ -6,7 +6,7 @@ from functools import partial
 from typing import Final, final
 
 import tool0
-from tool0.description.robot import load_description
+from tool0.description.loading import load_description
 from tool0.protocol.bus import GoalFinished
 from tool0.protocol.controllers import ControllerStatus, Role
 from tool0.protocol.goals import Goal, GoalResult, GoalStarted, GoalStatus

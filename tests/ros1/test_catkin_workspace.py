@@ -23,7 +23,7 @@ from screen import Pixels, Screen, find_xvfb
 
 from tool0.cli import OK, main
 from tool0.control.default_controllers import controllers_yaml
-from tool0.description.robot import assemble, named_poses
+from tool0.description.loading import assemble, named_poses
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.installation.child_process import ChildProcess

@@ -14,7 +14,7 @@ from ros_client import Message, call, listening, publishing
 from waits import until
 
 from tool0.description.forward_kinematics import link_poses
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 
 ENGINES = ("mujoco", "gazebo")
 EDGE = 0.05  # [m]

@@ -13,7 +13,7 @@ import yaml
 from catkin_rig import Catkin, require_catkin
 
 from tool0.cli import OK, main
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.lint.check import check

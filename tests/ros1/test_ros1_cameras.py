@@ -15,7 +15,7 @@ from waits import until
 
 from tool0.description.camera import default_cameras
 from tool0.description.forward_kinematics import link_pose
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 
 WRIST, SCENE = default_cameras(assemble().model)
 FRAME = "wrist_camera_color_optical_frame"

@@ -19,7 +19,7 @@ from ros_frames import assert_agrees, looked_up
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, HOME
 
 from tool0.description.config import DescriptionConfig
-from tool0.description.robot import load_description
+from tool0.description.loading import load_description
 
 ROBOTS = ("left=ur5e+2f85@0,0.5,0", "right=ur10e+hande@0,-0.5,0,0,0,90deg")
 OPTIONS = ("--robots", *ROBOTS, "--gripper-action")

@@ -28,7 +28,7 @@ from waits import until
 from tool0.description.camera import Camera
 from tool0.description.cell_file import load_cell
 from tool0.description.config import DescriptionConfig
-from tool0.description.robot import load_description
+from tool0.description.loading import load_description
 from tool0.description.transform import Pose
 from tool0.ros1.bridge import with_mesh_files
 

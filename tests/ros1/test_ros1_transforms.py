@@ -13,7 +13,7 @@ from ur5_rig import ARM, AWAY
 from waits import until
 
 from tool0.description.forward_kinematics import link_poses
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 
 LAST = "left_inner_finger"
 """A link at the end of a chain that mimic joints move."""

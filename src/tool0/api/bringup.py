@@ -18,7 +18,7 @@ from tool0.description.config import (
     File,
     Unset,
 )
-from tool0.description.robot import load_description
+from tool0.description.loading import load_description
 from tool0.description.scene import Scene
 from tool0.simulation.bringup import start_simulation
 from tool0.simulation.config import ControlConfig, Names, SimulationConfig

@@ -13,7 +13,7 @@ from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final, TypeVar, final
+from typing import TYPE_CHECKING, Any, Final, TypeVar, final
 
 import msgspec
 from msgspec import Raw, UnsetType
@@ -28,8 +28,6 @@ from tool0.api.address import (
     socket_path,
 )
 from tool0.api.robot import Robot
-from tool0.description.robot import RobotDescription
-from tool0.description.xml_source import parse_text
 from tool0.errors import Tool0Error, TransportError
 from tool0.protocol import codec
 from tool0.protocol.bus import (
@@ -43,10 +41,13 @@ from tool0.protocol.bus import (
 from tool0.protocol.goal_registry import GOALS_KEPT
 from tool0.protocol.goals import Goal, GoalStarted
 from tool0.protocol.request import Request, checked, method_name
-from tool0.protocol.robot import ReadDescription, ReadSnapshot, described_by
+from tool0.protocol.robot import ReadDescription, ReadSnapshot
 from tool0.protocol.running import Run, Step
 from tool0.protocol.state import Snapshot
 from tool0.protocol.updates import LogMessage, Subscribe, Unsubscribe, UpdateMessage
+
+if TYPE_CHECKING:
+    from tool0.description.robot import RobotDescription
 
 R = TypeVar("R")
 V = TypeVar("V")
@@ -114,6 +115,9 @@ class SocketChannel:
     def description(self) -> RobotDescription:
         """The robot, read from the URDF that the bring-up sends."""
         info = self.call(ReadDescription())
+        from tool0.description.xml_source import parse_text
+        from tool0.protocol.received_description import described_by
+
         return described_by(info, parse_text(info.urdf))
 
     @property

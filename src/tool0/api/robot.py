@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from tool0.api.programs import ProgramHandle, Programs
     from tool0.api.recording import Recording
     from tool0.control.config import ControllerConfig
-    from tool0.description.poses import NamedPose
+    from tool0.description.named_pose import NamedPose
     from tool0.description.robot import RobotDescription
     from tool0.description.transform import Transform
     from tool0.hardware.engine import Engine

@@ -26,9 +26,9 @@ from tool0.batch.making import (
 from tool0.description.camera import default_cameras, merged
 from tool0.description.config import DescriptionConfig, File
 from tool0.description.joint_tree import LinkFrames
+from tool0.description.loading import load_description
 from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.description.parts import find_arms, find_grippers
-from tool0.description.robot import load_description
 from tool0.description.scene import Scene
 from tool0.errors import (
     ConfigError,

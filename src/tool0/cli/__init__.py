@@ -53,7 +53,8 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
 
 In the module, the function of the command's name carries it out: its parameters are
 the options, and it returns the exit status, or None for 0.  In its place there may be
-a mapping of subcommands to such functions.
+a mapping of subcommands to such functions.  A module whose options have types with a
+notation of their own has the ``READERS`` of ``options``.
 """
 
 OK: Final = 0
@@ -101,18 +102,13 @@ def _carry_out(arguments: list[str]) -> int:
 def _run(command: str, arguments: list[str]) -> int:
     from importlib import import_module
 
-    module, summary = COMMANDS[command]
-    function = getattr(import_module(f"tool0.cli.{module}"), command)
-    with interruptible():
-        if (
-            command == "doctor" and not arguments
-        ):  # the options' libraries may be missing
-            status = function()
-        else:
-            from tool0.cli.options import READERS
-            from tool0.cli.parsing import parse
+    from tool0.cli.parsing import parse
 
-            status = parse(function, command, arguments, READERS, summary)
+    name, summary = COMMANDS[command]
+    module = import_module(f"tool0.cli.{name}")
+    function, readers = getattr(module, command), getattr(module, "READERS", {})
+    with interruptible():
+        status = parse(function, command, arguments, readers, summary)
     return OK if status is None else int(status)
 
 

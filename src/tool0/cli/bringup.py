@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
 from tool0.api.channel import backend_of
+from tool0.cli import options
 from tool0.cli.options import BringupOptions, RunOptions
 from tool0.cli.text import (
     StatusLine,
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from tool0.server.hub import Service
     from tool0.server.server import Server
     from tool0.ur.process import UrController
+
+READERS = options.READERS
 
 _POLL_PERIOD: Final = 0.1
 """Longest time between checks of the clock and the signals [wall s]."""

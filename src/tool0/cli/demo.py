@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TextIO, final
 
-from tool0.cli import GOAL_FAILED, OK
+from tool0.cli import GOAL_FAILED, OK, options
 from tool0.cli.bringup import quiet_overruns
 from tool0.cli.options import PanelOptions
 from tool0.cli.text import ProgressBar, finite, panel_line
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from tool0.cli.demos.setup import Cube, Demo
     from tool0.cli.demos.trials import DemoReport
     from tool0.protocol.state import Snapshot
+
+READERS = options.READERS
 
 PAGE_TIMEOUT = 300.0
 """Longest wait for a browser that has loaded the scene [wall s]."""

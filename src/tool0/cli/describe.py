@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
+from tool0.cli import options
 from tool0.cli.parameters import Option
 from tool0.cli.text import columns
 from tool0.description.config import DescriptionConfig
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from tool0.description.catalogue import CataloguePart
     from tool0.description.model import Joint, RobotModel
     from tool0.description.robot import RobotDescription
+
+READERS = options.READERS
 
 Form = Literal["tree", "table", "urdf", "mjcf", "controllers", "sources"]
 
@@ -39,7 +42,7 @@ def describe(
         output: File to write; standard output if not given.
         gripper_action: In ``controllers``, give grippers a GripperActionController.
     """
-    from tool0.description.robot import load_description
+    from tool0.description.loading import load_description
 
     text = _render(load_description(description), form, gripper_action=gripper_action)
     if output is None:

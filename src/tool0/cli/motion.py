@@ -17,6 +17,7 @@ from tool0.cli.connection import (
     wait_for_goal,
 )
 from tool0.cli.parameters import Option, joint_values
+from tool0.cli.text import grasp_text
 from tool0.description.model import FLANGE, JointType
 from tool0.description.transform import Pose
 from tool0.description.units import (
@@ -32,7 +33,6 @@ from tool0.errors import ConfigError, GoalTimeoutError
 if TYPE_CHECKING:
     from tool0.api.controller import GoalHandle
     from tool0.api.robot import Robot
-    from tool0.protocol.gripper import GraspState
 
 ToolPose = Annotated[
     tuple[Metres, Metres, Metres, Radians, Radians, Radians],
@@ -198,7 +198,7 @@ def grip(
         if status != INTERRUPTED:
             with contextlib.suppress(GoalTimeoutError):
                 gripper.wait(_SETTLE)
-            print(described(gripper.state))
+            print(grasp_text(gripper.state))
     return status
 
 
@@ -210,18 +210,3 @@ def _joint_position(text: str | None, quantity: Quantity) -> float | None:
         return read_number(text, quantity)[0]
     except ConfigError as error:
         raise ConfigError(f"--position: {error}") from None
-
-
-def described(state: GraspState) -> str:
-    """Return a gripper's state as text, with Robotiq's number for it."""
-    opening = f"{1e3 * state.opening:.1f} mm"
-    words = {
-        "holding_inside": f"holds an object {opening} wide",
-        "blocked": f"blocked without an object between the pads, open {opening}",
-        "holding_outside": f"holds an object from inside, open {opening}",
-        "at_target": f"open {opening}",
-        "moving": f"moving, open {opening}",
-    }
-    if state.motion not in words:
-        return f"open {opening}, not commanded"
-    return f"{words[state.motion]} (gOBJ {state.gobj})"

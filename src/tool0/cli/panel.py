@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, TextIO
 
+from tool0.cli import options
 from tool0.cli.options import PanelOptions
 from tool0.cli.stop_signal import StopSignal
 from tool0.cli.text import panel_line
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from threading import Thread
 
     from tool0.panel.address import Endpoint
+
+READERS = options.READERS
 
 
 @contextlib.contextmanager
@@ -77,7 +80,7 @@ def view(
     Args:
         spawn_z: Height of the robot's root above the ground [m].
     """
-    from tool0.description.robot import load_description
+    from tool0.description.loading import load_description
     from tool0.panel.server import Panel
     from tool0.panel.view import RobotView
 

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from tool0.cli.connection import DEFAULT, Bringup, chosen_robot
-from tool0.cli.motion import described
 from tool0.cli.parameters import Option
-from tool0.cli.text import columns
+from tool0.cli.text import columns, grasp_text
 from tool0.description.transform import to_pose
 from tool0.errors import ConfigError
 from tool0.protocol.sensors import DEFAULT_CUTOFF
@@ -103,7 +102,9 @@ def _table(snapshot: Snapshot, grippers: Mapping[str, GraspState]) -> str:
             strict=True,
         )
     ]
-    lines = "".join(f"{name}: {described(state)}\n" for name, state in grippers.items())
+    lines = "".join(
+        f"{name}: {grasp_text(state)}\n" for name, state in grippers.items()
+    )
     lines += "".join(f"{stall}\n" for stall in snapshot.stalls)
     return f"{', '.join(marks)}\n{columns(rows)}{lines}"
 

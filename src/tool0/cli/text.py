@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, TextIO, final
 if TYPE_CHECKING:
     from tool0.api.robot import Robot
     from tool0.cli.options import BringupOptions
+    from tool0.protocol.gripper import GraspState
     from tool0.ur.options import UrArm
 
 _BAR: Final = 24
@@ -28,6 +29,21 @@ def columns(rows: Sequence[Sequence[str]]) -> str:
         for row in rows
     )
     return "".join(f"{line.rstrip()}\n" for line in lines)
+
+
+def grasp_text(state: GraspState) -> str:
+    """Return a gripper's state as text, with Robotiq's number for it."""
+    opening = f"{1e3 * state.opening:.1f} mm"
+    words = {
+        "holding_inside": f"holds an object {opening} wide",
+        "blocked": f"blocked without an object between the pads, open {opening}",
+        "holding_outside": f"holds an object from inside, open {opening}",
+        "at_target": f"open {opening}",
+        "moving": f"moving, open {opening}",
+    }
+    if state.motion not in words:
+        return f"open {opening}, not commanded"
+    return f"{words[state.motion]} (gOBJ {state.gobj})"
 
 
 def panel_line(url: str) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
+from tool0.cli import options
 from tool0.cli.parameters import Option
 from tool0.description.config import UNSET, Cell, DescriptionConfig, File, Unset
 from tool0.errors import ConfigError
@@ -21,6 +22,8 @@ from tool0.installation.workspace import (
 if TYPE_CHECKING:
     from tool0.description.robot import RobotDescription
     from tool0.installation.robot_packages import Files
+
+READERS = options.READERS
 
 _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
 """Where robotiq_2f_85_gripper_visualization is; no distribution packages it."""
@@ -61,7 +64,7 @@ def workspace(
         force: Also overwrite files that you have edited; your version is kept as
             FILE.orig.
     """
-    from tool0.description.robot import load_description
+    from tool0.description.loading import load_description
 
     description = load_description(
         DescriptionConfig(
@@ -157,7 +160,7 @@ def _disabled_collisions(
     description: RobotDescription,
 ) -> Mapping[tuple[str, str], str]:
     """Return the pairs of links that MoveIt does not check, and print how many."""
-    from tool0.description.robot import named_poses
+    from tool0.description.loading import named_poses
     from tool0.engines.mujoco.gl import import_mujoco
 
     import_mujoco()

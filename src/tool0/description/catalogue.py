@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any, Literal, final
 
 from tool0.description.packages import find_package
-from tool0.description.yaml_tree import read_verbatim
 from tool0.errors import ConfigError, DescriptionError, did_you_mean
 from tool0.user_data import expanded
 
@@ -68,6 +67,8 @@ class CataloguePart:
         Raises:
             ConfigError: If the file cannot be read, or has no such mapping.
         """
+        from tool0.description.yaml_tree import read_verbatim  # only with files
+
         path = self.file(f"{what}.yaml")
         if not path.is_file():
             return {}

@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 from urllib.parse import quote
 
 from tool0.description.config import CellRobot
 from tool0.description.forward_kinematics import joint_positions
+from tool0.description.loading import named_poses
+from tool0.description.named_pose import NamedPose, Positions
 from tool0.description.parts import gripper_joints, joints_of_robot
-from tool0.description.robot import RobotDescription, named_poses
+from tool0.description.robot import RobotDescription
 from tool0.description.yaml_tree import YamlEntry, read_verbatim
 from tool0.errors import (
     ConfigError,
@@ -28,21 +29,6 @@ DEFAULT_POSE = "home"
 LONGEST_NAME = 60
 """Characters of a pose's name that fit on a button."""
 _HEADER = "# Poses saved with tool0: joint positions [rad | m].\n"
-
-Positions = Mapping[str, float]
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NamedPose:
-    """Positions of some or all joints, under a name."""
-
-    name: str
-    """Such as ``home``."""
-    positions: Positions
-    """Joint → [rad | m]."""
-    saved: bool
-    """Whether a user saved it."""
 
 
 def poses_file(robot: str) -> Path:

@@ -13,7 +13,7 @@ from xml.dom.minidom import Document, Element
 
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import RobotModel
-from tool0.description.scene import DEFAULT_FRICTION, SceneObject
+from tool0.description.scene import DEFAULT_FRICTION, LONGEST_MODEL, SceneObject
 from tool0.description.shapes import (
     RGBA,
     SHAPES,
@@ -42,8 +42,6 @@ from tool0.errors import DescriptionError, ModelError, SourceLocation
 
 logger = logging.getLogger(__name__)
 
-MAX_LENGTH = 1_000_000
-"""Of the text [characters]: far more than one body needs, and read within a second."""
 MAX_SIZE, MAX_MASS = 100.0, 1e6
 """[m, kg]: beyond them the physics of either engine diverges."""
 MAX_FRICTION = 1e6
@@ -115,9 +113,9 @@ def read_rigid_model(text: str) -> RigidModel:
         DescriptionError: If it cannot be read, or is no single body.
         ModelError: If nothing could be like this.
     """
-    if len(text) > MAX_LENGTH:
+    if len(text) > LONGEST_MODEL:
         raise DescriptionError(
-            f"the model's XML has {len(text)} characters; {MAX_LENGTH} is the most"
+            f"the model's XML has {len(text)} characters; {LONGEST_MODEL} is the most"
         )
     document = parse_text(text)
     root = document.documentElement

@@ -15,6 +15,9 @@ from tool0.description.transform import Pose, Vector3, to_transform
 from tool0.errors import ConfigError, SourceLocation
 
 DEFAULT_FRICTION = 1.0
+LONGEST_MODEL = 1_000_000
+"""Text of a model [characters]: far more than one body needs, and read within a
+second."""
 DEFAULT_RGBA: RGBA = (0.90, 0.60, 0.00, 1.0)
 """Orange, which no part of the bundled robots has."""
 

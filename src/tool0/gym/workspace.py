@@ -26,7 +26,7 @@ from tool0.api.table import (
 )
 from tool0.description.camera import Camera, default_cameras, looking
 from tool0.description.config import DescriptionConfig
-from tool0.description.robot import load_description, named_poses
+from tool0.description.loading import load_description, named_poses
 from tool0.description.scene import PALETTE, Scene, SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, Vector3

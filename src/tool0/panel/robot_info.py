@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast, final
 
 from tool0.description.camera import Camera
+from tool0.description.loading import part_names
 from tool0.description.model import (
     FLANGE,
     Joint,
@@ -28,7 +29,7 @@ from tool0.description.parts import (
     joints_of,
 )
 from tool0.description.poses import PoseStore
-from tool0.description.robot import RobotDescription, part_names
+from tool0.description.robot import RobotDescription
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import (
     Box,

@@ -15,7 +15,8 @@ from tool0.protocol.fork_guard import OwnProcess
 from tool0.protocol.goal_registry import GoalRegistry
 from tool0.protocol.goals import Goal
 from tool0.protocol.request import Request
-from tool0.protocol.robot import ReadDescription, ReadSnapshot, description_info
+from tool0.protocol.robot import ReadDescription, ReadSnapshot
+from tool0.protocol.sent_description import description_info
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from typing import Annotated, final
 
 from msgspec import Meta, Struct, structs
 
-from tool0.description.rigid_model import MAX_LENGTH
-from tool0.description.scene import DEFAULT_FRICTION, SceneObject
+from tool0.description.scene import DEFAULT_FRICTION, LONGEST_MODEL, SceneObject
 from tool0.description.shapes import (
     Box,
     Compound,
@@ -157,7 +156,7 @@ class AddModel(Request[SpawnedModel], frozen=True):
     """
 
     name: Name
-    model: Annotated[str, Meta(max_length=MAX_LENGTH)]
+    model: Annotated[str, Meta(max_length=LONGEST_MODEL)]
     """The document."""
     xyz: Place = (0.0, 0.0, 0.0)
     """Of the model's frame, in the robot's root [m]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tool0.description.poses import NamedPose
+from tool0.description.named_pose import NamedPose
 from tool0.protocol.goals import GoalStarted
 from tool0.protocol.request import Name, Request, SpeedScale
 

@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct, structs
 
-from tool0.description.catalogue import CataloguePart
 from tool0.description.model import JointLimits
-from tool0.description.packages import BUNDLED
-from tool0.description.robot import CatalogueRobot, RobotDescription, load_description
 from tool0.description.transform import Transform
-from tool0.description.urdf import read_model
 from tool0.protocol.controllers import Role
 from tool0.protocol.request import Name, Request
 from tool0.protocol.state import Snapshot
 
 if TYPE_CHECKING:
-    from xml.dom.minidom import Document
+    pass
 
 
 class LimitsInfo(Struct, frozen=True, kw_only=True):
@@ -111,72 +105,6 @@ class DescriptionInfo(Struct, frozen=True, kw_only=True):
     """The robots of a cell with namespaces; otherwise none."""
     packages: dict[str, str]
     """``file://`` URIs of the ROS packages inside tool0, which the URDF refers to."""
-
-
-def description_info(description: RobotDescription, spawn_z: float) -> DescriptionInfo:
-    """Return a description as it is sent.
-
-    Args:
-        description: Of the robot.
-        spawn_z: Height of its root above the world's origin [m].
-    """
-    return DescriptionInfo(
-        urdf=description.urdf,
-        source=str(description.source),
-        robots=tuple(
-            CatalogueRobotInfo(
-                name=robot.name,
-                arm=str(robot.arm.folder),
-                gripper=None if robot.gripper is None else str(robot.gripper.folder),
-                prefix=robot.prefix,
-            )
-            for robot in description.robots
-        ),
-        namespaces=tuple(_namespaces(description, spawn_z)),
-        packages={
-            folder.name: folder.as_uri()
-            for folder in BUNDLED.iterdir()
-            if (folder / "package.xml").is_file()
-        },
-    )
-
-
-def _namespaces(
-    description: RobotDescription, spawn_z: float
-) -> Iterator[NamespaceInfo]:
-    cell = description.cell
-    for robot in cell.robots if cell is not None and cell.namespaces else ():
-        alone = load_description(robot.description, spawn_z=spawn_z)
-        yield NamespaceInfo(name=robot.name, urdf=alone.urdf)
-
-
-def described_by(info: DescriptionInfo, document: Document) -> RobotDescription:
-    """Return the robot in another process, or of another time.
-
-    Args:
-        info: What the bring-up said.
-        document: Its URDF, which may have other paths of meshes.
-
-    Raises:
-        ModelError: If the document is no robot.
-    """
-    robots = tuple(
-        CatalogueRobot(
-            name=robot.name,
-            arm=CataloguePart(kind="arm", folder=Path(robot.arm)),
-            gripper=None
-            if robot.gripper is None
-            else CataloguePart(kind="gripper", folder=Path(robot.gripper)),
-            prefix=robot.prefix,
-        )
-        for robot in info.robots
-    )
-    return RobotDescription(
-        model=read_model(document),
-        source=Path(info.source),
-        robots=robots,
-        _document=document,
-    )
 
 
 class ReadDescription(Request[DescriptionInfo], frozen=True):

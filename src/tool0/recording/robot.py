@@ -18,7 +18,8 @@ from tool0.description.scene import SceneObject
 from tool0.description.xml_source import parse_text
 from tool0.errors import RecordingError, Tool0Error
 from tool0.protocol.objects import ObjectInfo, object_of, with_meshes
-from tool0.protocol.robot import DescriptionInfo, described_by
+from tool0.protocol.received_description import described_by
+from tool0.protocol.robot import DescriptionInfo
 from tool0.recording.frames import wrench_topics
 
 

@@ -10,7 +10,7 @@ from rospy import Publisher, Service, ServiceException, Subscriber
 from std_msgs.msg import Header
 
 from tool0.description.config import CellRobot
-from tool0.description.robot import load_description
+from tool0.description.loading import load_description
 from tool0.errors import Tool0Error
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tool0.api.grasps import find_bin, find_grasps, finger_reach, half_height
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.description.scene import SceneObject, bin_walls
 from tool0.description.scene_file import load_scene
 from tool0.description.shapes import Box, Compound, Cylinder, Mesh, Solid, Sphere

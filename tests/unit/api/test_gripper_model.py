@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from raises_naming import raises_naming
 
 import tool0
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.errors import ConfigError
 from tool0.scene import Box
 

@@ -12,7 +12,7 @@ import pytest
 
 import tool0
 from tool0.cli import GOAL_FAILED, INTERRUPTED, OK, main
-from tool0.cli.motion import described
+from tool0.cli.text import grasp_text
 from tool0.description.shapes import Box, Sphere
 from tool0.description.transform import to_pose
 from tool0.protocol.gripper import GraspState, GripperMotion
@@ -185,7 +185,7 @@ def test_grip_tells_what_it_holds(robot: tool0.Robot, capsys: Capture) -> None:
     ],
 )
 def test_every_state_of_a_gripper_has_words(motion: GripperMotion, text: str) -> None:
-    assert described(GraspState(motion=motion, opening=0.045)) == text
+    assert grasp_text(GraspState(motion=motion, opening=0.045)) == text
 
 
 def test_a_timeout_stops_the_robot(robot: tool0.Robot, capsys: Capture) -> None:

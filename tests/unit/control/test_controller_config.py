@@ -13,8 +13,8 @@ from tool0.control.joint_limits import joint_limit_parameters
 from tool0.control.parameters import RobotJoints
 from tool0.control.ros1.dialect import ROS1
 from tool0.control.ros1.joint_trajectory import JointTrajectorySpec
+from tool0.description.loading import assemble
 from tool0.description.model import Interface, JointLimits
-from tool0.description.robot import assemble
 from tool0.errors import ConfigError, SourceLocation
 from tool0.protocol.controllers import Gains
 

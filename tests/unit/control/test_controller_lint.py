@@ -4,8 +4,8 @@ from ur5_rig import CONTROLLERS, POST, POST_GRIPPER
 
 from tool0.control.config import ControllerConfig
 from tool0.control.ros1.lint import lint
+from tool0.description.loading import assemble
 from tool0.description.model import RobotModel
-from tool0.description.robot import assemble
 
 TOY = RobotModel(name="toy", root="x", links=(), joints=tuple(JOINTS.values()))
 UR5 = [joint.name for joint in assemble().model.movable_joints]

@@ -16,12 +16,8 @@ from tool0.control.default_controllers import controllers_yaml, default_controll
 from tool0.control.parameters import RobotJoints
 from tool0.description.catalogue import find_part
 from tool0.description.config import Cell, CellRobot, DescriptionConfig
-from tool0.description.robot import (
-    RobotDescription,
-    assemble,
-    load_description,
-    load_robot,
-)
+from tool0.description.loading import assemble, load_description, load_robot
+from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError, DescriptionError
 
 DATA = Path(__file__).parents[2] / "data"

@@ -18,8 +18,8 @@ from tool0.control.gains import (
     derive_gripper_gains,
 )
 from tool0.description.catalogue import find_part
+from tool0.description.loading import assemble
 from tool0.description.model import RobotModel
-from tool0.description.robot import assemble
 from tool0.hardware.bodies import JointDynamics
 
 JOINTS = (

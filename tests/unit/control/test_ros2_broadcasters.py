@@ -8,8 +8,8 @@ from raises_naming import raises_naming
 from tool0.control.config import ControllerConfig
 from tool0.control.controller import ControllerSpec
 from tool0.control.parameters import RobotJoints
+from tool0.description.loading import assemble
 from tool0.description.model import Interface
-from tool0.description.robot import assemble
 from tool0.errors import ConfigError
 
 MODEL = assemble(prefix="left_", ros2_control=True).model

@@ -13,7 +13,8 @@ from tool0.control.default_controllers import controllers_yaml, default_controll
 from tool0.control.parameters import RobotJoints
 from tool0.control.ros2.built_in import started
 from tool0.description.config import DescriptionConfig
-from tool0.description.robot import RobotDescription, assemble, load_description
+from tool0.description.loading import assemble, load_description
+from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError, DescriptionError
 
 ARM = [

@@ -11,7 +11,7 @@ import pytest
 from tool0.description.arm_files import ARM_FILES, check_arm_files
 from tool0.description.catalogue import arms, find_part
 from tool0.description.forward_kinematics import link_pose
-from tool0.description.robot import assemble, named_poses, part_names
+from tool0.description.loading import assemble, named_poses, part_names
 from tool0.description.shapes import Cylinder, Mesh
 from tool0.errors import DescriptionError, LimitsError, ModelError, Tool0Error
 

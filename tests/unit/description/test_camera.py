@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tool0.description.camera import Camera, default_cameras, looking, merged
+from tool0.description.loading import assemble
 from tool0.description.model import RobotModel
-from tool0.description.robot import assemble
 from tool0.description.transform import Pose, to_transform
 from tool0.errors import ConfigError
 

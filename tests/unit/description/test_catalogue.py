@@ -12,14 +12,14 @@ import yaml
 from tool0.description.catalogue import arms, grippers
 from tool0.description.config import DescriptionConfig
 from tool0.description.forward_kinematics import link_pose
-from tool0.description.model import Inertial, Interface, RobotModel, RotaryOpening
-from tool0.description.robot import (
+from tool0.description.loading import (
     assemble,
     load_description,
     load_robot,
     named_poses,
     part_names,
 )
+from tool0.description.model import Inertial, Interface, RobotModel, RotaryOpening
 from tool0.description.shapes import Cylinder, Mesh
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text

@@ -15,8 +15,9 @@ from tool0.description.camera import default_cameras
 from tool0.description.cell_file import load_cell, parse_robots
 from tool0.description.config import Cell, CellRobot, DescriptionConfig
 from tool0.description.forward_kinematics import link_poses
+from tool0.description.loading import assemble, load_description
 from tool0.description.parts import find_arms, find_grippers, joints_of
-from tool0.description.robot import RobotDescription, assemble, load_description
+from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.shapes import Cylinder
 from tool0.description.urdf import read_model

@@ -13,8 +13,8 @@ from tool0.description.forward_kinematics import (
     link_pose,
     link_poses,
 )
+from tool0.description.loading import assemble
 from tool0.description.model import Joint, JointType, Link, Mimic, RobotModel
-from tool0.description.robot import assemble
 from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import LimitsError, ModelError
 

@@ -11,8 +11,8 @@ import pytest
 
 from tool0.description.catalogue import find_part, grippers
 from tool0.description.gripper_files import GRIPPER_FILES, check_gripper_files
+from tool0.description.loading import assemble, named_poses, part_names
 from tool0.description.model import ROBOTIQ, LinearOpening, RotaryOpening
-from tool0.description.robot import assemble, named_poses, part_names
 from tool0.errors import DescriptionError, LimitsError, ModelError, Tool0Error
 
 MASSES = {"2f85": 0.92086, "2f140": 1.025, "hande": 0.93995}

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tool0.description.rigid_model import MAX_FRICTION, MAX_LENGTH, read_rigid_model
+from tool0.description.rigid_model import MAX_FRICTION, read_rigid_model
+from tool0.description.scene import LONGEST_MODEL
 from tool0.description.shapes import Box, Compound, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ConfigError, DescriptionError, Tool0Error
@@ -289,7 +290,7 @@ HINGE = (
                   f"{SDF_BOX}</collision>"), "100 m"),
         (urdf(HINGE), "'hinge'"),
         ("<a>" * 10_000, "500"),
-        ("x" * (MAX_LENGTH + 1), str(MAX_LENGTH)),
+        ("x" * (LONGEST_MODEL + 1), str(LONGEST_MODEL)),
         ("<!DOCTYPE a [<!ENTITY b 'c'>]><sdf>&b;</sdf>", "<!DOCTYPE"),
     ],
 )  # fmt: skip

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from tool0.description.config import DescriptionConfig
+from tool0.description.loading import load_description
 from tool0.description.model import Interface, Mimic, RobotModel
-from tool0.description.robot import load_description
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.errors import DescriptionError, LimitsError, ModelError, Tool0Error

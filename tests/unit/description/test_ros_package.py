@@ -7,8 +7,8 @@ from types import ModuleType
 import pytest
 import xacro
 
+from tool0.description.loading import assemble
 from tool0.description.packages import find_package
-from tool0.description.robot import assemble
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tool0.description.forward_kinematics import link_poses
+from tool0.description.loading import assemble
 from tool0.description.model import (
     ROBOTIQ,
     Interface,
@@ -17,7 +18,6 @@ from tool0.description.model import (
     Spring,
     Surface,
 )
-from tool0.description.robot import assemble
 from tool0.description.units import LENGTH
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from tool0.description.forward_kinematics import link_poses
+from tool0.description.loading import assemble, load_robot
 from tool0.description.model import JointType, Mimic, RobotModel
-from tool0.description.robot import assemble, load_robot
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.engines.gazebo.connection import pack_pose

@@ -5,13 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from tool0.description.loading import assemble, load_robot, named_poses
 from tool0.description.model import RobotModel
-from tool0.description.robot import (
-    RobotDescription,
-    assemble,
-    load_robot,
-    named_poses,
-)
+from tool0.description.robot import RobotDescription
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.engines.mujoco.link_collisions import (

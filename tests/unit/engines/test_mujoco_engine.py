@@ -13,8 +13,8 @@ import pytest
 from skew_robot import build_model
 
 from tool0.description.catalogue import arms, grippers
+from tool0.description.loading import assemble, named_poses
 from tool0.description.model import RobotModel
-from tool0.description.robot import assemble, named_poses
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import ConfigError, DivergenceError
 from tool0.hardware.engine import Engine

@@ -12,6 +12,7 @@ import pytest
 from tool0.description.catalogue import arms
 from tool0.description.config import SPAWN_Z
 from tool0.description.forward_kinematics import link_poses
+from tool0.description.loading import assemble, load_robot, named_poses
 from tool0.description.model import (
     Collision,
     Inertial,
@@ -23,7 +24,6 @@ from tool0.description.model import (
     RobotModel,
     Transmission,
 )
-from tool0.description.robot import assemble, load_robot, named_poses
 from tool0.description.shapes import Mesh, Sphere
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.engines.mujoco.model import build_spec, to_mjcf

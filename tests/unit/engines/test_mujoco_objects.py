@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from objects_rig import EDGE, REST, cube, engine_with, item, run, tetrahedron
 
+from tool0.description.loading import assemble, named_poses
 from tool0.description.model import RobotModel
-from tool0.description.robot import assemble, named_poses
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
 from tool0.description.transform import Pose

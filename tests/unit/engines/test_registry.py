@@ -11,7 +11,8 @@ from typing import final
 import pytest
 
 import tool0
-from tool0.description.robot import RobotDescription, assemble
+from tool0.description.loading import assemble
+from tool0.description.robot import RobotDescription
 from tool0.description.scene import SceneObject
 from tool0.description.transform import Vector3
 from tool0.engines import registry

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tool0.description.loading import assemble
 from tool0.description.model import JointLimits
-from tool0.description.robot import assemble
 from tool0.errors import ControlError
 from tool0.hardware.limits import EASE, DriveLimits, SpeedLimiter
 

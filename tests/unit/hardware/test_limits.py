@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tool0.description.loading import assemble
 from tool0.description.model import JointLimits, SafetyController
-from tool0.description.robot import assemble
 from tool0.hardware.engine import JointState
 from tool0.hardware.limits import (
     STOP_TOLERANCE,

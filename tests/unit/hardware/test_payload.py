@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tool0.description.loading import assemble
 from tool0.description.model import RobotModel
-from tool0.description.robot import assemble
 from tool0.hardware.bodies import JointDynamics
 from tool0.hardware.payload import modelled_payload, replaced_tools
 from tool0.protocol.control_box_state import Payload

@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from tool0.description.loading import assemble
 from tool0.description.model import RobotModel
-from tool0.description.robot import assemble
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import ModelError
 from tool0.hardware.tool_dynamics import ToolDynamics

@@ -11,7 +11,7 @@ import pytest
 
 from tool0.control.default_controllers import controllers_yaml
 from tool0.description.config import DescriptionConfig
-from tool0.description.robot import load_description
+from tool0.description.loading import load_description
 from tool0.installation.colcon.bringup import BRINGUP, colcon_packages
 from tool0.installation.workspace import write_workspace
 from tool0.lint.launch.reader import read_launch

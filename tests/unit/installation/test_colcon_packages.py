@@ -14,8 +14,9 @@ from tool0.control.config import ControllerConfig
 from tool0.control.default_controllers import controllers_yaml
 from tool0.description.config import DescriptionConfig
 from tool0.description.expansion import expand
+from tool0.description.loading import load_description
 from tool0.description.packages import preferring
-from tool0.description.robot import RobotDescription, load_description
+from tool0.description.robot import RobotDescription
 from tool0.description.urdf import read_model
 from tool0.installation.colcon.bringup import (
     BRINGUP,

@@ -11,14 +11,14 @@ import yaml
 
 from tool0.control.default_controllers import controllers_yaml
 from tool0.description.config import DescriptionConfig
-from tool0.description.model import RobotModel
-from tool0.description.robot import (
-    RobotDescription,
+from tool0.description.loading import (
     assemble,
     load_description,
     load_robot,
     named_poses,
 )
+from tool0.description.model import RobotModel
+from tool0.description.robot import RobotDescription
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 from tool0.engines.mujoco.link_collisions import disabled_collisions

@@ -8,8 +8,9 @@ import pytest
 import yaml
 
 from tool0.control.default_controllers import controllers_yaml
+from tool0.description.loading import assemble
 from tool0.description.packages import BUNDLED
-from tool0.description.robot import RobotDescription, assemble
+from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError
 from tool0.installation.robot_packages import (
     PACKAGES,

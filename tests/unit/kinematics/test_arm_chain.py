@@ -7,7 +7,7 @@ import pytest
 from arm_rig import old_model, only_chain, ur5
 
 from tool0.description.forward_kinematics import link_pose
-from tool0.description.robot import assemble, load_robot
+from tool0.description.loading import assemble, load_robot
 from tool0.errors import ControlError, ModelError
 from tool0.kinematics.chain import find_chains, fixed_transform, why_no_arm
 

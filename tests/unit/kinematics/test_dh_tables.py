@@ -13,7 +13,7 @@ from benchmarks.kinematics import round_trip
 
 from tool0.description.catalogue import arms, find_part
 from tool0.description.forward_kinematics import link_pose
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.kinematics.chain import Array
 
 DATA = Path(__file__).parents[2] / "data" / "kinematics" / "dh_tables.yaml"

@@ -12,8 +12,8 @@ import skew_robot
 from tool0.description.flat_frames import FlatTree
 from tool0.description.forward_kinematics import link_motions, link_poses
 from tool0.description.joint_tree import JointTree, LinkFrames, place_links
+from tool0.description.loading import assemble, load_robot
 from tool0.description.model import RobotModel
-from tool0.description.robot import assemble, load_robot
 from tool0.description.transform import Transform
 from tool0.description.transform_arrays import Array, Frames
 from tool0.engines.mujoco.engine import MujocoEngine

@@ -7,7 +7,7 @@ import pytest
 
 from tool0.description.catalogue import arms
 from tool0.description.config import DescriptionConfig
-from tool0.description.robot import load_description
+from tool0.description.loading import load_description
 from tool0.description.transform_arrays import matrix_of
 from tool0.kinematics.chain import find_chains
 from tool0.kinematics.scalar_kinematics import ScalarChain

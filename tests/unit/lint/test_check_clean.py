@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tool0.cli import OK, main
+from tool0.description.loading import GRIPPER_MODELS, assemble
 from tool0.description.packages import BUNDLED
-from tool0.description.robot import GRIPPER_MODELS, assemble
 from tool0.errors import ConfigError
 from tool0.lint import check as module
 from tool0.lint.check import check

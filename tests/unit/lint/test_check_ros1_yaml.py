@@ -7,7 +7,7 @@ import yaml
 from check_files import DATA, of_yaml, summary
 
 from tool0.control.ros1.dialect import ROS1
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.description.xml_source import parse_text
 from tool0.lint.robot.elements import Tag
 from tool0.lint.robot.facts import RobotFacts, facts_of

@@ -10,7 +10,7 @@ import pytest
 
 import tool0
 from tool0.control.spline import Motion, Segment
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.motion.gripper import RAMP_TIME, opening_path
 from tool0.simulation.controller_paths import trajectory_points
 

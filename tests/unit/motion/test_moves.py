@@ -6,7 +6,7 @@ from arm_rig import ur5
 from moves_rig import HOME, MovesRig
 
 from tool0.description.catalogue import arms
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.description.transform_arrays import rotation_vector
 from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import find_chains

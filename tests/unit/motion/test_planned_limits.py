@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from tool0.description.config import DescriptionConfig
-from tool0.description.robot import load_description
+from tool0.description.loading import load_description
 from tool0.description.transform_arrays import matrix_of, rotation_vector
 from tool0.errors import UnreachableError
 from tool0.kinematics.chain import ArmChain, find_chains

@@ -8,9 +8,9 @@ import pytest
 
 import tool0
 from tool0.description.config import DescriptionConfig
+from tool0.description.loading import assemble, load_description, load_robot
 from tool0.description.model import Joint, JointType, Link
 from tool0.description.parts import base_of
-from tool0.description.robot import assemble, load_description, load_robot
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Compound, Mesh
 from tool0.description.transform import Pose

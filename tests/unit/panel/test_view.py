@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 from page import page_at
 
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.panel.server import Panel
 from tool0.panel.view import RobotView
 

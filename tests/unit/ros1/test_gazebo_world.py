@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tool0
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box, Compound
 from tool0.description.transform import Pose, Transform

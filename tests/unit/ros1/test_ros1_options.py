@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from tool0.cli.options import BringupOptions, RunOptions
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.errors import ConfigError
 from tool0.ros1.bridge import with_mesh_files
 from tool0.ros1.options import Ros1Options

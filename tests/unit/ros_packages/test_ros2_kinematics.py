@@ -8,7 +8,7 @@ from tool0_ros2.kinematics import LinkTree, read_joints
 from tools.ros2_copies import MODULE, module_text
 
 from tool0.description.forward_kinematics import link_poses
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
 

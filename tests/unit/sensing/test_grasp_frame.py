@@ -7,7 +7,7 @@ import pytest
 from ur5_rig import TWO_ROBOTS
 
 import tool0
-from tool0.description.robot import assemble, load_robot
+from tool0.description.loading import assemble, load_robot
 from tool0.errors import ControlError, ModelError
 from tool0.sensing.grasp import flange_of, grasp_frame, pad_links
 

@@ -9,7 +9,7 @@ from raises_naming import raises_naming
 from skew_rig import START, build_core, follow, switch
 
 from tool0.control.trajectory import TrajectoryGoal
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.errors import (
     ConfigError,
     ControlError,

@@ -16,7 +16,7 @@ from tool0.cli.demos.report import PickReport
 from tool0.cli.demos.trials import DemoReport, run_trials
 from tool0.description.cell_file import parse_robots
 from tool0.description.config import DescriptionConfig
-from tool0.description.robot import load_description
+from tool0.description.loading import load_description
 from tool0.description.scene import Scene
 from tool0.description.transform import Pose
 from tool0.errors import ConfigError

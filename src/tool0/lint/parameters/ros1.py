@@ -246,7 +246,7 @@ class _Ros1Controller:
 @cache
 def usual_joints() -> frozenset[str]:
     """Return the movable joints of the usual robot, a UR5 with a 2F-85."""
-    from tool0.description.robot import assemble
+    from tool0.description.loading import assemble
 
     return frozenset(joint.name for joint in assemble().model.movable_joints)
 

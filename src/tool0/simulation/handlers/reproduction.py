@@ -16,8 +16,8 @@ from msgspec import Struct
 
 from tool0.description.camera import Camera
 from tool0.description.config import DescriptionConfig
+from tool0.description.loading import load_description
 from tool0.description.model import RobotModel
-from tool0.description.robot import load_description
 from tool0.description.scene import Scene
 from tool0.description.shapes import Mesh, placed_geometries
 from tool0.errors import Tool0Error

@@ -17,7 +17,6 @@ from tool0.protocol.robot import (
     ReadSnapshot,
     ReadSummary,
     SimulationInfo,
-    description_info,
 )
 from tool0.protocol.running import (
     EmergencyStop,
@@ -29,6 +28,7 @@ from tool0.protocol.running import (
     Step,
     StopMotions,
 )
+from tool0.protocol.sent_description import description_info
 from tool0.simulation.handlers.table import answer, handles
 from tool0.simulation.simulation import Simulation
 

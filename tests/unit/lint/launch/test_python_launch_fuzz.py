@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tool0.description.config import DescriptionConfig
-from tool0.description.robot import load_description
+from tool0.description.loading import load_description
 from tool0.installation.colcon.bringup import colcon_packages
 from tool0.lint.launch.argument_flow import argument_flow
 from tool0.lint.launch.explanation import contents

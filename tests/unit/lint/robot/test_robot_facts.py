@@ -4,7 +4,7 @@ import pickle
 
 from robot_xml import DRIVEN, check, joint, link, plugin, root_of, transmission
 
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.lint.robot.elements import Tag
 from tool0.lint.robot.facts import facts_of
 

@@ -7,9 +7,9 @@ import pytest
 
 from tool0.description.catalogue import arms, grippers
 from tool0.description.expansion import expand
+from tool0.description.loading import assemble
 from tool0.description.model import JointType
 from tool0.description.packages import BUNDLED
-from tool0.description.robot import assemble
 from tool0.description.xml_source import LocatedElement, parse_file, parse_text
 from tool0.lint.robot_file import robot_findings, xacro_findings
 

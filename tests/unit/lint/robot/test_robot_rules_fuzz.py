@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from robot_xml import DRIVEN, joint, link, root_of
 
 from tool0.description.expansion import expand
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.description.xml_source import LocatedElement, parse_file, parse_text
 from tool0.lint.robot.elements import Tag
 from tool0.lint.robot_file import robot_findings, xacro_findings

@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from tool0.description.robot import assemble
+from tool0.description.loading import assemble
 from tool0.ur.robotiq.counts import Counts
 from tool0.ur.robotiq.registers import (
     Activation,

@@ -1,0 +1,311 @@
+"""The description of any robot: built-in arms and grippers, or your own file."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tool0.description.arm_files import ARM_FILES, check_arm_files
+from tool0.description.assumed_drives import assume_drives
+from tool0.description.catalogue import (
+    NO_GRIPPER,
+    CataloguePart,
+    DisplayName,
+    check_choice,
+    find_part,
+    grippers,
+)
+from tool0.description.cell import check_bases, merge_robots
+from tool0.description.cell_file import load_cell, parse_robots
+from tool0.description.config import SPAWN_Z, Argument, Cell, DescriptionConfig
+from tool0.description.expansion import expand
+from tool0.description.gripper_files import GRIPPER_FILES, check_gripper_files
+from tool0.description.packages import find_package
+from tool0.description.robot import CatalogueRobot, RobotDescription
+from tool0.description.urdf import read_model
+from tool0.description.xml_source import parse_file
+from tool0.errors import DescriptionError
+from tool0.user_data import expanded
+
+if TYPE_CHECKING:
+    from xml.dom.minidom import Document
+
+DEFAULT_ARM = "ur5"
+DEFAULT_GRIPPER = "2f85"
+MESHES = ("tool0", "upstream")
+GRIPPER_MODELS = ("mimic", "linkage")
+
+_LINKAGE_FILE = "linkage.yaml"
+"""Of grippers with a linkage model."""
+_PREFIX = re.compile(r"\w*")
+_UPRIGHT = 0.01
+"""Largest tilt of an arm that stands on a pedestal [rad]."""
+
+_ARM_ARGUMENTS = {
+    "default_kinematics": "kinematics_params",
+    "joint_limits": "joint_limit_params",
+    "physical_parameters": "physical_params",
+    "visual_parameters": "visual_params",
+}
+"""The arguments that replace a file of the arm's folder."""
+
+_GRIPPER_ARGUMENTS = {
+    "joint_limits": "gripper_joint_limit_params",
+    "physical_parameters": "gripper_params",
+    "visual_parameters": "gripper_visual_params",
+}
+"""The same of the gripper's folder."""
+
+Poses = Mapping[str, Mapping[str, float]]
+"""Pose → joint → position [rad | m]."""
+
+
+def load_description(
+    config: DescriptionConfig, *, spawn_z: float = SPAWN_Z
+) -> RobotDescription:
+    """Return what ``config`` describes; a catalogue arm stands in ``world``.
+
+    Its pedestal reaches to the ground, ``spawn_z`` [m] below ``world``.
+
+    Raises:
+        DescriptionError: If a name, an argument or a file is missing or wrong.
+        ModelError: If the parameters are physically impossible.
+        ConfigError: If a cell is wrong.
+    """
+    if config.robot is not None:
+        return load_robot(config.robot, config.args, is_driven=config.ros2_control)
+    cell = _cell_of(config)
+    if cell is not None:
+        return _load_cell(cell, spawn_z)
+    robot, document = _expand_robot(config, spawn_z)
+    return RobotDescription(
+        model=read_model(document),
+        source=_catalogue_file(),
+        robots=(robot,),
+        tf_prefix=_to_texts(config.xacro_arguments()).get("tf_prefix", ""),
+        _document=document,
+    )
+
+
+def _cell_of(config: DescriptionConfig) -> Cell | None:
+    if config.robots is not None:
+        cell = parse_robots(config.robots)
+    elif isinstance(config.cell, Cell):
+        cell = config.cell
+    elif config.cell is not None:
+        cell = load_cell(config.cell)
+    else:
+        return None
+    if config.ros2_control:
+        robots = (
+            replace(item, description=replace(item.description, ros2_control=True))
+            for item in cell.robots
+        )
+        cell = replace(cell, robots=tuple(robots))
+    return replace(cell, namespaces=True) if config.namespaces else cell
+
+
+def _load_cell(cell: Cell, spawn_z: float) -> RobotDescription:
+    """Return the robots of a cell as one model."""
+    robots, documents = [], []
+    for item in cell.robots:
+        try:
+            robot, document = _expand_robot(item.description, spawn_z, item.name)
+        except DescriptionError as error:
+            location = error.location or item.location
+            message = f"robot '{item.name}': {error.message}"
+            raise DescriptionError(message, location) from None
+        robots.append(robot)
+        documents.append(document)
+    name = "_".join([*(robot.prefix + robot.arm.name for robot in robots), "robot"])
+    document = merge_robots(cell, cell.name or name, documents)
+    model = read_model(document)
+    check_bases(cell, model)
+    file = cell.location.file if cell.location else None
+    return RobotDescription(
+        model=model,
+        source=file or _catalogue_file(),
+        robots=tuple(robots),
+        cell=cell,
+        _document=document,
+    )
+
+
+def _expand_robot(
+    config: DescriptionConfig, spawn_z: float, name: str = ""
+) -> tuple[CatalogueRobot, Document]:
+    """Return an arm of the catalogue with its gripper, and its URDF.
+
+    With a ``name``, it is a robot of a cell.
+    """
+    prefix = f"{name}_" if name else ""
+    defaults = {"arm": DEFAULT_ARM, "gripper": DEFAULT_GRIPPER, "prefix": prefix}
+    given = {**defaults, **_to_texts(config.xacro_arguments())}
+    given.setdefault("pedestal_height", _pedestal_height(given, spawn_z))
+    gripper, prefix = given["gripper"], given["prefix"]
+    gripper_model = given.get("gripper_model", GRIPPER_MODELS[0])
+    robot = CatalogueRobot(
+        name=name,
+        arm=find_part("arm", given["arm"]),
+        gripper=None if gripper == NO_GRIPPER else find_part("gripper", gripper),
+        prefix=prefix,
+    )
+    check_choice("meshes", given.get("meshes", MESHES[0]), MESHES)
+    check_choice("gripper model", gripper_model, GRIPPER_MODELS)
+    if not _PREFIX.fullmatch(prefix):
+        raise DescriptionError(
+            f"the prefix '{prefix}' has characters that names must not have; "
+            "use letters, digits and underscores, such as left_"
+        )
+    if gripper == NO_GRIPPER and gripper_model != GRIPPER_MODELS[0]:
+        raise DescriptionError(
+            f"gripper_model {gripper_model} needs a gripper "
+            f"({', '.join(grippers())}), but the robot has none"
+        )
+    if robot.gripper is not None and gripper_model == "linkage":
+        _check_linkage(robot.gripper)
+    check_arm_files(_own_files(robot.arm, ARM_FILES, _ARM_ARGUMENTS, given))
+    if robot.gripper is not None:
+        own = _own_files(robot.gripper, GRIPPER_FILES, _GRIPPER_ARGUMENTS, given)
+        check_gripper_files(own)
+    given["arm"] = str(robot.arm.folder)
+    if robot.gripper is not None:
+        given["gripper"] = str(robot.gripper.folder)
+    return robot, expand(_catalogue_file(), given)
+
+
+def _catalogue_file() -> Path:
+    return find_package("tool0_description") / "urdf" / "ur_robotiq.urdf.xacro"
+
+
+def assemble(
+    arm: str = DEFAULT_ARM, gripper: str | None = DEFAULT_GRIPPER, **args: Argument
+) -> RobotDescription:
+    """Return ``arm`` with ``gripper`` and further xacro arguments.
+
+    See ``load_description`` for the errors.
+    """
+    return load_description(DescriptionConfig(arm=arm, gripper=gripper, args=args))
+
+
+def load_robot(
+    path: Path | str,
+    args: Mapping[str, Argument] | None = None,
+    *,
+    is_driven: bool = False,
+) -> RobotDescription:
+    """Return the robot in your own file, which is xacro unless it ends in ``.urdf``.
+
+    With ``is_driven``, every joint is driven if the file does not say which are.
+
+    Raises:
+        DescriptionError: If the file, or a file it refers to, cannot be read.
+        ModelError: If its parameters are physically impossible.
+    """
+    path = expanded(path)
+    if not path.is_file():
+        raise DescriptionError(f"there is no file '{path}'; check the path")
+    given = _to_texts(args or {}, ours=False)
+    if path.suffix == ".urdf":
+        if given:
+            raise DescriptionError(
+                f"'{path}' is plain URDF, which takes no arguments, got "
+                f"{', '.join(given)}; name it *.xacro if it is xacro"
+            )
+        document = parse_file(path)
+    else:
+        document = expand(path, given)
+    if is_driven:
+        assume_drives(document)
+    return RobotDescription(model=read_model(document), source=path, _document=document)
+
+
+def named_poses(description: RobotDescription) -> Poses:
+    """Return the built-in poses of a robot; your own file has none.
+
+    If several parts have a pose such as ``home``, it sets them all.
+    """
+    poses: dict[str, dict[str, float]] = {}
+    for robot in description.robots:
+        for part in robot.parts:
+            for name, positions in part.load("poses").items():
+                pose = poses.setdefault(name, {})
+                pose.update({robot.prefix + j: q for j, q in positions.items()})
+    return poses
+
+
+def part_names(description: RobotDescription) -> Mapping[str, DisplayName]:
+    """Return the display names of links and joints; your own file has none."""
+    return {
+        robot.prefix + item: DisplayName(en=names["en"], zh=names["zh"])
+        for robot in description.robots
+        for part in robot.parts
+        for item, names in part.load("part_names").items()
+    }
+
+
+def _check_linkage(gripper: CataloguePart) -> None:
+    """Raise DescriptionError unless the gripper's fingers are linkages."""
+    if not gripper.file(_LINKAGE_FILE).is_file():
+        having = [
+            name
+            for name in grippers()
+            if find_part("gripper", name).file(_LINKAGE_FILE).is_file()
+        ]
+        raise DescriptionError(
+            f"gripper_model linkage: the fingers of '{gripper.name}' are no linkages; "
+            f"grippers with this model: {', '.join(having)}"
+        )
+
+
+def _own_files(
+    part: CataloguePart,
+    names: Sequence[str],
+    arguments: Mapping[str, str],
+    given: Mapping[str, str],
+) -> Mapping[str, Path]:
+    """Return the YAML files of a part that are not built-in ones, by name."""
+    files = {}
+    if not part.is_built_in:
+        files = {name: part.folder / f"{name}.yaml" for name in names}
+    instead = {
+        name: Path(given[argument])
+        for name, argument in arguments.items()
+        if given.get(argument)
+    }
+    return {**files, **instead}
+
+
+def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:
+    """Return the height from the ground to the arm's base [m]; 0 if it is tilted."""
+    try:
+        z = float(given.get("base_xyz", "0 0 0").split()[2])
+        roll, pitch, _ = map(float, given.get("base_rpy", "0 0 0").split())
+    except (IndexError, ValueError):  # the xacro complains
+        return "0"
+    height = round(spawn_z + z, 9)
+    stands = 0.0 < height < math.inf and math.hypot(roll, pitch) < _UPRIGHT
+    return repr(height if stands else 0.0)
+
+
+def _to_texts(args: Mapping[str, Argument], *, ours: bool = True) -> dict[str, str]:
+    """Return the given arguments as text for xacro.
+
+    In ``ours``, each ``…_params`` is a path, made absolute here: xacro would resolve a
+    relative one from the folder of its own file.
+    """
+    texts = {}
+    for name, value in args.items():
+        if isinstance(value, bool):
+            texts[name] = "true" if value else "false"
+        elif isinstance(value, Path) or (ours and name.endswith("_params") and value):
+            texts[name] = str(expanded(str(value)).absolute())
+        elif isinstance(value, Sequence) and not isinstance(value, str):
+            texts[name] = " ".join(map(str, value))
+        elif value is not None:
+            texts[name] = str(value)
+    return texts

@@ -1,0 +1,43 @@
+"""A robot's description as a client receives it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tool0.description.catalogue import CataloguePart
+from tool0.description.robot import CatalogueRobot, RobotDescription
+from tool0.description.urdf import read_model
+from tool0.protocol.robot import DescriptionInfo
+
+if TYPE_CHECKING:
+    from xml.dom.minidom import Document
+
+
+def described_by(info: DescriptionInfo, document: Document) -> RobotDescription:
+    """Return the robot in another process, or of another time.
+
+    Args:
+        info: What the bring-up said.
+        document: Its URDF, which may have other paths of meshes.
+
+    Raises:
+        ModelError: If the document is no robot.
+    """
+    robots = tuple(
+        CatalogueRobot(
+            name=robot.name,
+            arm=CataloguePart(kind="arm", folder=Path(robot.arm)),
+            gripper=None
+            if robot.gripper is None
+            else CataloguePart(kind="gripper", folder=Path(robot.gripper)),
+            prefix=robot.prefix,
+        )
+        for robot in info.robots
+    )
+    return RobotDescription(
+        model=read_model(document),
+        source=Path(info.source),
+        robots=robots,
+        _document=document,
+    )
