@@ -15,9 +15,9 @@ from tool0.cli.demos.monitor import GraspMonitor
 from tool0.cli.demos.picker import Picker
 from tool0.cli.demos.setup import Cube, Demo, handover_demo, pick_demo
 from tool0.cli.demos.trials import DemoReport
+from tool0.description.grasp_frames import pad_links
 from tool0.kinematics.chain import find_chains
 from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
-from tool0.sensing.grasp import pad_links
 
 Shape = Box | Cylinder
 

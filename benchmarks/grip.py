@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 import tool0
+from tool0.description.grasp_frames import grasp_frame
 from tool0.scene import Box, Pose, Scene, SceneObject
-from tool0.sensing.grasp import grasp_frame
 
 FORCES = (20.0, 60.0, 120.0, 235.0)  # [N]
 SPEEDS = (0.02, 0.05, 0.10, 0.15)  # [m/s]

@@ -20,7 +20,7 @@ from tool0.description.catalogue import arms
 from tool0.description.loading import load_robot
 from tool0.engines.mujoco.gl import make_context
 from tool0.engines.mujoco.model import build_spec
-from tool0.sensing.cameras import encode_png
+from tool0.recording.png import encode_png
 
 POSE = {
     "shoulder_lift_joint": -1.85,

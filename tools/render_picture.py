@@ -11,7 +11,7 @@ from pathlib import Path
 
 import tool0
 from tool0.description.camera import Camera, looking
-from tool0.sensing.cameras import encode_png
+from tool0.recording.png import encode_png
 
 CAMERA = Camera(
     name="readme",

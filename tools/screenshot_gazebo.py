@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 import tool0
-from tool0.sensing.cameras import encode_png
+from tool0.recording.png import encode_png
 from tool0.user_data import cache_folder, data_folder
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -14,7 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tool0.sensing.cameras import encode_png
+from tool0.recording.png import encode_png
 
 ROOT = Path(__file__).resolve().parent.parent
 _TIMEOUT = 60.0

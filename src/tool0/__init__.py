@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from tool0.description.finding import Finding
     from tool0.description.model import JointLimits, ParallelGripper, RobotModel
     from tool0.description.named_pose import NamedPose
+    from tool0.description.payload import Payload
+    from tool0.description.posture import Branch, Solution
     from tool0.description.robot import RobotDescription
     from tool0.description.transform import Pose, Transform
     from tool0.errors import (
@@ -61,7 +63,6 @@ if TYPE_CHECKING:
     )
     from tool0.kinematics.chain import ArmChain
     from tool0.kinematics.inverse import InverseKinematics
-    from tool0.kinematics.posture import Branch, Solution
     from tool0.lint.check import CheckReport, check
     from tool0.panel.server import Panel
     from tool0.protocol.bus import (
@@ -75,7 +76,6 @@ if TYPE_CHECKING:
         AnalogDomain,
         AnalogPin,
         ControlBoxState,
-        Payload,
         ProgramState,
         RobotMode,
         SafetyLimits,
@@ -117,13 +117,13 @@ if TYPE_CHECKING:
     )
     from tool0.protocol.updates import ArmUpdate
     from tool0.recording.entries import RecordedEvent, RecordedRequest
+    from tool0.recording.png import encode_depth, encode_png
     from tool0.recording.reading import RecordingFile, open_recording
+    from tool0.recording.video_writer import VideoWriter
     from tool0.ros1.bridge import Ros1Bridge
     from tool0.ros1.options import Ros1Options
     from tool0.ros2.node import Ros2Node
     from tool0.ros2.options import Ros2Options
-    from tool0.sensing.cameras import encode_depth, encode_png
-    from tool0.sensing.video import VideoWriter
     from tool0.simulation.config import ControlConfig, SimulationConfig
     from tool0.ur.options import UrArm, UrOptions
     from tool0.ur.process import UrController
@@ -272,7 +272,7 @@ _HOMES = {
     "ArmUpdate": "tool0.protocol.updates",
     "Batch": "tool0.batch.batch",
     "Bin": "tool0.api.grasps",
-    "Branch": "tool0.kinematics.posture",
+    "Branch": "tool0.description.posture",
     "CameraHandle": "tool0.api.sensors",
     "CameraImage": "tool0.protocol.sensors",
     "Cell": "tool0.description.config",
@@ -368,7 +368,7 @@ _HOMES = {
     "SimulationConfig": "tool0.simulation.config",
     "SimulationInfo": "tool0.protocol.robot",
     "Snapshot": "tool0.protocol.state",
-    "Solution": "tool0.kinematics.posture",
+    "Solution": "tool0.description.posture",
     "SourceLocation": "tool0.errors",
     "Subscription": "tool0.protocol.bus",
     "Tolerance": "tool0.protocol.goals",
@@ -384,7 +384,7 @@ _HOMES = {
     "UrController": "tool0.ur.process",
     "UrOptions": "tool0.ur.options",
     "UrReport": "tool0.protocol.control_box_state",
-    "VideoWriter": "tool0.sensing.video",
+    "VideoWriter": "tool0.recording.video_writer",
     "WaitStep": "tool0.protocol.program",
     "WasReset": "tool0.protocol.bus",
     "WrenchReading": "tool0.protocol.sensors",

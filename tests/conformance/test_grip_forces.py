@@ -11,11 +11,11 @@ from ur5_rig import GRIPPER
 
 import tool0
 from tool0.control.default_controllers import controllers_yaml
+from tool0.description.grasp_frames import grasp_frame
 from tool0.description.loading import assemble
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, Transform
-from tool0.sensing.grasp import grasp_frame
 
 SPEEDS = (0.02, 0.05, 0.10, 0.15)  # [m/s]
 FORCES = (20.0, 60.0, 120.0, 235.0)  # [N]

@@ -8,10 +8,10 @@ from benchmarks.grasping import CUBES, SHAKEN, hold_and_shake
 from conformance_types import BringUp
 
 import tool0
+from tool0.description.grasp_frames import grasp_frame, pad_links
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose
-from tool0.sensing.grasp import grasp_frame, pad_links
 
 AWAY = (2.0, 0.0, 1.0)
 SYMMETRY = 5e-4

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 import tool0
 from tool0.control.trajectory import TrajectoryGoal
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.parts import find_grippers
-from tool0.hardware.limits import DriveLimits
 from tool0.motion.gripper import direct_path
 from tool0.protocol.controllers import Role
 from tool0.protocol.state import ObjectState

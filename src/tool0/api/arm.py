@@ -11,8 +11,8 @@ from tool0.api.channel import Channel
 from tool0.api.control_box import ControlBox
 from tool0.api.controller import GoalHandle
 from tool0.api.sensors import ForceTorque
+from tool0.description.posture import Branch, Solution
 from tool0.description.transform import Pose, Transform
-from tool0.kinematics.posture import Branch, Solution
 from tool0.protocol.arm import (
     ArmInfo,
     MoveLinear,

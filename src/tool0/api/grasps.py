@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
+from tool0.description.grasp_frames import grasp_frame, pad_links
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box, Compound, Cylinder, Sphere
 from tool0.description.transform import Pose, Transform, Vector3, to_transform
 from tool0.errors import ControlError
-from tool0.sensing.grasp import grasp_frame, pad_links
 
 CLEARANCE = 0.003
 """Distance between finger tips and the support of the object [m]."""

@@ -8,12 +8,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
+from tool0.description.grasp_frames import grasp_frame
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, to_transform
 from tool0.errors import ModelError
-from tool0.sensing.grasp import grasp_frame
 
 if TYPE_CHECKING:
     from tool0.api.robot import Robot

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
+from tool0.description.drive_limits import DriveLimits
 from tool0.errors import ConfigError, ControlError, EngineUnavailableError
-from tool0.hardware.limits import DriveLimits
 from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:

@@ -25,6 +25,7 @@ from tool0.batch.making import (
 )
 from tool0.description.camera import default_cameras, merged
 from tool0.description.config import DescriptionConfig, File
+from tool0.description.grasp_frames import pad_links
 from tool0.description.joint_tree import LinkFrames
 from tool0.description.loading import load_description
 from tool0.description.model import Joint, ParallelGripper, RobotModel
@@ -41,7 +42,6 @@ from tool0.kinematics.only_part import only_part
 from tool0.protocol.sensors import CameraImage
 from tool0.protocol.state import Snapshot
 from tool0.sensing.cameras import Cameras
-from tool0.sensing.grasp import pad_links
 from tool0.simulation.config import ControlConfig
 
 if TYPE_CHECKING:

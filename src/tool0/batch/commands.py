@@ -14,9 +14,9 @@ from tool0.batch.backend import BatchBackend
 from tool0.control.position_limits import check_position, position_range
 from tool0.control.ros1.goal_check import check_names
 from tool0.control.trajectory import TrajectoryGoal
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.errors import ControlError
-from tool0.hardware.limits import DriveLimits
 from tool0.kinematics.chain import Array
 from tool0.motion.gripper import direct_path
 from tool0.motion.path import Path

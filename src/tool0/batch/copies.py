@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
+from tool0.description.drive_limits import DriveLimits
 from tool0.engines.mujoco.copies import (
     ObjectArrays,
     joint_views,
@@ -16,7 +17,6 @@ from tool0.engines.mujoco.copies import (
     object_arrays,
 )
 from tool0.errors import EngineError, GoalRejectedError
-from tool0.hardware.limits import DriveLimits
 from tool0.kernel import library
 from tool0.kernel.many import Addresses, BatchKernel, StartResult
 from tool0.kernel.program import Ended, TickProgram

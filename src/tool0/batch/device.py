@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
 from tool0.batch.backend import needs_cpu
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.forward_kinematics import joint_position
 from tool0.description.model import RobotModel
 from tool0.engines.mujoco.copies import ObjectArrays, mujoco_engine
 from tool0.engines.mujoco.warp_worlds import WarpWorlds, check_device
 from tool0.errors import GoalRejectedError
-from tool0.hardware.limits import DriveLimits
 from tool0.kernel.device import DeviceControl, DeviceState
 from tool0.kinematics.chain import Array
 from tool0.simulation.core import Core

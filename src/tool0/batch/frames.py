@@ -7,10 +7,10 @@ from typing import final
 
 import numpy as np
 
+from tool0.description.grasp_frames import flange_of, pad_links
 from tool0.description.joint_tree import LinkFrames
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.transform_arrays import Array, Frames
-from tool0.sensing.grasp import flange_of, pad_links
 
 
 @final

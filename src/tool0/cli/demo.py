@@ -137,7 +137,7 @@ def _check_files(arguments: DemoArguments) -> None:
     if arguments.report is not None:
         require_writable(arguments.report)
     if arguments.video is not None:
-        from tool0.sensing.video import require_encoder
+        from tool0.recording.video_writer import require_encoder
 
         require_encoder(arguments.video)
 

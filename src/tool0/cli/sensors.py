@@ -228,7 +228,7 @@ def _camera_table(cameras: Mapping[str, CameraHandle]) -> str:
 def _write(image: CameraImage, out: Path | None, depth: Path | None) -> None:
     import numpy as np
 
-    from tool0.sensing.cameras import encode_depth, encode_png
+    from tool0.recording.png import encode_depth, encode_png
 
     try:
         if out is not None:

@@ -201,7 +201,7 @@ def _array(values: Array) -> Any:
     import pyarrow as pa
 
     if _is_image(values):
-        from tool0.sensing.cameras import encode_png
+        from tool0.recording.png import encode_png
 
         pictures = [{"bytes": encode_png(picture), "path": None} for picture in values]
         return pa.array(

@@ -9,9 +9,9 @@ from tool0.control.law import Law
 from tool0.control.parameters import Pid
 from tool0.control.spline import JointSpline, MotionPlan
 from tool0.control.trajectory import Setpoint, TrajectoryGoal
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.model import Interface, Joint
 from tool0.hardware.engine import JointState
-from tool0.hardware.limits import DriveLimits
 from tool0.protocol.controllers import Gains
 from tool0.protocol.goals import Goal
 from tool0.protocol.trajectories import JointsMotion

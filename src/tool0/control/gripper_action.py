@@ -12,11 +12,11 @@ from tool0.control.parameters import Pid, read_gains
 from tool0.control.position_limits import check_position
 from tool0.control.spline import hold
 from tool0.control.trajectory import Setpoint
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.model import Interface, Joint, ParallelGripper
 from tool0.description.yaml_values import Namespace
 from tool0.errors import GoalRejectedError
 from tool0.hardware.engine import JointState, joint_selector
-from tool0.hardware.limits import DriveLimits
 from tool0.protocol.controllers import Gains
 from tool0.protocol.goals import Goal, GoalStatus, GripperResult
 

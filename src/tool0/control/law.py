@@ -14,7 +14,7 @@ from typing import NamedTuple, final
 from tool0.control.parameters import Pid
 from tool0.control.sampler import GoalMonitor, TrajectorySampler
 from tool0.control.trajectory_monitor import TrajectoryMonitor
-from tool0.hardware.limits import DriveLimits
+from tool0.description.drive_limits import DriveLimits
 
 
 class TrajectoryClock(NamedTuple):

@@ -26,6 +26,7 @@ from tool0.api.table import (
 )
 from tool0.description.camera import Camera, default_cameras, looking
 from tool0.description.config import DescriptionConfig
+from tool0.description.grasp_frames import grasp_frame
 from tool0.description.loading import load_description, named_poses
 from tool0.description.scene import PALETTE, Scene, SceneObject
 from tool0.description.shapes import Box
@@ -37,7 +38,6 @@ from tool0.kinematics.chain import Array, find_chains, fixed_transform
 from tool0.kinematics.geometry import wrapped
 from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.only_part import only_part
-from tool0.sensing.grasp import grasp_frame
 
 LARGEST_EDGE = 0.045
 """Of a cube [m]."""

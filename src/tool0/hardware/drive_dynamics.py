@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from tool0.description.model import JointType, RobotModel
+from tool0.description.payload import Payload
 from tool0.description.transform import Vector3
 from tool0.hardware.bodies import DynamicsTable, JointDynamics, Matrix
 from tool0.hardware.engine import JointState
@@ -18,7 +19,6 @@ from tool0.hardware.servo_masses import (
     integral_rate,
     largest_ratio,
 )
-from tool0.protocol.control_box_state import Payload
 
 
 @final

@@ -7,20 +7,14 @@ tool in the description.  The physics does not change.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from typing import Final
 
 import numpy as np
 
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import RobotModel
+from tool0.description.payload import Payload
 from tool0.hardware.bodies import BodyInertia, total_inertia
-from tool0.protocol.control_box_state import Payload
-
-DENSITY: Final = 1000.0
-"""Density of the sphere whose inertia a payload has [kg/m³]: 1 g/cm³, as for URScript's
-``set_target_payload`` without an inertia."""
 
 
 def modelled_payload(model: RobotModel, flange: str) -> Payload:
@@ -42,10 +36,8 @@ def replaced_tools(
 
 def payload_inertia(payload: Payload) -> BodyInertia:
     """Return a payload as a body in the flange's frame."""
-    mass = payload.mass
-    radius = (3.0 * mass / (4.0 * math.pi * DENSITY)) ** (1.0 / 3.0)
-    tensor = 0.4 * mass * radius**2 * np.eye(3)
-    return BodyInertia(mass, np.array(payload.center_of_gravity), tensor)
+    center, tensor = np.array(payload.center_of_gravity), payload.inertia * np.eye(3)
+    return BodyInertia(payload.mass, center, tensor)
 
 
 def tool_inertia(model: RobotModel, flange: str) -> BodyInertia:

@@ -21,6 +21,7 @@ from functools import reduce
 from operator import add, mul, truediv
 from typing import NamedTuple, final
 
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.finding import quoted
 from tool0.description.model import (
     FLANGE,
@@ -30,17 +31,13 @@ from tool0.description.model import (
     RobotModel,
     Transmission,
 )
+from tool0.description.payload import Payload
 from tool0.description.transform import Vector3
 from tool0.errors import ClaimError, ControlError, ModelError, did_you_mean
 from tool0.hardware.bodies import STANDARD_GRAVITY, DynamicsTable, Matrix
 from tool0.hardware.drive_dynamics import DriveDynamics
 from tool0.hardware.engine import JointState
-from tool0.hardware.limits import (
-    DriveBounds,
-    DriveLimits,
-    EffortLimiter,
-    EffortLimits,
-)
+from tool0.hardware.limits import DriveBounds, EffortLimiter, EffortLimits
 from tool0.hardware.servos import (
     INTEGRAL_RATE,
     PositionServo,
@@ -57,7 +54,6 @@ from tool0.hardware.speed_governor import (
     GovernorState,
     SpeedGovernor,
 )
-from tool0.protocol.control_box_state import Payload
 
 POSE_PERIOD = 64
 """Steps between updates of values that depend only on the pose and need not be exact:

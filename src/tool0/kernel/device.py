@@ -11,9 +11,10 @@ import warp as wp
 
 from tool0.control.controller import Controller
 from tool0.control.law import IdleLaw, TrajectoryLaw
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.model import LinearOpening, ParallelGripper, RotaryOpening
 from tool0.errors import ConfigError
-from tool0.hardware.limits import DriveBounds, DriveLimits
+from tool0.hardware.limits import DriveBounds
 from tool0.hardware.robot_hardware import POSE_PERIOD, RobotHardware
 from tool0.kernel.motions import Array, Indices, Motions
 from tool0.kernel.warp_laws import (

@@ -11,8 +11,9 @@ from collections.abc import Mapping
 from ctypes import POINTER, c_double, c_int, c_longlong
 from typing import Any, final
 
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.model import JointLimits, LinearOpening, SafetyController
-from tool0.hardware.limits import DriveBounds, DriveLimits
+from tool0.hardware.limits import DriveBounds
 from tool0.hardware.robot_hardware import (
     POSE_PERIOD,
     DriveSetup,

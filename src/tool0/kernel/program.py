@@ -21,8 +21,8 @@ from tool0.control.law import (
 )
 from tool0.control.sampler import GoalMonitor, pieces_from
 from tool0.control.trajectory_monitor import TrajectoryMonitor
+from tool0.description.drive_limits import DriveLimits
 from tool0.hardware.engine import BRAKE_STANDSTILL, JointState, NativeStepper
-from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.drives import NativeDrives, goal_limits
 from tool0.kernel.memory import (

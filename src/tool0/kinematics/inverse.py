@@ -8,11 +8,11 @@ from typing import final
 import numpy as np
 
 from tool0.description.model import JointType
+from tool0.description.posture import Branch, Solution
 from tool0.description.transform_arrays import sine_vectors
 from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import SINGULAR, ArmGeometry, wrapped
-from tool0.kinematics.posture import Branch, Solution
 
 PRECISION = 1e-9
 """Largest error of a solution [m, rad]."""

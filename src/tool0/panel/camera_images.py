@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final, Literal, final
 
 from tool0.protocol.sensors import CameraImage, CameraRenderer
-from tool0.sensing.cameras import depth_in_mm, encode_png
+from tool0.recording.png import depth_in_mm, encode_png
 
 if TYPE_CHECKING:
     import numpy as np

@@ -9,11 +9,11 @@ from typing import final
 
 import numpy as np
 
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import FLANGE, Joint, ParallelGripper, RobotModel
 from tool0.description.transform import Pose, to_transform
 from tool0.errors import ControlError, did_you_mean
-from tool0.hardware.limits import DriveLimits
 from tool0.kinematics.chain import ArmChain, Array, fixed_transform
 from tool0.kinematics.inverse import InverseKinematics
 from tool0.motion.moves import Move, pose_numbers

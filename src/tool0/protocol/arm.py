@@ -6,8 +6,8 @@ from typing import Annotated, Generic
 
 from msgspec import Meta, Struct, field
 
+from tool0.description.posture import Branch, Solution
 from tool0.description.transform import Pose, Transform
-from tool0.kinematics.posture import Branch, Solution
 from tool0.protocol.goals import GoalStarted
 from tool0.protocol.request import JointPositions, Request, Response, SpeedScale
 

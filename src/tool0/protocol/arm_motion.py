@@ -6,12 +6,18 @@ the order from base to flange.
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Final, Literal, Protocol
 
 from msgspec import Meta
 
 from tool0.protocol.request import ArmRequest, Name, Request
 from tool0.protocol.updates import ArmUpdate
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 Row6 = tuple[float, float, float, float, float, float]
 """A number for each joint, from base to flange."""
@@ -88,6 +94,51 @@ class ExecutePath(ArmRequest[int], frozen=True):
     """The number of the path that it replaces; none, if left out."""
     at: PathTime | None = None
     """From which time of that path on [s]."""
+
+
+class SampledPath(Protocol):
+    """A planned path, such as ``motion.path.Path``."""
+
+    @property
+    def times(self) -> Array:
+        """Of the knots [s], increasing from 0, shape (n,)."""
+
+    @property
+    def positions(self) -> Array:
+        """[rad], shape (n, 6)."""
+
+    @property
+    def velocities(self) -> Array:
+        """[rad/s], shape (n, 6)."""
+
+    @property
+    def accelerations(self) -> Array | None:
+        """[rad/s²], shape (n, 6); None between cubics."""
+
+
+def path_request(
+    arm: str | None,
+    path: SampledPath,
+    *,
+    after: int | None = None,
+    at: float | None = None,
+) -> ExecutePath:
+    """Return the request that a taken arm follows a path.
+
+    ``after`` and ``at`` are those of the request.
+    """
+    accelerations = path.accelerations
+    return ExecutePath(
+        arm=arm,
+        times=tuple(path.times.tolist()),
+        positions=tuple(map(tuple, path.positions.tolist())),
+        velocities=tuple(map(tuple, path.velocities.tolist())),
+        accelerations=(
+            () if accelerations is None else tuple(map(tuple, accelerations.tolist()))
+        ),
+        after=after,
+        at=at,
+    )
 
 
 class StopArm(ArmRequest[None], frozen=True):

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import Enum, IntEnum
-from typing import Annotated, Final, final
+from typing import Final, final
 
-from msgspec import Meta, Struct, field
+from msgspec import Struct, field
 
-from tool0.description.transform import Vector3
+from tool0.description.payload import Payload
 
 N_DIGITAL: Final = 18
 """Digital pins: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
@@ -188,12 +188,3 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
         """Whether clients can move the arm through its controllers."""
         is_playing = self.program is ProgramState.PLAYING
         return is_playing and self.may_move and not self.taken_by
-
-
-class Payload(Struct, frozen=True):
-    """Mass and centre of gravity of all that is fixed to an arm's flange."""
-
-    mass: Annotated[float, Meta(ge=0.0, le=1000.0)]
-    """Mass [kg]."""
-    center_of_gravity: Vector3 = (0.0, 0.0, 0.0)
-    """Center of gravity in the flange's frame [m]."""

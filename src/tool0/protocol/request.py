@@ -61,7 +61,8 @@ def method_name(request: type[Request[Any]]) -> str:
 Name = Annotated[str, Meta(min_length=1, max_length=200)]
 """Of a controller, a joint, a link, a pose …"""
 
-SpeedScale = Annotated[float, Meta(ge=0.01, le=1.0)]
+SLOWEST = 0.01
+SpeedScale = Annotated[float, Meta(ge=SLOWEST, le=1.0)]
 """Fraction of each joint's largest velocity."""
 
 Vector3 = tuple[float, float, float]

@@ -11,7 +11,7 @@ import numpy as np
 from tool0.recording.frames import optical_frame, stamp
 from tool0.recording.mcap_file import McapFile
 from tool0.recording.message_types import IMAGE, message, stamp_of, typestore
-from tool0.sensing.cameras import encode_png
+from tool0.recording.png import encode_png
 
 if TYPE_CHECKING:
     from tool0.protocol.state import Snapshot

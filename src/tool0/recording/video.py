@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from tool0.errors import ConfigError, RecordingError
+from tool0.recording.video_writer import VideoWriter
 from tool0.sensing.cameras import Cameras
-from tool0.sensing.video import VideoWriter
 
 if TYPE_CHECKING:
     from tool0.description.camera import Camera

@@ -6,12 +6,13 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import final
 
+from tool0.description.grasp_frames import pad_links
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.transform import Vector3
 from tool0.errors import ControlError
 from tool0.hardware.engine import JointState
 from tool0.protocol.state import Contact
-from tool0.sensing.grasp import PUSH, pad_links
+from tool0.sensing.grasp import PUSH
 
 PERIOD = 0.04
 """Simulated time between looks at the contacts of fingers that push [s]: they take an

@@ -17,6 +17,7 @@ from tool0.protocol.arm_motion import (
     TakeArm,
 )
 from tool0.protocol.control_box import PlayProgram
+from tool0.protocol.freeze_meter import FreezeMeter
 from tool0.protocol.gripper import Grip, ReactivateGripper
 from tool0.protocol.motion import CommandGripper, CommandJoints, MoveJoints, SteerJoints
 from tool0.protocol.objects import PullLink
@@ -26,7 +27,6 @@ from tool0.protocol.request import Request
 from tool0.protocol.running import Resume, Step
 from tool0.protocol.trajectories import CommandTrajectory, FollowTrajectory
 from tool0.server.session import Session
-from tool0.simulation.clock import FreezeMeter
 
 READING: Final = 1.0
 """Wall time after an outage until what peers sent meanwhile has been read [s]."""

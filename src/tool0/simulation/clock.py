@@ -55,47 +55,6 @@ class Pacer:
         self._due += self._wall_period
 
 
-FROZEN = 1.0
-"""Wall time without a sign of life after which a process was frozen [s]."""
-_BUSY = 0.5
-"""Part of that time for which it used the processor, if it was not frozen but busy."""
-_SAMPLING = 0.2
-"""Wall time between two looks at the processor time, which is slow to read [s]."""
-
-
-def wall_time() -> float:
-    """Return a time that also passes while the process or the machine sleeps [s]."""
-    return time.clock_gettime(time.CLOCK_BOOTTIME)
-
-
-@final
-class FreezeMeter:
-    """Notices that the whole process did not run: it was stopped, or the machine slept.
-
-    A thread that is late because others of the process work is not frozen.
-    """
-
-    def __init__(
-        self,
-        now: Callable[[], float] = wall_time,
-        processor_time: Callable[[], float] = time.process_time,
-    ) -> None:
-        self._now, self._processor_time = now, processor_time
-        self._last = self._sampled = now()
-        self._used = processor_time()
-
-    def look(self) -> float:
-        """Return for how long the process was frozen since the last look [s], or 0."""
-        now = self._now()
-        gap, self._last = now - self._last, now
-        if gap < FROZEN and now - self._sampled < _SAMPLING:
-            return 0.0
-        before, self._used = self._used, self._processor_time()
-        self._sampled = now
-        is_frozen = gap >= FROZEN and self._used - before < _BUSY * gap
-        return gap if is_frozen else 0.0
-
-
 @final
 class SpeedMeter:
     """Measures simulated per wall time, and late ticks, over about the last second."""

@@ -14,6 +14,7 @@ from msgspec.structs import replace
 
 from tool0.description.model import FLANGE, RobotModel
 from tool0.description.parts import find_arms
+from tool0.description.payload import Payload
 from tool0.errors import ControlError, did_you_mean
 from tool0.hardware.payload import modelled_payload
 from tool0.hardware.robot_hardware import RobotHardware
@@ -21,7 +22,6 @@ from tool0.protocol.control_box_state import (
     AnalogDomain,
     AnalogPin,
     ControlBoxState,
-    Payload,
     Pose6,
     ProgramState,
     SafetyLimits,

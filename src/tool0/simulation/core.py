@@ -17,16 +17,16 @@ from tool0.control.controller import (
 )
 from tool0.control.manager import ControllerManager
 from tool0.control.trajectory import TrajectoryGoal
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import RobotModel
+from tool0.description.payload import Payload
 from tool0.description.scene import Scene
 from tool0.errors import ConfigError, ControlError
 from tool0.hardware.engine import Engine, JointState, joint_selector
-from tool0.hardware.limits import DriveLimits
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.kernel import Kernel
 from tool0.kernel.program import Ended, TickProgram
-from tool0.protocol.control_box_state import Payload
 from tool0.protocol.controllers import KIND_OF, Role
 from tool0.protocol.goals import Goal, GripperResult, Result
 from tool0.protocol.state import ArmSample, Contact, contacts_text

@@ -22,9 +22,10 @@ from typing import Any, NamedTuple, TypeVar, final
 
 from tool0.errors import ControlError, EngineError
 from tool0.protocol.bus import Bus, Faulted, GoalFinished, Overran, WasReset
+from tool0.protocol.freeze_meter import FreezeMeter
 from tool0.protocol.goals import Goal
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot, ticks_between_snapshots
-from tool0.simulation.clock import FreezeMeter, Lag, Pacer, SpeedMeter
+from tool0.simulation.clock import Lag, Pacer, SpeedMeter
 from tool0.simulation.core import Core
 
 logger = logging.getLogger(__name__)

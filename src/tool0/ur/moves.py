@@ -19,8 +19,13 @@ from tool0.errors import ControlError
 from tool0.kinematics.chain import Array
 from tool0.motion.moves import Move, MovePlan, MoveWarning
 from tool0.motion.planner import MovePlanner
-from tool0.protocol.arm_motion import ServoJoints, SpeedJoints, SpeedTool, StopArm
-from tool0.simulation.handlers.paths import path_request
+from tool0.protocol.arm_motion import (
+    ServoJoints,
+    SpeedJoints,
+    SpeedTool,
+    StopArm,
+    path_request,
+)
 
 if TYPE_CHECKING:
     from tool0.protocol.updates import Six

@@ -10,9 +10,9 @@ from raises_naming import raises_naming
 from ur5_rig import ARM, ARM_JOINTS, CONTROLLERS, HOME
 
 import tool0
+from tool0.description.posture import Branch
 from tool0.description.transform import Pose, Transform, to_transform
 from tool0.errors import ControlError, ModelError, UnreachableError
-from tool0.kinematics.posture import Branch
 from tool0.motion import linear
 from tool0.motion.path import Path as JointPath
 

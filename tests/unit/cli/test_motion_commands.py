@@ -13,10 +13,10 @@ import pytest
 import tool0
 from tool0.cli import GOAL_FAILED, INTERRUPTED, OK, main
 from tool0.cli.text import grasp_text
+from tool0.description.grasp_frames import grasp_frame
 from tool0.description.shapes import Box, Sphere
 from tool0.description.transform import to_pose
 from tool0.protocol.gripper import GraspState, GripperMotion
-from tool0.sensing.grasp import grasp_frame
 
 Capture = pytest.CaptureFixture[str]
 ARM = "eff_joint_traj_controller"

@@ -10,7 +10,7 @@ from promised import require_gl
 
 import tool0
 from tool0.cli import OK, main
-from tool0.sensing.cameras import encode_depth, encode_png
+from tool0.recording.png import encode_depth, encode_png
 
 Capture = pytest.CaptureFixture[str]
 

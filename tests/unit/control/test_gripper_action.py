@@ -4,9 +4,9 @@ import pytest
 from raises_naming import raises_naming
 from toy_robot import DT, ToyRobot
 
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.model import Interface, ParallelGripper, RotaryOpening
 from tool0.errors import GoalRejectedError
-from tool0.hardware.limits import DriveLimits
 from tool0.protocol.goals import GoalStatus
 
 GRIPPER = """

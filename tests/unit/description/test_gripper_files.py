@@ -84,7 +84,7 @@ def test_poses_and_names_are_those_of_the_gripper(name: str) -> None:
 @pytest.mark.parametrize("name", grippers())
 def test_the_law_gives_the_distance_of_the_pads(name: str) -> None:
     from tool0.description.forward_kinematics import link_poses
-    from tool0.sensing.grasp import grasp_frame, pad_links
+    from tool0.description.grasp_frames import grasp_frame, pad_links
 
     model = assemble(gripper=name).model
     (gripper,) = model.grippers

@@ -10,10 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.loading import assemble
 from tool0.description.model import JointLimits
 from tool0.errors import ControlError
-from tool0.hardware.limits import EASE, DriveLimits, SpeedLimiter
+from tool0.hardware.limits import EASE, SpeedLimiter
 
 (GRIPPER,) = assemble("ur5", "2f85").model.grippers
 HARD = JointLimits(lower=0.0, upper=0.8133, velocity=1.75, effort=26.8)

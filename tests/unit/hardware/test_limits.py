@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.loading import assemble
 from tool0.description.model import JointLimits, SafetyController
 from tool0.hardware.engine import JointState
 from tool0.hardware.limits import (
     STOP_TOLERANCE,
-    DriveLimits,
     EffortLimiter,
     EffortLimits,
     velocity_window,

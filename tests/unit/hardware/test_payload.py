@@ -7,9 +7,9 @@ import pytest
 
 from tool0.description.loading import assemble
 from tool0.description.model import RobotModel
+from tool0.description.payload import Payload
 from tool0.hardware.bodies import JointDynamics
 from tool0.hardware.payload import modelled_payload, replaced_tools
-from tool0.protocol.control_box_state import Payload
 
 POSE = (0.3, -1.2, 0.9, -0.5, 1.1, 0.4)
 GRAVITY = 9.81

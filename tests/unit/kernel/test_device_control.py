@@ -12,12 +12,12 @@ wp = pytest.importorskip("warp", reason="MuJoCo Warp: pip install 'tool0[gpu]'")
 import tool0  # noqa: E402
 from tool0.control.trajectory import TrajectoryGoal  # noqa: E402
 from tool0.description.config import SPAWN_Z  # noqa: E402
+from tool0.description.drive_limits import DriveLimits  # noqa: E402
 from tool0.description.loading import load_description  # noqa: E402
 from tool0.description.model import SafetyController  # noqa: E402
 from tool0.description.robot import RobotDescription  # noqa: E402
 from tool0.engines.registry import make_engine  # noqa: E402
 from tool0.hardware.engine import JointState  # noqa: E402
-from tool0.hardware.limits import DriveLimits  # noqa: E402
 from tool0.kernel.device import DeviceControl, DeviceState  # noqa: E402
 from tool0.protocol.trajectories import TrajectoryPoint  # noqa: E402
 from tool0.scene import Scene  # noqa: E402

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from arm_rig import calibration, old_model, only_chain, ur5
 
+from tool0.description.posture import Branch
 from tool0.description.transform import Pose, pose_matrix
 from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import ArmGeometry, wrapped
 from tool0.kinematics.inverse import InverseKinematics
-from tool0.kinematics.posture import Branch
 
 N_POSES = 200
 HOME = np.array([0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0])

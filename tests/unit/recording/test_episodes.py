@@ -23,10 +23,10 @@ from tool0.protocol.episodes import (
 )
 from tool0.protocol.recordings import StartRecording, StopRecording
 from tool0.recording.episodes import INDEX, read_index
+from tool0.recording.png import encode_png
 from tool0.recording.reading import open_recording
 from tool0.recording.resimulation import resimulate
 from tool0.recording.video import cameras_of
-from tool0.sensing.cameras import encode_png
 
 pytest.importorskip("mcap", reason="the extra 'record' is not installed")
 

@@ -7,9 +7,9 @@ import pytest
 from ur5_rig import TWO_ROBOTS
 
 import tool0
+from tool0.description.grasp_frames import flange_of, grasp_frame, pad_links
 from tool0.description.loading import assemble, load_robot
 from tool0.errors import ControlError, ModelError
-from tool0.sensing.grasp import flange_of, grasp_frame, pad_links
 
 UR5 = assemble()
 MODEL = UR5.model

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tool0.sensing.cameras import encode_depth, encode_png
+from tool0.recording.png import encode_depth, encode_png
 
 RANDOM = np.random.default_rng(7)
 

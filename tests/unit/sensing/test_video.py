@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tool0.errors import ConfigError, RenderError
-from tool0.sensing.video import VideoWriter, require_encoder
+from tool0.recording.video_writer import VideoWriter, require_encoder
 
 WIDTH, HEIGHT, FPS = 64, 48, 25.0
 COLORS = ((200, 30, 30), (30, 160, 60), (40, 60, 190))

@@ -2,14 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from tool0.simulation.clock import (
-    CATCH_UP,
-    SLOW_WINDOWS,
-    FreezeMeter,
-    Lag,
-    Pacer,
-    SpeedMeter,
-)
+from tool0.protocol.freeze_meter import FreezeMeter
+from tool0.simulation.clock import CATCH_UP, SLOW_WINDOWS, Lag, Pacer, SpeedMeter
 
 
 class WallClock:

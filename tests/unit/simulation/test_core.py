@@ -9,13 +9,13 @@ from raises_naming import raises_naming
 from skew_rig import START, build_core, follow, switch
 
 from tool0.control.trajectory import TrajectoryGoal
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.loading import assemble
 from tool0.errors import (
     ConfigError,
     ControlError,
     LimitsError,
 )
-from tool0.hardware.limits import DriveLimits
 from tool0.protocol.goals import GoalStatus
 from tool0.protocol.trajectories import TrajectoryPoint
 from tool0.simulation.core import Core

@@ -18,10 +18,10 @@ from tool0.protocol.arm_motion import (
     SpeedJoints,
     StartFreedrive,
     TakeArm,
+    path_request,
 )
 from tool0.protocol.motion import MoveJoints, SteerJoints
 from tool0.protocol.trajectories import TrajectoryPoint
-from tool0.simulation.handlers.paths import path_request
 
 PAN = "shoulder_pan_joint"
 LIMIT = 6.283185307179586

@@ -14,10 +14,10 @@ from meshes.gripper import gripper_shape
 
 from tool0.description.catalogue import find_part, grippers
 from tool0.description.forward_kinematics import link_poses
+from tool0.description.grasp_frames import grasp_frame, pad_links
 from tool0.description.loading import assemble, named_poses
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.engines.mujoco.model import build_spec, collision_name, compile_spec
-from tool0.sensing.grasp import grasp_frame, pad_links
 
 pytestmark = pytest.mark.slow
 

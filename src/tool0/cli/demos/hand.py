@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, final
 
 from tool0.api.grasps import Bin, Grasp
 from tool0.cli.demos.monitor import GraspMonitor
+from tool0.description.drive_limits import DriveLimits
+from tool0.description.grasp_frames import grasp_frame
 from tool0.description.transform import Transform, Vector3
-from tool0.errors import ModelError, Tool0Error
-from tool0.hardware.limits import DriveLimits
-from tool0.motion.joint import require_speed
+from tool0.errors import ConfigError, ModelError, Tool0Error
 from tool0.protocol.goals import GoalResult, GoalStatus
-from tool0.sensing.grasp import grasp_frame
+from tool0.protocol.request import SLOWEST
 
 if TYPE_CHECKING:
     from tool0.api.controller import GoalHandle
@@ -49,7 +49,8 @@ class PickOptions:
     """Height at which the object is carried, above its pick and place position [m]."""
 
     def __post_init__(self) -> None:
-        require_speed(self.speed)
+        if not SLOWEST <= self.speed <= 1.0:
+            raise ConfigError(f"speed must be in [{SLOWEST}, 1], got {self.speed}")
 
 
 @final

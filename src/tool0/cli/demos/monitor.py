@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple, final
 
 from tool0.api.scene import object_pose
 from tool0.description.forward_kinematics import link_poses
+from tool0.description.grasp_frames import pad_links
 from tool0.description.transform import Transform, Vector3
 from tool0.errors import ControlError, EngineError
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot
-from tool0.sensing.grasp import pad_links
 
 if TYPE_CHECKING:
     from tool0.api.gripper import Gripper
@@ -219,7 +219,7 @@ class FrameRecorder:
             ConfigError: If the file cannot be written.
             RenderError: If nothing can draw or encode here.
         """
-        from tool0.sensing.video import VideoWriter
+        from tool0.recording.video_writer import VideoWriter
 
         view = robot.camera(camera)
         size = view.camera

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from tool0.description.forward_kinematics import link_poses
+from tool0.description.posture import Branch, Solution
 from tool0.description.transform import Transform
 from tool0.errors import ControlError
-from tool0.kinematics.posture import Branch, Solution
 from tool0.protocol.arm import (
     ArmInfo,
     ListArms,

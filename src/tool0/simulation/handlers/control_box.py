@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from tool0.description.payload import Payload
 from tool0.protocol.control_box import (
     PauseProgram,
     PlayProgram,
@@ -24,11 +25,7 @@ from tool0.protocol.control_box import (
     StopProtectively,
     UnlockProtectiveStop,
 )
-from tool0.protocol.control_box_state import (
-    AnalogPin,
-    Payload,
-    UrReport,
-)
+from tool0.protocol.control_box_state import AnalogPin, UrReport
 from tool0.protocol.request import ArmRequest
 from tool0.simulation.arm_modes import ArmModes
 from tool0.simulation.handlers.table import handles

@@ -9,8 +9,8 @@ from tool0.control.config import ControllerConfig
 from tool0.control.controller import ControllerSpec
 from tool0.control.manager import Strictness
 from tool0.control.trajectory import TrajectoryGoal
+from tool0.description.drive_limits import DriveLimits
 from tool0.description.parts import joints_of_robot
-from tool0.hardware.limits import DriveLimits
 from tool0.protocol.controllers import (
     CleanupController,
     ConfigureController,

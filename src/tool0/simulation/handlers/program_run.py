@@ -26,7 +26,7 @@ from tool0.programs.planning import (
     plan_search,
 )
 from tool0.programs.step_descriptions import step_text
-from tool0.protocol.arm_motion import ReturnArm, StopArm, TakeArm
+from tool0.protocol.arm_motion import ReturnArm, StopArm, TakeArm, path_request
 from tool0.protocol.bus import WasReset
 from tool0.protocol.control_box import PauseProgram, SetIO
 from tool0.protocol.control_box_state import ControlBoxState, ProgramState
@@ -51,7 +51,6 @@ from tool0.protocol.programs import ProgramRun, RunState
 from tool0.protocol.request import Request, Response
 from tool0.protocol.state import Snapshot
 from tool0.sensing.grasp import GraspDetector
-from tool0.simulation.handlers.paths import path_request
 from tool0.simulation.handlers.program_touch import Touch
 from tool0.simulation.handlers.table import answer
 from tool0.simulation.simulation import Simulation

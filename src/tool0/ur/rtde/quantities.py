@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
-from tool0.hardware.payload import payload_inertia
 from tool0.protocol.control_box_state import AnalogDomain, RobotMode, SafetyMode
 from tool0.protocol.updates import Six
 from tool0.ur.programs import RuntimeState
@@ -150,7 +149,5 @@ def tcp_force(box: UrControlBox) -> float:
 
 def payload_moments(box: UrControlBox) -> Six:
     """Return the payload's Ixx, Iyy, Izz, Ixy, Ixz, Iyz at its centre [kg·m²]."""
-    tensor = payload_inertia(box.state.payload).tensor
-    rows = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-    a, b, c, d, e, f = (float(tensor[row]) for row in rows)
-    return (a, b, c, d, e, f)
+    inertia = box.state.payload.inertia
+    return (inertia, inertia, inertia, 0.0, 0.0, 0.0)

@@ -1,0 +1,61 @@
+"""Limits of a gripper's drive for one goal."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+from tool0.description.model import ParallelGripper
+from tool0.errors import ControlError
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveLimits:
+    """Speed and force limits of a gripper goal, as rSP and rFR of a real gripper.
+
+    Speed and force are those of the pads; the limits of the joint follow from its
+    position: ``velocity = speed / lever``, ``effort = force · lever``.
+
+    Raises:
+        ControlError: If a value is out of the gripper's range.
+    """
+
+    gripper: ParallelGripper
+    speed: float | None = None
+    """Speed of the pads relative to each other [m/s]; None for the joint's limit."""
+    force: float | None = None
+    """Force at each pad [N]; None for the joint's limit."""
+    effort: float | None = None
+    """Effort of the driven joint [N·m | N], instead of a force."""
+
+    def __post_init__(self) -> None:
+        if self.force is not None and self.effort is not None:
+            raise ControlError(
+                f"give a force ({self.force} N at the pads) or an effort "
+                f"({self.effort} of the joint), not both"
+            )
+        _check("speed", self.speed, self.gripper.speed, "m/s")
+        _check("force", self.force, self.gripper.force, "N")
+        if self.effort is not None and not 0.0 < self.effort < math.inf:
+            raise ControlError(f"effort must be above 0 and finite, got {self.effort}")
+
+    def at(self, position: float) -> tuple[float, float]:
+        """Return the largest effort [N·m | N] and velocity [rad/s | m/s] there."""
+        lever = self.gripper.lever(position)
+        effort = math.inf if self.effort is None else self.effort
+        if self.force is not None:
+            effort = self.force * lever
+        if self.speed is None or lever <= 0.0:
+            return effort, math.inf
+        return effort, self.speed / lever
+
+
+def _check(
+    what: str, value: float | None, span: tuple[float, float], unit: str
+) -> None:
+    if value is not None and not span[0] <= value <= span[1]:
+        raise ControlError(
+            f"{what} {value} {unit} is outside [{span[0]}, {span[1]}] {unit}"
+        )

@@ -1,0 +1,71 @@
+"""Where a gripper grasps: its pads, and the frame between them."""
+
+from __future__ import annotations
+
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.model import ParallelGripper, RobotModel
+from tool0.description.transform import Transform, from_matrix
+from tool0.errors import ControlError
+
+
+def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
+    """Return the links of ``gripper`` with a ``<gazebo>`` surface, its pads.
+
+    Raises:
+        ControlError: If there are not two of them.
+    """
+    base = model.joint(gripper.joint).parent
+    pads = [name for name in model.links_from(base) if model.link(name).surface]
+    if len(pads) != 2:
+        raise ControlError(
+            f"gripper '{gripper.name}' needs two links with a <gazebo> surface, its "
+            f"pads; below '{base}' there are {len(pads)}"
+        )
+    return pads[0], pads[1]
+
+
+def flange_of(model: RobotModel, gripper: ParallelGripper) -> str:
+    """Return the link that ``gripper`` is mounted on: a ``…tool0``, or its base."""
+    base = link = model.joint(gripper.joint).parent
+    while (joint := model.parent_joint.get(link)) and not joint.is_movable:
+        link = joint.parent
+        if link.endswith("tool0"):
+            return link
+    return base
+
+
+def grasp_frame(
+    model: RobotModel, gripper: ParallelGripper, opening: float, relative_to: str
+) -> Transform:
+    """Return the frame midway between the pads, in the link ``relative_to``.
+
+    y points from pad to pad, z away from the gripper's base.  Pads that move on circles
+    are at another distance from the base at each opening (14 mm for a 2F-85).
+
+    Args:
+        model: The robot.
+        gripper: One of its grippers.
+        opening: Distance between the pads [m].
+        relative_to: A link that the gripper is fixed to, such as ``tool0``.
+
+    Raises:
+        ModelError: If there is no such link, or ``opening`` is out of reach.
+        ControlError: If the gripper has no two pads.
+    """
+    import numpy as np  # slow to import
+
+    found = link_poses(model, {gripper.joint: gripper.position(opening)})
+    base = model.joint(gripper.joint).parent
+    T_tool_root = found[model.link(relative_to).name].inverse()
+    p_base, p_first, p_second = (
+        np.array((T_tool_root @ found[link]).position)
+        for link in (base, *pad_links(model, gripper))
+    )
+    middle = (p_first + p_second) / 2.0
+    y = (p_second - p_first) / np.linalg.norm(p_second - p_first)
+    away = middle - p_base
+    z = away - (away @ y) * y
+    z /= np.linalg.norm(z)
+    frame = np.eye(4)
+    frame[:3] = np.column_stack([np.cross(y, z), y, z, middle])
+    return from_matrix(frame)
