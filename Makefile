@@ -33,6 +33,9 @@ TWO_FILES := $(PYTEST) --numprocesses=2 --dist=loadfile
 PATIENT := tests/gazebo tests/ros1 tests/ros2 tests/ur $(wildcard tests/test_*.py)
 CLIENTS := $(filter-out $(ALONE),$(wildcard tests/clients/test_*.py))
 
+# Programs that the tests start load compiled modules.
+unexport PYTHONDONTWRITEBYTECODE
+
 .DEFAULT_GOAL := help
 .PHONY: help run setup dev check lint lint-python lint-web format unit unit-python unit-web
 .PHONY: test bench docs web web-dev clean
