@@ -1,4 +1,4 @@
-"""What a file says once: the robot, its meshes, its controllers, how it was made."""
+"""The static content of a recording: robot, meshes, controllers, provenance."""
 
 from __future__ import annotations
 
