@@ -21,7 +21,7 @@ DOCUMENT = Path(__file__).parent.parent / "docs" / "requests.md"
 TITLES = {
     "robot": "State and description",
     "running": "Time and safety",
-    "updates": "Streams of a connection",
+    "subscriptions": "Streams of a connection",
     "motion": "Motion",
     "trajectories": "Trajectories",
     "goals": "Goals",
@@ -56,12 +56,12 @@ The messages are the same:
 
 | message | direction | meaning |
 | --- | --- | --- |
-| `{"type": "hello", "protocol": 2, "name": …, "pid": …, "mode": …}` | from the server | first message of a connection |
+| `{"type": "hello", "protocol": 3, "name": …, "pid": …, "mode": …}` | from the server | first message of a connection |
 | `{"id": 1, "method": "step", "params": {"ticks": 5}}` | to the server | a request; `params` is optional |
 | `{"type": "reply", "id": 1, "result": 0.005}` | from the server | its response |
 | `{"type": "reply", "id": 1, "error": {"type": "ControlError", "message": …}}` | from the server | the error: a class of tool0's exception hierarchy |
 | `{"type": "goal_finished", "goal": 3, "controller": …, "outcome": {"status": …}}` | from the server | a goal that this connection started, or any goal if it subscribed, has ended |
-| `{"type": "snapshot", …}`, `fault`, `reset`, `overrun` | from the server | after `subscribe` |
+| `{"type": "state", …}`, `fault`, `reset`, `overrun`, `log` | from the server | after `subscribe` |
 
 Requests of one connection are executed in order. Stops overtake the others: `emergency_stop`,
 `stop_run`, `stop_program`, `stop_protectively`, `power_off`. They wait for no queue, of no connection.
@@ -209,7 +209,7 @@ def _shown(hint: Any) -> str:
     }
     if hint in names:
         return names[hint]
-    sent_as = {"Snapshot": "SnapshotMessage", "CameraImage": "Picture"}
+    sent_as = {"Snapshot": "StateMessage", "CameraImage": "Picture"}
     if hint.__name__ in sent_as:
         return f"[{sent_as[hint.__name__]}](#{sent_as[hint.__name__].lower()})"
     return (
@@ -249,15 +249,16 @@ def _structs() -> tuple[type, ...]:
                 ):
                     visit(inner)
 
-    from tool0.protocol.codec import ErrorInfo, Outcome, SnapshotMessage
+    from tool0.protocol.codec import ErrorInfo, Outcome
     from tool0.protocol.sensors import Picture
+    from tool0.protocol.state_message import StateMessage
 
     for request in contract().values():
         visit(response_type(request))
         for name, hint in typing.get_type_hints(request, include_extras=True).items():
             if name in request.__struct_fields__:
                 visit(hint)
-    for kind in (SnapshotMessage, Picture, Outcome, ErrorInfo):
+    for kind in (StateMessage, Picture, Outcome, ErrorInfo):
         visit(kind)
     return tuple(found[name] for name in sorted(found))
 

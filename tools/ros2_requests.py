@@ -35,8 +35,10 @@ from tool0.protocol import (
     robot,
     running,
     sensors,
+    state,
+    state_message,
+    subscriptions,
     trajectories,
-    updates,
 )
 from tool0.protocol.controllers import Role
 from tool0.protocol.request import Request, method_name, response_type
@@ -52,7 +54,7 @@ REQUESTS: tuple[type[Request[Any]], ...] = (
     running.Step,
     running.Reset,
     running.EmergencyStop,
-    updates.SubscribeUpdates,
+    subscriptions.Subscribe,
     motion.CommandGripper,
     motion.CommandJoints,
     trajectories.FollowTrajectory,
@@ -101,8 +103,8 @@ MESSAGES: Mapping[str, tuple[Any, ...]] = {
     "Hello": (codec.Hello,),
     "Outcome": (codec.Outcome,),
     "Message": (
-        updates.UpdateMessage,
-        updates.LogMessage,
+        state_message.StateMessage,
+        subscriptions.LogMessage,
         codec.Reply,
         *get_args(codec.EventMessage),
     ),
@@ -111,7 +113,8 @@ MESSAGES: Mapping[str, tuple[Any, ...]] = {
 UNREAD: tuple[type, ...] = (
     robot.LimitsInfo,
     objects.ObjectInfo,
-    updates.ArmUpdate,
+    state.ArmSample,
+    state.Contact,
     control_box_state.Payload,
     control_box_state.SafetyLimits,
     control_box_state.UrReport,

@@ -109,13 +109,18 @@ if TYPE_CHECKING:
     from tool0.protocol.recordings import RecordingStatus
     from tool0.protocol.robot import SimulationInfo
     from tool0.protocol.sensors import CameraImage, WrenchReading
-    from tool0.protocol.state import Contact, JointSetpoint, ObjectState, Snapshot
+    from tool0.protocol.state import (
+        ArmSample,
+        Contact,
+        JointSetpoint,
+        ObjectState,
+        Snapshot,
+    )
     from tool0.protocol.trajectories import (
         JointsMotion,
         TrajectoryPoint,
         TrajectoryState,
     )
-    from tool0.protocol.updates import ArmUpdate
     from tool0.recording.entries import RecordedEvent, RecordedRequest
     from tool0.recording.png import encode_depth, encode_png
     from tool0.recording.reading import RecordingFile, open_recording
@@ -134,7 +139,7 @@ __all__ = [
     "Arm",
     "ArmChain",
     "ArmMotion",
-    "ArmUpdate",
+    "ArmSample",
     "Batch",
     "Bin",
     "Branch",
@@ -269,7 +274,7 @@ _HOMES = {
     "Arm": "tool0.api.arm",
     "ArmChain": "tool0.kinematics.chain",
     "ArmMotion": "tool0.api.arm_motion",
-    "ArmUpdate": "tool0.protocol.updates",
+    "ArmSample": "tool0.protocol.state",
     "Batch": "tool0.batch.batch",
     "Bin": "tool0.api.grasps",
     "Branch": "tool0.description.posture",

@@ -21,12 +21,12 @@ def test_a_taken_arm_follows_paths_and_is_given_back(bring_up: BringUp) -> None:
         for _ in range(round(duration / 0.05)):
             robot.run(0.05)
             measured = [robot.snapshot.positions[j] for j in robot.arm.joint_names]
-            wanted = motion.state.target_position
+            wanted = motion.state.setpoint.positions
             found.append(float(np.abs(np.subtract(measured, wanted)).max()))
         return found
 
     motion.take()
-    start = motion.state.target_position
+    start = motion.state.setpoint.positions
     first = motion.execute_path([2.0], [RAISED], [REST])
     assert max(errors(1.0)) < CLOSE
     again = motion.execute_path([1.5], [start], [REST], after=first, at=1.2)

@@ -12,8 +12,7 @@ from served import serving
 import tool0
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error
-from tool0.protocol.updates import SubscribeUpdates, UpdateMessage
-from tool0.ur.control_box import UrControlBox
+from tool0.ur.control_box import UrControlBox, box_states
 
 _numbers = itertools.count(1)
 
@@ -22,29 +21,28 @@ _numbers = itertools.count(1)
 async def control_box(robot: tool0.Robot, arm: str = "") -> AsyncIterator[UrControlBox]:
     """Connect a box with one arm of a robot; the only one, if left out."""
     loop = asyncio.get_running_loop()
-    first: asyncio.Future[UpdateMessage] = loop.create_future()
     boxes: list[UrControlBox] = []
     refused: list[Tool0Error] = []
 
-    def take(update: UpdateMessage) -> None:
-        if not first.done():
-            first.set_result(update)
-        for box in boxes:
-            box.take(update)
+    def take() -> None:
+        for snapshot in subscription.pending() if boxes else ():
+            boxes[0].take(snapshot)
 
-    def in_loop(update: UpdateMessage) -> None:
+    def in_loop() -> None:
         with contextlib.suppress(RuntimeError):  # the loop has ended
-            loop.call_soon_threadsafe(take, update)
+            loop.call_soon_threadsafe(take)
 
     name = f"box{next(_numbers)}"
     with serving(robot, name):
         channel = await asyncio.to_thread(SocketChannel, name)
-        channel.when_updated = in_loop
         channel.when_refused = refused.append
         try:
             name = arm or robot.arm.name
-            await asyncio.to_thread(channel.call, SubscribeUpdates(arms=(name,)))
-            boxes.append(UrControlBox(channel, name, await first))
+            subscription = await asyncio.to_thread(
+                channel.follow, box_states([name]), when_published=in_loop
+            )
+            first = await asyncio.to_thread(subscription.next)
+            boxes.append(UrControlBox(channel, name, first))
             yield boxes[0]
         finally:
             await asyncio.to_thread(channel.close)

@@ -13,8 +13,8 @@ from typing import Any, TypeVar, cast
 from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error
 from tool0.protocol.arm import ListArms
-from tool0.protocol.updates import ArmUpdate, SubscribeUpdates, UpdateMessage
-from tool0.ur.control_box import UrControlBox
+from tool0.protocol.state import ArmSample, ArmSetpoint
+from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.messages import Message, MessageKind, Messages
 from tool0.ur.registers import Registers
 from tool0.ur.urscript.execution import Execution
@@ -75,7 +75,7 @@ class TimeBox:
     rate = 500.0
     allow_sockets = False
     gripper, why_no_gripper = None, "the arm carries no gripper"
-    q = qd = effort = tcp = ZEROS
+    q = qd = effort = tcp = target_q = target_qd = ZEROS
 
     def __init__(self) -> None:
         self.ticks = 0
@@ -83,11 +83,9 @@ class TimeBox:
         self.registers = Registers()
         self.programs = _Slot(self)
         self.when_updated: set[Callable[[], None]] = set()
-        self.arm_update = ArmUpdate(
-            target_position=ZEROS,
-            target_velocity=ZEROS,
-            target_acceleration=ZEROS,
+        self.arm_sample = ArmSample(
             mode="hold",
+            setpoint=ArmSetpoint(ZEROS, ZEROS, ZEROS),
             path=0,
             path_time=0.0,
             is_done=True,
@@ -168,25 +166,23 @@ class BoxRig:
         return asyncio.run_coroutine_threadsafe(action, self._loop).result(TIMEOUT)
 
     async def _connect(self) -> UrControlBox:
-        first: asyncio.Future[UpdateMessage] = self._loop.create_future()
         boxes: list[UrControlBox] = []
 
-        def take(update: UpdateMessage) -> None:
-            if not first.done():
-                first.set_result(update)
-            for box in boxes:
-                box.take(update)
+        def take() -> None:
+            for snapshot in subscription.pending() if boxes else ():
+                boxes[0].take(snapshot)
 
-        def when_updated(update: UpdateMessage) -> None:
+        def in_loop() -> None:
             with suppress(RuntimeError):
-                self._loop.call_soon_threadsafe(take, update)
+                self._loop.call_soon_threadsafe(take)
 
         channel = self._channel
-        channel.when_updated = when_updated
         (arm,) = await asyncio.to_thread(channel.call, ListArms())
-        request = SubscribeUpdates(arms=(arm.name,))
-        await asyncio.to_thread(channel.call, request)
-        boxes.append(UrControlBox(channel, arm.name, await first))
+        subscription = await asyncio.to_thread(
+            channel.follow, box_states([arm.name]), when_published=in_loop
+        )
+        first = await asyncio.to_thread(subscription.next)
+        boxes.append(UrControlBox(channel, arm.name, first))
         return boxes[0]
 
     def run(self, text: str) -> Run:

@@ -213,7 +213,7 @@ def path(robot: tool0.Robot, aim: Aim) -> Attempt:
 def servo(robot: tool0.Robot, aim: Aim) -> Attempt:
     motion, begin = robot.arm.motion, robot.time
     motion.take()
-    start = motion.state.target_position
+    start = motion.state.setpoint.positions
 
     def send() -> None:
         share = min((robot.time - begin) / aim.duration, 1.0)
@@ -228,7 +228,7 @@ def servo(robot: tool0.Robot, aim: Aim) -> Attempt:
 def speed_joints(robot: tool0.Robot, aim: Aim) -> Attempt:
     motion = robot.arm.motion
     motion.take()
-    start = motion.state.target_position
+    start = motion.state.setpoint.positions
     velocities = [
         (b - a) / aim.duration for a, b in zip(start, aim.joints, strict=True)
     ]

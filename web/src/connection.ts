@@ -170,7 +170,7 @@ export class Connection {
     else this.take(message);
   }
 
-  private take(message: ServerMessage): void {
+  private take(message: Received): void {
     if (connectionState.value === "outdated") return;
     switch (message.type) {
       case "hello":
@@ -196,7 +196,7 @@ export class Connection {
       case "status":
         status.value = message;
         return;
-      case "frame":
+      case "state":
         if (message.position.length === view.value?.robot.joints.length) {
           frames.push(message);
         }

@@ -1,5 +1,5 @@
 import { signal } from "@preact/signals";
-import type { Frame } from "./protocol";
+import type { Frame } from "./messages";
 
 /** A frame, and when it arrived [ms, performance.now()]. */
 export interface TimedFrame {

@@ -1,7 +1,7 @@
 /** Numbers that follow the robot, thirty times a second, past Preact: straight into the page. */
 import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import { shown } from "./frames";
-import type { Frame } from "./protocol";
+import type { Frame } from "./messages";
 
 const INTERVAL_MS = 33;
 

@@ -1,7 +1,7 @@
 /** The protocol as this page uses it, and a check of what arrives. */
-import type { Requests, ServerMessage } from "./protocol";
+import type { Requests, ServerMessage, StateMessage } from "./protocol";
 
-export const PROTOCOL = 2;
+export const PROTOCOL = 3;
 
 export type Method = keyof Requests;
 /** Requests whose newest alone counts; they have no id and no answer. */
@@ -13,9 +13,20 @@ export type Params<M extends Method> = object extends Requests[M]
   ? [params?: Requests[M]]
   : [params: Requests[M]];
 
+/** A state of the robot with what the view has of it. */
+export type Frame = StateMessage &
+  Required<
+    Pick<
+      StateMessage,
+      "position" | "velocity" | "effort" | "desired" | "objects" | "scene_number"
+    >
+  >;
+/** What this page receives. */
+export type Received = Exclude<ServerMessage, StateMessage> | Frame;
+
 /** The members that this page reads, of each message. */
 const NEEDED: Record<
-  ServerMessage["type"],
+  Received["type"],
   Record<string, "array" | "object" | "number">
 > = {
   hello: { protocol: "number" },
@@ -29,13 +40,14 @@ const NEEDED: Record<
     control_boxes: "array",
     programs: "array",
   },
-  frame: {
+  state: {
     time: "number",
     position: "array",
     velocity: "array",
+    effort: "array",
     desired: "array",
     objects: "array",
-    scene: "number",
+    scene_number: "number",
   },
   notice: { number: "number" },
   reply: {},
@@ -51,7 +63,7 @@ function kindOf(value: unknown): string {
 }
 
 /** Return the message in `text`, or undefined if this page does not know it. */
-export function parseMessage(text: unknown): ServerMessage | undefined {
+export function parseMessage(text: unknown): Received | undefined {
   if (typeof text !== "string") return undefined;
   let value: unknown;
   try {
@@ -63,9 +75,9 @@ export function parseMessage(text: unknown): ServerMessage | undefined {
   const message = value as Record<string, unknown>;
   const type = message["type"];
   if (typeof type !== "string" || !Object.hasOwn(NEEDED, type)) return undefined;
-  const needed = NEEDED[type as ServerMessage["type"]];
+  const needed = NEEDED[type as Received["type"]];
   const complete = Object.entries(needed).every(
     ([name, kind]) => kindOf(message[name]) === kind,
   );
-  return complete ? (message as unknown as ServerMessage) : undefined;
+  return complete ? (message as unknown as Received) : undefined;
 }

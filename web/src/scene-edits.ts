@@ -226,7 +226,7 @@ export function freeName(wanted: string, others: readonly string[] = []): string
 /** Return the pose of an object in a frame of the current scene. */
 export function targetOf(name: string, frame = frames.latest): Target | undefined {
   const now = scene.peek();
-  if (frame === undefined || frame.scene !== now?.number) return undefined;
+  if (frame === undefined || frame.scene_number !== now?.number) return undefined;
   const pose = frame.objects[now.objects.findIndex((object) => object.name === name)];
   return pose && { position: pose[0], rpy: toRpy(fromQuaternion(pose[1])) };
 }

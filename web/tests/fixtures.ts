@@ -1,13 +1,6 @@
 /** Messages of a small robot, and a WebSocket of which the test is the other end. */
-import type {
-  ControllerInfo,
-  Frame,
-  ViewInfo,
-  JointInfo,
-  RobotPartsInfo,
-  ServerMessage,
-  Status,
-} from "../src/protocol";
+import type { Frame } from "../src/messages";
+import type { ControllerInfo, ViewInfo, JointInfo, RobotPartsInfo, ServerMessage, Status } from "../src/protocol";
 
 export function joint(name: string, changes: Partial<JointInfo> = {}): JointInfo {
   return {

@@ -15,7 +15,8 @@ import {
   tickText,
 } from "../src/plots/quantities";
 import { thinned } from "../src/plots/thinning";
-import type { Frame, GripperInfo, ViewInfo } from "../src/protocol";
+import type { Frame } from "../src/messages";
+import type { GripperInfo, ViewInfo } from "../src/protocol";
 import { frame, joint, status, view } from "./fixtures";
 import { parseUrdf } from "../src/urdf";
 import { UR5 } from "./ur5";

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import type { Frame } from "../src/protocol";
+import type { Frame } from "../src/messages";
 import { Interpolator, type Pose } from "../src/scene/interpolation";
 import { frame } from "./fixtures";
 

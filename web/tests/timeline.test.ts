@@ -1,7 +1,8 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { disable, enable, endReason, isDriving, watchDriving } from "../src/driving";
 import { frames, shown } from "../src/frames";
-import type { Frame, Notice } from "../src/protocol";
+import type { Frame } from "../src/messages";
+import type { Notice } from "../src/protocol";
 import * as store from "../src/store";
 import { History } from "../src/timeline/history";
 import { kindOf, merged, neighbour } from "../src/timeline/markers";

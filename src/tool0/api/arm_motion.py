@@ -27,7 +27,7 @@ from tool0.protocol.arm_motion import (
     TakeArm,
     ZeroWrench,
 )
-from tool0.protocol.updates import ArmUpdate
+from tool0.protocol.state import ArmSample
 
 Rows = Sequence[Sequence[float]]
 _NO_POSE = (0.0,) * 6
@@ -48,7 +48,7 @@ class ArmMotion:
         self._channel = channel
 
     @property
-    def state(self) -> ArmUpdate:
+    def state(self) -> ArmSample:
         """Setpoint, mode, path and external wrench, as they are now."""
         return self._channel.call(ReadArmMotion(arm=self._arm))
 

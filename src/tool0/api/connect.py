@@ -44,7 +44,8 @@ from tool0.protocol.request import Request, checked, method_name
 from tool0.protocol.robot import ReadDescription, ReadSnapshot
 from tool0.protocol.running import Run, Step
 from tool0.protocol.state import Snapshot
-from tool0.protocol.updates import LogMessage, Subscribe, Unsubscribe, UpdateMessage
+from tool0.protocol.state_message import StateMessage, snapshot_of
+from tool0.protocol.subscriptions import LogMessage, Subscribe, Unsubscribe
 
 if TYPE_CHECKING:
     from tool0.description.robot import RobotDescription
@@ -86,8 +87,6 @@ class SocketChannel:
     def __init__(self, name: str = DEFAULT_NAME) -> None:
         """Connect, or raise TransportError."""
         self.name = name
-        self.when_updated: Callable[[UpdateMessage], None] = lambda message: None
-        """Called with each message of ``subscribe_updates``, in the reader's thread."""
         self.when_refused: Callable[[Tool0Error], None] = self._give_up
         """Called if a request without a reply failed, in the reader's thread."""
         self.when_ended: Callable[[TransportError], None] = lambda failure: None
@@ -206,10 +205,26 @@ class SocketChannel:
         self, rate: float | None = None, *, keep_all: bool = False
     ) -> Subscription:
         """Return a reader; the connection has one rate, the last one requested."""
+        request = Subscribe() if rate is None else Subscribe(rate=rate)
+        return self.follow(request, keep_all=keep_all)
+
+    def follow(
+        self,
+        request: Subscribe,
+        *,
+        keep_all: bool = False,
+        when_published: Callable[[], None] | None = None,
+    ) -> Subscription:
+        """Return a reader of what is asked for: the only stream of the connection.
+
+        The reader's thread calls ``when_published`` for every snapshot.
+        """
         subscription = self._bus.subscribe(
-            when_closed=self._unsubscribe, keep_all=keep_all
+            when_closed=self._unsubscribe,
+            keep_all=keep_all,
+            when_published=when_published,
         )
-        self.call(Subscribe() if rate is None else Subscribe(rate=rate))
+        self.call(request)
         return subscription
 
     def close(self) -> None:
@@ -275,12 +290,10 @@ class SocketChannel:
                     future = self._pending.pop(number, None)
                 if future is not None:
                     future.set_result(message)
-            case UpdateMessage():
-                self.when_updated(message)
             case codec.Reply(error=codec.ErrorInfo() as info):
                 self.when_refused(codec.error_of(info))
-            case codec.SnapshotMessage():
-                self._bus.publish(codec.snapshot_of(message, self._bus.latest))
+            case StateMessage():
+                self._bus.publish(snapshot_of(message, self._bus.latest))
             case codec.GoalEnded(goal=int(number)):
                 goal = self._goal(number, message.controller)
                 if not goal.status.is_terminal:
@@ -328,14 +341,7 @@ def _response(request: Request[R], reply: codec.Reply) -> R:
     return response
 
 
-Message = (
-    codec.Hello
-    | codec.Reply
-    | codec.SnapshotMessage
-    | codec.EventMessage
-    | UpdateMessage
-    | LogMessage
-)
+Message = codec.Hello | codec.Reply | StateMessage | codec.EventMessage | LogMessage
 _decoder: Final = msgspec.json.Decoder(Message)
 
 

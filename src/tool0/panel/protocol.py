@@ -19,7 +19,8 @@ from tool0.protocol.controllers import Role
 from tool0.protocol.episodes import EpisodesStatus
 from tool0.protocol.notifications import NoticeCode, Severity
 from tool0.protocol.programs import ProgramRun
-from tool0.protocol.request import RGBA, Quaternion, Vector3
+from tool0.protocol.request import RGBA, Vector3
+from tool0.protocol.state_message import StateMessage
 
 # ---- parts of messages ---------------------------------------------------------------
 
@@ -87,7 +88,7 @@ class RobotInfo(Struct, frozen=True, kw_only=True):
     ground: float | None
     """Height of the ground [m]; null for none."""
     joints: list[JointInfo]
-    """In the order of every array of a ``frame``."""
+    """In the order of every array of a ``state``."""
     grippers: list[GripperInfo]
     robots: list[RobotPartsInfo]
     """The arms; one, unless it is a cell."""
@@ -276,47 +277,10 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     """The folder of demonstrations, with whole seconds; null while there is none."""
 
 
-class ContactInfo(Struct, frozen=True, kw_only=True):
-    """All contact points between two links or objects, as one force."""
-
-    bodies: tuple[str, str]
-    """Links or objects; ``ground`` is the engine's own."""
-    point: Vector3
-    """Mean of the contact points, weighted by their normal forces [m]."""
-    force: Vector3
-    """Force that the first body exerts on the second [N]."""
-
-
-class Frame(Struct, frozen=True, kw_only=True, tag="frame"):
-    """Where everything is: at most 60 times a second of wall time, the newest only.
-
-    If nothing changes, the same one is repeated five times a second.
-    The arrays are in the order of the joints of ``view``.
-    """
-
-    time: float
-    """Simulated [s]."""
-    position: list[float]
-    velocity: list[float]
-    effort: list[float]
-    desired: list[float | None]
-    """Setpoints at this instant; null for joints that no controller moves by
-    position."""
-    objects: list[tuple[Vector3, Quaternion]]
-    """Poses in the order of the objects of the ``scene`` with this number."""
-    scene: int
-    """Number of the ``scene`` that these objects are of."""
-    contacts: list[ContactInfo] | None = None
-    """In the axes of the root; null unless ``subscribe_view`` asks for them."""
-    wrenches: list[tuple[float, float, float, float, float, float]] | None = None
-    """On the tool of each robot of ``view``, at its tip and in the tip's axes: force
-    [N] above torque [N·m], less payload and tare; null unless asked for."""
-
-
 class ViewScene(Struct, frozen=True, kw_only=True, tag="scene"):
     """The objects around the robot: sent first, and when one is added or removed.
 
-    A frame says by number which scene its objects are of.
+    A state says by number which scene its objects are of.
     """
 
     number: int
@@ -340,7 +304,7 @@ class ReplayInfo(Struct, frozen=True, kw_only=True):
 
 
 class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
-    """The first message of the view; ``scene``, ``status`` and ``frame`` follow."""
+    """The first message of the view; ``scene``, ``status`` and ``state`` follow."""
 
     mode: Mode
     engine: str | None
@@ -360,4 +324,4 @@ class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
     """What ``tool0 replay`` shows; null for a robot that runs."""
 
 
-ViewMessage = ViewInfo | ViewScene | Status | Frame | Notice
+ViewMessage = ViewInfo | ViewScene | Status | StateMessage | Notice

@@ -13,12 +13,11 @@ from tool0.description.camera import Camera
 from tool0.description.model import Joint, JointType
 from tool0.description.parts import find_grippers
 from tool0.description.poses import PoseStore
+from tool0.panel.frames import frame_of, rounded
 from tool0.panel.notices import EventWatcher
 from tool0.panel.protocol import (
-    ContactInfo,
     ControllerInfo,
     ControllerStage,
-    Frame,
     GripperState,
     RecordingInfo,
     StallInfo,
@@ -48,12 +47,10 @@ from tool0.sensing.grasp import GraspDetector
 if TYPE_CHECKING:
     from tool0.description.scene import SceneObject
     from tool0.protocol.bus import Subscription
-    from tool0.protocol.state import ArmSample, Contact, Snapshot, Wrench
+    from tool0.protocol.state import Snapshot
+    from tool0.protocol.state_message import StateMessage
 
 R = TypeVar("R")
-_FORCE_DIGITS = 4
-_DIGITS = 6
-"""Decimals of positions and the like: a resting robot then gives equal frames."""
 
 
 @final
@@ -97,7 +94,6 @@ class SimulationView:
             for name, gripper in find_grippers(description.model).items()
         }
         self._grippers: list[GripperState] = []
-        self._arms = [robot.name for robot in self.info.robot.robots]
         self._forces: Subscription | None = None
         """Lets the snapshots have what the frames need."""
         self._has_contacts = self._has_wrenches = False
@@ -105,7 +101,7 @@ class SimulationView:
     def scene(self) -> ViewScene:
         return self._scene
 
-    def frame(self) -> Frame:
+    def frame(self) -> StateMessage:
         snapshot = self._states.snapshot
         if snapshot is not self._seen:
             self._seen = snapshot
@@ -116,11 +112,11 @@ class SimulationView:
             if snapshot.scene is not self._objects:
                 self._objects = snapshot.scene
                 self._scene = self._scene_of(self._scene.number + 1, snapshot.scene)
-            frame = with_forces(
-                frame_of(snapshot, self._scene.number),
+            frame = frame_of(
                 snapshot,
+                self._scene.number,
                 contacts=self._has_contacts,
-                arms=self._arms if self._has_wrenches else (),
+                wrenches=self._has_wrenches,
             )
             if frame != self._frame:
                 self._frame = frame
@@ -200,71 +196,6 @@ class SimulationView:
         return ViewScene(number=number, objects=infos)
 
 
-def frame_of(snapshot: Snapshot, scene: int) -> Frame:
-    """Return a snapshot as pages show it, with the number of its scene."""
-    setpoints = snapshot.setpoints()
-    return Frame(
-        time=_rounded(snapshot.time),
-        position=[_rounded(value) for value in snapshot.position],
-        velocity=[_rounded(value) for value in snapshot.velocity],
-        effort=[_rounded(value) for value in snapshot.effort],
-        desired=[
-            _rounded(setpoints[name].position) if name in setpoints else None
-            for name in snapshot.joint_names
-        ],
-        objects=[
-            (
-                (_rounded(x), _rounded(y), _rounded(z)),
-                (_rounded(qw), _rounded(qx), _rounded(qy), _rounded(qz)),
-            )
-            for (x, y, z), (qw, qx, qy, qz) in (
-                (item.position, item.quat_wxyz) for item in snapshot.objects
-            )
-        ],
-        scene=scene,
-    )
-
-
-def with_forces(
-    frame: Frame, snapshot: Snapshot, *, contacts: bool, arms: Sequence[str]
-) -> Frame:
-    """Return a frame with the forces that pages ask for.
-
-    Args:
-        frame: A frame of the snapshot.
-        snapshot: Has the forces, unless they were asked for just now.
-        contacts: Whether to add contacts.
-        arms: Those whose wrenches to add; all arms, or none.
-    """
-    if arms and not set(arms) <= snapshot.arms.keys():
-        arms = ()
-    if not contacts and not arms:
-        return frame
-    return structs.replace(
-        frame,
-        contacts=list(map(_contact_info, snapshot.contacts)) if contacts else None,
-        wrenches=[_wrench_of(snapshot.arms[arm]) for arm in arms] or None,
-    )
-
-
-def _contact_info(contact: Contact) -> ContactInfo:
-    (px, py, pz), (fx, fy, fz) = contact.point, contact.force
-    return ContactInfo(
-        bodies=(contact.first, contact.second),
-        point=(_rounded(px), _rounded(py), _rounded(pz)),
-        force=(_of_force(fx), _of_force(fy), _of_force(fz)),
-    )
-
-
-def _wrench_of(sample: ArmSample) -> Wrench:
-    fx, fy, fz, tx, ty, tz = map(_of_force, sample.wrench)
-    return fx, fy, fz, tx, ty, tz
-
-
-def _of_force(value: float) -> float:
-    return round(value, _FORCE_DIGITS) + 0.0
-
-
 def gripper_state(name: str, grasp: GraspState) -> GripperState:
     """Return a gripper's state as pages show it."""
     return GripperState(
@@ -291,13 +222,9 @@ def stall_infos(snapshot: Snapshot) -> list[StallInfo]:
 def targets_of(snapshot: Snapshot) -> dict[str, float]:
     """Return the ends of the joints' motions [rad | m]."""
     return {
-        joint: _rounded(setpoint.target)
+        joint: rounded(setpoint.target)
         for joint, setpoint in snapshot.setpoints().items()
     }
-
-
-def _rounded(value: float) -> float:
-    return round(value, _DIGITS) + 0.0  # no minus zero
 
 
 def controller_infos(

@@ -11,7 +11,7 @@ from tool0.description.parts import find_grippers, joints_of_robot
 from tool0.description.poses import PoseStore
 from tool0.description.robot import RobotDescription
 from tool0.errors import ControlError, ModelError
-from tool0.panel.protocol import Frame, GripperState, Status, ViewInfo, ViewScene
+from tool0.panel.protocol import GripperState, Status, ViewInfo, ViewScene
 from tool0.panel.robot_info import ONE_AXIS, RobotFiles, pose_infos, robot_info
 from tool0.protocol.backend import missing_methods
 from tool0.protocol.gripper import Grip
@@ -20,6 +20,7 @@ from tool0.protocol.notifications import Notification
 from tool0.protocol.poses import DeletePose, GoToPose, SavePose
 from tool0.protocol.request import Request
 from tool0.protocol.running import Reset
+from tool0.protocol.state_message import StateMessage
 
 _ROUNDING: Final = 1e-6
 """Distance beyond a limit that still counts as the limit [rad | m]."""
@@ -78,11 +79,11 @@ class RobotView:
     def scene(self) -> ViewScene:
         return _NO_OBJECTS
 
-    def frame(self) -> Frame:
+    def frame(self) -> StateMessage:
         return self._frame
 
     def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
-        """There are none: the frames have null."""
+        """There are none."""
 
     def status(self, clients: int) -> Status:
         position = self._position
@@ -181,16 +182,17 @@ class RobotView:
             for name, position in positions.items()
         }
 
-    def _frame_now(self) -> Frame:
+    def _frame_now(self) -> StateMessage:
         n_joints = len(self._names)
-        return Frame(
+        return StateMessage(
             time=0.0,
-            position=[self._position[name] for name in self._names],
-            velocity=[0.0] * n_joints,
-            effort=[0.0] * n_joints,
-            desired=[None] * n_joints,
-            objects=[],
-            scene=_NO_OBJECTS.number,
+            tick=0,
+            position=tuple(self._position[name] for name in self._names),
+            velocity=(0.0,) * n_joints,
+            effort=(0.0,) * n_joints,
+            desired=(None,) * n_joints,
+            objects=(),
+            scene_number=_NO_OBJECTS.number,
         )
 
     def _report(self, text: str) -> None:

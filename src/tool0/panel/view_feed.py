@@ -9,14 +9,16 @@ from collections.abc import Sequence
 from typing import Final, Protocol, final
 
 import msgspec
+from msgspec import UNSET
 
 from tool0.panel.notices import NoticeBook
-from tool0.panel.protocol import Frame, Status, ViewInfo, ViewScene
+from tool0.panel.protocol import Status, ViewInfo, ViewScene
 from tool0.panel.robot_info import RobotFiles
 from tool0.protocol.codec import encode
 from tool0.protocol.notifications import Notification
 from tool0.protocol.sensors import CameraRenderer
-from tool0.protocol.updates import SubscribeView
+from tool0.protocol.state_message import StateMessage
+from tool0.protocol.subscriptions import SubscribeView
 from tool0.server.hub import Hub
 from tool0.server.session import Session
 
@@ -50,11 +52,11 @@ class ViewSource(Protocol):
         The same object until an object is added or removed.
         """
 
-    def frame(self) -> Frame:
+    def frame(self) -> StateMessage:
         """Return the current frame: the same object while nothing changes."""
 
     def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
-        """Let frames have contacts and wrenches, or null in their place."""
+        """Let frames have contacts and wrenches, or not."""
 
     def status(self, clients: int) -> Status:
         """Return the status, with the number of pages."""
@@ -105,7 +107,7 @@ class ViewFeed:
         self._update_needs()
         self._update_status()
         session.send_latest("status", self._status_text)
-        session.send_latest("frame", self._frame_text(wanted))
+        session.send_latest("state", self._frame_text(wanted))
 
     def close(self) -> None:
         """Stop."""
@@ -149,7 +151,7 @@ class ViewFeed:
         for session, wanted in self._sessions.items():
             if is_new:
                 session.send_latest("scene", self._scene_text)
-            session.send_latest("frame", self._frame_text(wanted))
+            session.send_latest("state", self._frame_text(wanted))
 
     def _frame_text(self, wanted: SubscribeView) -> bytes:
         """Return the frame with what a session wants of it."""
@@ -159,8 +161,8 @@ class ViewFeed:
             text = self._frame_texts[wanted] = encode(
                 msgspec.structs.replace(
                     frame,
-                    contacts=frame.contacts if wanted.contacts else None,
-                    wrenches=frame.wrenches if wanted.wrenches else None,
+                    contacts=frame.contacts if wanted.contacts else UNSET,
+                    wrenches=frame.wrenches if wanted.wrenches else UNSET,
                 )
             )
         return text

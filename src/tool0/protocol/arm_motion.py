@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal, Protocol
 from msgspec import Meta
 
 from tool0.protocol.request import ArmRequest, Name, Request
-from tool0.protocol.updates import ArmUpdate
+from tool0.protocol.state import ArmSample
 
 if TYPE_CHECKING:
     import numpy as np
@@ -258,12 +258,12 @@ class EndFreedrive(ArmRequest[None], frozen=True):
     """Hold the arm where it is."""
 
 
-class ReadArmMotion(ArmRequest[ArmUpdate], frozen=True):
-    """Setpoint, mode, path and wrench of an arm, as updates have them."""
+class ReadArmMotion(ArmRequest[ArmSample], frozen=True):
+    """Setpoint, mode, path and wrench of an arm, as ``state`` messages have them."""
 
 
 class ZeroWrench(ArmRequest[None], frozen=True):
-    """Tare the wrench that updates have of an arm."""
+    """Tare the wrench that states have of an arm."""
 
 
 class EndStream(Request[None], frozen=True):

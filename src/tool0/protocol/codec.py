@@ -1,4 +1,4 @@
-"""Requests, responses, errors and snapshots as JSON, for every connection.
+"""Requests, responses, errors and events as JSON, for every connection.
 
 A request is ``{"id": 1, "method": "step", "params": {"ticks": 5}}``.  Its answer is
 ``{"type": "reply", "id": 1, "result": 0.005}``, or with ``"error"`` in place of the
@@ -8,7 +8,7 @@ result.  Without an id, only an error is answered.  ``bytes`` are base64.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cache
+from functools import cache, partial
 from typing import Any, Final, Literal, NamedTuple, final
 
 import msgspec
@@ -23,16 +23,20 @@ from tool0.errors import (
     TransportError,
     did_you_mean,
 )
-from tool0.protocol.control_box_state import ControlBoxState
-from tool0.protocol.controllers import ControllerStatus
 from tool0.protocol.goals import GoalResult, GripperResult, Result
 from tool0.protocol.methods import methods
-from tool0.protocol.objects import ObjectInfo, info_of, object_of
 from tool0.protocol.request import Request, method_name, plain, response_type
 from tool0.protocol.sensors import CameraImage, Picture, image_of, picture_of
-from tool0.protocol.state import JointSetpoint, ObjectState, Snapshot, Stall
+from tool0.protocol.state import Snapshot
+from tool0.protocol.state_message import (
+    SNAPSHOT_FIELDS,
+    StateMask,
+    StateMessage,
+    snapshot_of,
+    state_message,
+)
 
-PROTOCOL: Final = 2
+PROTOCOL: Final = 3
 """Incremented when a program written for the old protocol could misread the new."""
 _LONGEST_STOP: Final = 4096
 """[bytes]; a longer one, with its reason, waits like any other request."""
@@ -123,100 +127,7 @@ def result_of(outcome: Outcome) -> Result:
     return msgspec.convert(plain_outcome, GripperResult)
 
 
-# ---- snapshots -----------------------------------------------------------------------
-
-
-class SnapshotMessage(Struct, frozen=True, kw_only=True, tag="snapshot"):
-    """The whole robot at one instant, in the order of ``joint_names``."""
-
-    time: float
-    """Simulated [s]."""
-    tick: int
-    joint_names: tuple[str, ...]
-    position: tuple[float, ...]
-    """[rad | m]"""
-    velocity: tuple[float, ...]
-    """[rad/s | m/s]"""
-    effort: tuple[float, ...]
-    """[N·m | N]"""
-    setpoints: Mapping[str, JointSetpoint]
-    """Joint → [position, velocity, target], of joints that are moved by position."""
-    objects: tuple[ObjectState, ...]
-    """Poses and velocities in the robot's root, in the order of ``scene``."""
-    is_paused: bool
-    is_stopped: bool
-    """Whether the emergency stop is engaged."""
-    real_time_factor: float
-    overruns: int
-    late_ticks: int
-    """Ticks of about the last second that started late."""
-    fault: str | None
-    speed: float | None
-    stalls: tuple[Stall, ...]
-    """[joint, effort, [[link, what it touches], …]] of joints that push at their limit
-    without moving."""
-    gripping: tuple[str, ...]
-    """The grippers whose fingers press on something from two sides."""
-    controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
-    """In a stream: only when they changed."""
-    scene: tuple[ObjectInfo, ...] | UnsetType = UNSET
-    """In a stream: only when an object was added or removed."""
-    control_boxes: tuple[ControlBoxState, ...] | UnsetType = UNSET
-    """In a stream: only when one changed."""
-    missed: int = 0
-    """In a stream: snapshots before this one that a slow reader has lost."""
-
-
-_COPIED: Final = (
-    *("time", "tick", "joint_names", "position", "velocity", "effort"),
-    *("is_paused", "is_stopped", "real_time_factor", "overruns", "fault", "speed"),
-    *("late_ticks", "stalls", "gripping"),
-)
-"""Fields that a snapshot and its message have alike."""
-
-
-def snapshot_message(
-    snapshot: Snapshot, before: Snapshot | None = None, missed: int = 0
-) -> SnapshotMessage:
-    """Return a snapshot as it is sent, after ``before`` in a stream."""
-    changes: dict[str, Any] = {}
-    if before is None or before.controllers is not snapshot.controllers:
-        changes["controllers"] = snapshot.controllers
-    if before is None or before.scene is not snapshot.scene:
-        changes["scene"] = tuple(map(info_of, snapshot.scene))
-    if before is None or before.control_boxes is not snapshot.control_boxes:
-        changes["control_boxes"] = snapshot.control_boxes
-    return SnapshotMessage(
-        **{name: getattr(snapshot, name) for name in _COPIED},
-        **changes,
-        objects=tuple(snapshot.objects),
-        setpoints=snapshot.setpoints(),
-        missed=missed,
-    )
-
-
-def snapshot_of(message: SnapshotMessage, before: Snapshot | None = None) -> Snapshot:
-    """Return the snapshot that was sent, after ``before`` in a stream."""
-    controllers = () if before is None else before.controllers
-    if not isinstance(message.controllers, UnsetType):
-        controllers = message.controllers
-    scene = () if before is None else before.scene
-    if not isinstance(message.scene, UnsetType):
-        scene = tuple(map(object_of, message.scene))
-    control_boxes = () if before is None else before.control_boxes
-    if not isinstance(message.control_boxes, UnsetType):
-        control_boxes = message.control_boxes
-    return Snapshot(
-        **{name: getattr(message, name) for name in _COPIED},
-        objects=message.objects,
-        received_setpoints=message.setpoints,
-        controllers=controllers,
-        scene=scene,
-        control_boxes=control_boxes,
-    )
-
-
-# ---- messages besides replies and snapshots --------------------------------------
+# ---- messages besides replies and states -------------------------------------------
 
 Mode = Literal["simulation", "view", "replay"]
 
@@ -301,7 +212,11 @@ class _WireForm(NamedTuple):
 
 _WIRE_FORMS: Final[Mapping[Any, _WireForm]] = {
     CameraImage: _WireForm(Picture, picture_of, image_of),
-    Snapshot: _WireForm(SnapshotMessage, snapshot_message, snapshot_of),
+    Snapshot: _WireForm(
+        StateMessage,
+        partial(state_message, mask=StateMask(SNAPSHOT_FIELDS)),
+        snapshot_of,
+    ),
 }
 
 

@@ -13,7 +13,7 @@ from tool0.protocol.request import Request, method_name
 _MODULES: Final = (
     "robot",
     "running",
-    "updates",
+    "subscriptions",
     "motion",
     "trajectories",
     "goals",

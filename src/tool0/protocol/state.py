@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol, final
 
-from msgspec import Struct, field
+from msgspec import UNSET, Struct, UnsetType, field
 
 from tool0.description.scene import SceneObject
 from tool0.protocol.control_box_state import ControlBoxState
@@ -73,22 +73,28 @@ class ControllerSetpoint(Protocol):
 class ArmSample(Struct, frozen=True):
     """What moves an arm, and what pushes its tool."""
 
-    joint_names: tuple[str, ...]
-    """From base to flange."""
     mode: MotionMode
+    """What moves it: ``free`` is a controller of ROS, or nothing."""
     setpoint: ArmSetpoint | None
-    """Of a stream; otherwise a controller's setpoint has it."""
+    """Of what moves the arm; measured, if nothing does.  None only in a snapshot of
+    this process: a controller's setpoint has it then."""
     path: int
     """Number of the last path; 0 before the first."""
     path_time: float
-    """On that path [s]."""
+    """On that path [s]; it passes more slowly if the speed is scaled."""
     is_done: bool
-    """Whether the path has arrived at its end, or the stop has ended."""
+    """Whether the path has arrived at its end, or the stop has ended: the setpoint is
+    at rest.  Not after a failure."""
     force_mode: bool
+    """Whether it pushes with a force; the setpoint is the motion without it."""
     wrench: Wrench
-    """At the flange, in its axes [N, N·m], less payload and tare."""
+    """External force [N] and torque [N·m] on the tool at the flange, in its axes, less
+    the payload and the tare."""
     failure: str = ""
-    """Why the motion failed; empty if it did not."""
+    """Why the motion failed: the arm rests where it was, and accepts no motion until it
+    is taken again.  Empty if it did not."""
+    joint_names: tuple[str, ...] | UnsetType = UNSET
+    """From base to flange; only in the process of the simulation."""
 
 
 @final
@@ -243,7 +249,10 @@ class Contact:
     """Torque that ``first`` exerts on ``second``, about ``point`` [N·m]."""
 
 
-Wrench = tuple[float, float, float, float, float, float]
+Six = tuple[float, float, float, float, float, float]
+"""Of an arm's joints from base to flange, or a wrench: force above torque."""
+
+Wrench = Six
 """Force [N] and torque [N·m]."""
 
 

@@ -167,7 +167,6 @@ def _arm_sample(
     """Return what is recorded of an arm."""
     fx, fy, fz, tx, ty, tz = wrench
     return ArmSample(
-        joint_names=joint_names,
         mode=mode,
         setpoint=None,
         path=0,
@@ -175,6 +174,7 @@ def _arm_sample(
         is_done=True,
         force_mode=False,
         wrench=(fx, fy, fz, tx, ty, tz),
+        joint_names=joint_names,
     )
 
 

@@ -8,14 +8,13 @@ from typing import Any, Final, final
 import msgspec
 from msgspec import UNSET, Struct, UnsetType
 
-from tool0.protocol.control_box_state import ControlBoxState
-from tool0.protocol.controllers import ControllerStatus
-from tool0.protocol.objects import ObjectInfo, info_of
-from tool0.protocol.state import MotionMode, Snapshot, Stall
+from tool0.protocol.state import MotionMode, Snapshot
+from tool0.protocol.state_message import RareChanges, changes
 
 _TIMING: Final = ("real_time_factor", "overruns", "late_ticks")
-_COMPARED: Final = ("is_paused", "is_stopped", "fault", "speed", "stalls", "gripping")
-_IDENTICAL: Final = ("controllers", "control_boxes")
+_WRITTEN: Final = tuple(
+    name for name in RareChanges.__struct_fields__ if name not in _TIMING
+)
 
 
 @final
@@ -28,22 +27,9 @@ class Derived(Struct, frozen=True, kw_only=True):
 
 
 @final
-class StateChange(Struct, frozen=True, kw_only=True):
+class StateChange(RareChanges, frozen=True, kw_only=True):
     """The fields of a snapshot that changed since the last one in the file."""
 
-    is_paused: bool | UnsetType = UNSET
-    is_stopped: bool | UnsetType = UNSET
-    """Whether the emergency stop is engaged."""
-    fault: str | UnsetType | None = UNSET
-    speed: float | UnsetType | None = UNSET
-    stalls: tuple[Stall, ...] | UnsetType = UNSET
-    gripping: tuple[str, ...] | UnsetType = UNSET
-    real_time_factor: float | UnsetType = UNSET
-    overruns: int | UnsetType = UNSET
-    late_ticks: int | UnsetType = UNSET
-    controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
-    control_boxes: tuple[ControlBoxState, ...] | UnsetType = UNSET
-    scene: tuple[ObjectInfo, ...] | UnsetType = UNSET
     targets: Mapping[str, float] | UnsetType = UNSET
     """Joint → end of its motion [rad | m], of joints that are moved by position."""
     modes: Mapping[str, MotionMode] | UnsetType = UNSET
@@ -66,29 +52,15 @@ def encode_change(
 
     How well the simulation keeps pace is no change of its own.
     """
-    changes: dict[str, Any] = {}
-    if before is None:
-        changes = {name: getattr(snapshot, name) for name in (*_COMPARED, *_IDENTICAL)}
-        changes["scene"] = tuple(map(info_of, snapshot.scene))
-    else:
-        for name in _COMPARED:
-            value = getattr(snapshot, name)
-            if value != getattr(before, name):
-                changes[name] = value
-        for name in _IDENTICAL:
-            value, old = getattr(snapshot, name), getattr(before, name)
-            if value is not old and value != old:
-                changes[name] = value
-        if snapshot.scene is not before.scene:
-            changes["scene"] = tuple(map(info_of, snapshot.scene))
+    found = changes(snapshot, before, _WRITTEN)
     for name in Derived.__struct_fields__:
         value = getattr(derived, name)
         if before is None or value != getattr(derived_before, name):
-            changes[name] = value
-    if not changes:
+            found[name] = value
+    if not found:
         return None
-    changes |= {name: getattr(snapshot, name) for name in _TIMING}
-    return _encoder.encode(StateChange(**changes))
+    found |= {name: getattr(snapshot, name) for name in _TIMING}
+    return _encoder.encode(StateChange(**found))
 
 
 def decode_change(text: bytes) -> dict[str, Any]:

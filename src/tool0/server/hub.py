@@ -31,17 +31,12 @@ from tool0.protocol.goals import Goal, GoalStarted
 from tool0.protocol.motion import SteerJoints
 from tool0.protocol.request import Request
 from tool0.protocol.running import Run, Step
-from tool0.protocol.updates import (
-    Subscribe,
-    SubscribeUpdates,
-    SubscribeView,
-    ViewShown,
-)
+from tool0.protocol.subscriptions import Subscribe, SubscribeView, ViewShown
 from tool0.server.budget import Budget
 from tool0.server.outages import Outages
 from tool0.server.session import Ident, Session, Transport
-from tool0.server.streams import SetpointStreams, SnapshotStreams, StreamedSetpoint
-from tool0.server.updates import UpdateStreams
+from tool0.server.setpoint_streams import SetpointStreams, StreamedSetpoint
+from tool0.server.state_streams import StateStreams
 
 logger = logging.getLogger(__name__)
 
@@ -94,8 +89,7 @@ class Hub:
         self.sessions: set[Session] = set()
         self._setpoints = SetpointStreams(self._carry_out_setpoint)
         states = backend.states
-        self._snapshots = None if states is None else SnapshotStreams(states)
-        self._updates = None if states is None else UpdateStreams(states)
+        self._streams = None if states is None else StateStreams(states)
         self._workers = ThreadPoolExecutor(WORKERS, "tool0-server-worker")
         # An emergency stop never waits for the requests of others.
         self._urgent_worker = ThreadPoolExecutor(1, "tool0-server-stop")
@@ -129,16 +123,15 @@ class Hub:
         finally:
             self._outages.forget(session)
             self.sessions.discard(session)
-            self._remove_streams(session)
+            if self._streams is not None:
+                self._streams.remove(session)
             self._return_arms(session)
 
     async def close(self) -> None:
         """Close every connection; requests in progress are still carried out."""
         self._setpoints.close()
-        if self._snapshots is not None:
-            self._snapshots.close()
-        if self._updates is not None:
-            self._updates.close()
+        if self._streams is not None:
+            self._streams.close()
         sessions = list(self.sessions)
         await asyncio.gather(*map(_close, sessions))
         self._workers.shutdown(wait=False, cancel_futures=True)
@@ -264,18 +257,17 @@ class Hub:
             else:
                 session.send(reply)
                 self.attach_view(session, request)
-        elif self._snapshots is None or self._updates is None:
-            error = ControlError("a robot without physics has no snapshots")
+        elif self._streams is None:
+            error = ControlError("a robot without physics has no states")
             session.send(encode_error(ident, error))
         else:
-            self._remove_streams(session)
-            if isinstance(request, Subscribe):
-                await self._snapshots.add(session, request.rate)
-            elif isinstance(request, SubscribeUpdates):
-                try:
-                    self._updates.add(session, request)
-                except ControlError as refused:
-                    reply = encode_error(ident, refused)
+            try:
+                if isinstance(request, Subscribe):
+                    await self._streams.add(session, request)
+                else:
+                    self._streams.remove(session)
+            except ControlError as refused:
+                reply = encode_error(ident, refused)
             session.send(reply)
 
     def _return_arms(self, session: Session) -> None:
@@ -287,12 +279,6 @@ class Hub:
     def _return_arm(self, request: ReturnArm) -> None:
         with contextlib.suppress(Tool0Error):  # the simulation has ended
             self.backend.answer(request)
-
-    def _remove_streams(self, session: Session) -> None:
-        """Send no snapshots and updates to a session."""
-        for streams in (self._snapshots, self._updates):
-            if streams is not None:
-                streams.remove(session)
 
     async def _carry_out(
         self,

@@ -264,12 +264,13 @@ class ArmMotions:
         joints = self.specs[arm].joints
         if arm not in self._taken:
             last = self._paths[arm]
-            return ArmSample(joints, "free", None, last, 0.0, True, False, wrench)
+            return ArmSample(
+                "free", None, last, 0.0, True, False, wrench, joint_names=joints
+            )
         controller = self._controller(arm)
         number, time = controller.progress(now)
         failure = self._boxes.find(arm).motion_failure
         return ArmSample(
-            joints,
             controller.mode,
             controller.unknown_setpoint(now),
             number,
@@ -278,6 +279,7 @@ class ArmMotions:
             controller.is_in_force_mode,
             wrench,
             failure,
+            joints,
         )
 
     # ---- force mode and freedrive ---------------------------------------------------

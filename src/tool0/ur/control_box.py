@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, Final, TypeVar, final
 
 import numpy as np
-from msgspec import UnsetType
 
 from tool0.api.connect import SocketChannel
 from tool0.description.model import (
@@ -29,7 +28,15 @@ from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.scalar_kinematics import ScalarChain, ScalarPosture
 from tool0.protocol.control_box_state import ControlBoxState
 from tool0.protocol.request import Request
-from tool0.protocol.updates import ArmUpdate, Six, UpdateMessage
+from tool0.protocol.state import (
+    MAX_SNAPSHOT_RATE,
+    ArmSample,
+    ArmSetpoint,
+    Six,
+    Snapshot,
+)
+from tool0.protocol.state_message import StateField
+from tool0.protocol.subscriptions import Subscribe
 from tool0.ur.messages import Messages
 from tool0.ur.pose import pose_of, transform_of
 from tool0.ur.programs import ProgramSlot
@@ -43,6 +50,18 @@ CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
 """The arms whose control box is a CB3; all later ones have an e-Series one."""
 
 
+_FIELDS: Final[tuple[StateField, ...]] = (
+    *("joint_names", "position", "velocity", "effort", "control_boxes", "arms"),
+)
+
+
+def box_states(arms: Collection[str]) -> Subscribe:
+    """Return the request for the states that the boxes of these arms show."""
+    return Subscribe(
+        rate=MAX_SNAPSHOT_RATE, fields=_FIELDS, arms=tuple(arms), newest_only=True
+    )
+
+
 @final
 class UrControlBox:
     """One arm and what its control box knows about it."""
@@ -51,7 +70,7 @@ class UrControlBox:
         self,
         channel: SocketChannel,
         arm: str,
-        first: UpdateMessage,
+        first: Snapshot,
         *,
         limits: Mapping[str, JointLimits] | None = None,
         allow_sockets: bool = False,
@@ -61,7 +80,7 @@ class UrControlBox:
         Args:
             channel: The connection to the bring-up.
             arm: As ``list_arms`` names it.
-            first: The first update, which has everything.
+            first: The first state of ``box_states``.
             limits: Of each driven joint; those of the URDF, if left out.
             allow_sockets: Whether programs may connect to other machines.
         """
@@ -95,7 +114,6 @@ class UrControlBox:
         self.programs = ProgramSlot(self)
         self.when_updated: set[Callable[[], None]] = set()
         """Called for each update."""
-        assert not isinstance(first.joint_names, UnsetType)
         index = {name: k for k, name in enumerate(first.joint_names)}
         self._indices = [index[name] for name in self.chain.joint_names]
         self._waiting: list[asyncio.Future[None]] = []
@@ -108,9 +126,9 @@ class UrControlBox:
         """The TCP in the flange: as UR's pose, and as a transform."""
         self._known: dict[tuple[str, bool], Six] = {}
         """Quantities computed from this update."""
-        self.update: UpdateMessage
-        """The newest update."""
-        self.note(first)
+        self.snapshot: Snapshot
+        """The newest state."""
+        self._show(first)
         self.gripper: RobotiqGripper | None = None
         """The gripper that the arm carries, if it speaks Robotiq's protocol."""
         self.has_foreign_gripper = False
@@ -130,9 +148,9 @@ class UrControlBox:
 
     # ---- updates --------------------------------------------------------------------
 
-    def take(self, update: UpdateMessage) -> None:
+    def take(self, snapshot: Snapshot) -> None:
         """Show the robot after another update, and tell everyone."""
-        self.note(update)
+        self._show(snapshot)
         for callback in tuple(self.when_updated):
             try:
                 callback()
@@ -143,15 +161,12 @@ class UrControlBox:
             if not future.done():
                 future.set_result(None)
 
-    def note(self, update: UpdateMessage) -> None:
-        """Take an update without telling anyone: a newer one has arrived already."""
-        self.update = update
-        if not isinstance(update.arms, UnsetType):
-            self.arm_update: ArmUpdate = update.arms[self.arm]
-        if not isinstance(update.control_boxes, UnsetType):
-            self.state: ControlBoxState = next(
-                box for box in update.control_boxes if box.arm == self.arm
-            )
+    def _show(self, snapshot: Snapshot) -> None:
+        self.snapshot = snapshot
+        self.arm_sample: ArmSample = snapshot.arms[self.arm]
+        self.state: ControlBoxState = next(
+            box for box in snapshot.control_boxes if box.arm == self.arm
+        )
         self._postures.clear()
         self._known.clear()
 
@@ -227,22 +242,43 @@ class UrControlBox:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return self.update.time
+        return self.snapshot.time
 
     @property
     def q(self) -> Six:
         """Measured positions [rad], as for all: from base to flange."""
-        return self._of_joints(self.update.position)
+        return self._of_joints(self.snapshot.position)
 
     @property
     def qd(self) -> Six:
         """Measured velocities [rad/s]."""
-        return self._of_joints(self.update.velocity)
+        return self._of_joints(self.snapshot.velocity)
 
     @property
     def effort(self) -> Six:
         """Efforts of the drives [N·m]."""
-        return self._of_joints(self.update.effort)
+        return self._of_joints(self.snapshot.effort)
+
+    @property
+    def target_q(self) -> Six:
+        """The setpoint of what moves the arm; measured, if nothing does [rad]."""
+        return _six(self._setpoint.positions)
+
+    @property
+    def target_qd(self) -> Six:
+        """Its velocities [rad/s]."""
+        return _six(self._setpoint.velocities)
+
+    @property
+    def target_qdd(self) -> Six:
+        """Its accelerations [rad/s²]."""
+        return _six(self._setpoint.accelerations)
+
+    @property
+    def _setpoint(self) -> ArmSetpoint:
+        setpoint = self.arm_sample.setpoint
+        assert setpoint is not None  # what was sent has one
+        return setpoint
 
     @property
     def tcp(self) -> Six:
@@ -265,7 +301,7 @@ class UrControlBox:
 
     def flange_wrench(self) -> tuple[Vector3, Vector3]:
         """Return the external force and torque at the flange, in the base's axes."""
-        flange, (fx, fy, fz, tx, ty, tz) = self.posture().flange, self.arm_update.wrench
+        flange, (fx, fy, fz, tx, ty, tz) = self.posture().flange, self.arm_sample.wrench
         return flange.rotate((fx, fy, fz)), flange.rotate((tx, ty, tz))
 
     def tcp_wrench(self) -> Six:
@@ -295,10 +331,9 @@ class UrControlBox:
         """
         T_tip_tcp = matrix_of(self.tcp if tcp is None else tcp)
         T = self.T_chain_base @ matrix_of(pose) @ np.linalg.inv(T_tip_tcp)
-        reference = self.arm_update.target_position if near is None else near
+        reference = self.target_q if near is None else near
         found = self.kinematics.solutions(T, np.asarray(reference, dtype=np.float64))
-        a, b, c, d, e, f = (found[0].positions[name] for name in self.chain.joint_names)
-        return (a, b, c, d, e, f)
+        return _six([found[0].positions[name] for name in self.chain.joint_names])
 
     def has_inverse(
         self,
@@ -314,13 +349,12 @@ class UrControlBox:
         return True
 
     def _of_joints(self, values: Sequence[float]) -> Six:
-        a, b, c, d, e, f = (values[k] for k in self._indices)
-        return (a, b, c, d, e, f)
+        return _six([values[k] for k in self._indices])
 
     def posture(self, *, target: bool = False) -> ScalarPosture:
         """Return the measured posture in the base frame, or that of the setpoint."""
         if target not in self._postures:
-            q = self.arm_update.target_position if target else self.q
+            q = self.target_q if target else self.q
             self._postures[target] = self._postures_of.forward(q)
         return self._postures[target]
 
@@ -336,7 +370,7 @@ class UrControlBox:
 
     def _compute_speed(self, target: bool) -> Six:
         posture = self.posture(target=target)
-        qd = self.arm_update.target_velocity if target else self.qd
+        qd = self.target_qd if target else self.qd
         linear, angular = posture.velocity(posture.flange.apply(self.tcp[:3]), qd)
         return (*linear, *angular)
 
@@ -345,3 +379,8 @@ class UrControlBox:
         x, y, z = self.posture(target=target).flange.rotate(self.tcp[:3])
         torque = (tx - y * fz + z * fy, ty - z * fx + x * fz, tz - x * fy + y * fx)
         return (fx, fy, fz, *torque)
+
+
+def _six(values: Sequence[float]) -> Six:
+    a, b, c, d, e, f = values
+    return (a, b, c, d, e, f)

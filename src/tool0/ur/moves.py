@@ -28,7 +28,7 @@ from tool0.protocol.arm_motion import (
 )
 
 if TYPE_CHECKING:
-    from tool0.protocol.updates import Six
+    from tool0.protocol.state import Six
     from tool0.ur.control_box import UrControlBox
 
 logger = logging.getLogger(__name__)
@@ -179,7 +179,7 @@ class Moves:
     async def speedj(self, qd: Six, a: float, t: float | None = None) -> None:
         """Ramp to joint velocities [rad/s]; return after ``t``, or at full speed."""
         box, a = self._box, _above_0(a)
-        change = np.subtract(qd, box.arm_update.target_velocity)
+        change = np.subtract(qd, box.target_qd)
         self._running = None
         box.send(
             SpeedJoints(arm=box.arm, velocities=qd, acceleration=a, timeout=OWN_STREAM)
@@ -211,7 +211,7 @@ class Moves:
 
     async def stopl(self, a: float = 20.0, a_rot: float | None = None) -> None:
         """Ramp down to rest in the time that the TCP needs with ``a`` [m/s²]."""
-        fastest = float(np.abs(self._box.arm_update.target_velocity).max())
+        fastest = float(np.abs(self._box.target_qd).max())
         duration = _duration(
             np.array(self._box.tcp_speed(target=True)), _above_0(a), a_rot
         )
@@ -227,9 +227,9 @@ class Moves:
             await self._until(self._running, self._running.plan.duration)
         box = self._box
         while True:
-            if not box.arm_update.is_done:
+            if not box.arm_sample.is_done:
                 await self.stopj(STOP)
-            start = box.arm_update.target_position
+            start = box.target_q
             planner = self._planner()
             plan = await _planned(partial(planner.plan, start, moves), moves)
             if plan.duration == 0.0:
@@ -239,7 +239,7 @@ class Moves:
                 return _Running(plan, await box.call(request), box.time)
             except ControlError:
                 await box.next_update()
-                if box.arm_update.is_done and box.arm_update.target_position == start:
+                if box.arm_sample.is_done and box.target_q == start:
                     raise
                 # The last update did not show yet that the arm moved.
 
@@ -310,12 +310,12 @@ class Moves:
 
     def _path_time(self, running: _Running) -> float:
         """Return where a path is, 0 before it [s]."""
-        update = self._box.arm_update
+        update = self._box.arm_sample
         return update.path_time if update.path == running.number else 0.0
 
     def _has_ended(self, running: _Running) -> bool:
         """Return whether a path was followed to its end, or left."""
-        update = self._box.arm_update
+        update = self._box.arm_sample
         if update.path == running.number:
             return update.is_done or update.mode != "path"
         is_reset = self._box.time < running.sent
@@ -323,7 +323,7 @@ class Moves:
 
     async def _rest(self) -> None:
         await self._box.next_update()
-        await self._box.until(lambda: self._box.arm_update.is_done)
+        await self._box.until(lambda: self._box.arm_sample.is_done)
 
 
 async def _planned(plan: Callable[[], T], moves: Sequence[Move]) -> T:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tool0.description.transform import Transform, from_rotation_vector
-from tool0.protocol.updates import Six
+from tool0.protocol.state import Six
 
 
 def transform_of(pose: Sequence[float]) -> Transform:

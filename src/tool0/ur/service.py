@@ -6,7 +6,6 @@ import asyncio
 import contextlib
 import logging
 import time
-from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final, Protocol
 
@@ -14,9 +13,8 @@ from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error, TransportError
 from tool0.protocol.arm import ListArms
 from tool0.protocol.robot import ReadInfo
-from tool0.protocol.updates import SubscribeUpdates, UpdateMessage
 from tool0.ur.compiling import prepare
-from tool0.ur.control_box import UrControlBox
+from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.options import UrArm, UrOptions
 
 logger = logging.getLogger(__name__)
@@ -88,55 +86,41 @@ async def serve(
     """
     loop = asyncio.get_running_loop()
     has_ended = asyncio.Event()
-    first: asyncio.Future[UpdateMessage] = loop.create_future()
     boxes: list[UrControlBox] = []
-    arrived: deque[UpdateMessage] = deque()
 
     def take() -> None:
-        """Show the newest update: a busy process leaves out those before it."""
-        if not boxes:
-            if arrived and not first.done():
-                first.set_result(arrived[0])
-            return
-        while len(arrived) > 1:
-            update = arrived.popleft()
-            for box in boxes:
-                box.note(update)
-        if arrived:
-            update = arrived.popleft()
-            for box in boxes:
-                box.take(update)
-
-    def put(update: UpdateMessage) -> None:
-        arrived.append(update)
-        with contextlib.suppress(RuntimeError):  # the loop has ended
-            loop.call_soon_threadsafe(take)
+        """Show the newest state: a busy process leaves out those before it."""
+        newest = subscription.pending() if boxes else []
+        for box in boxes if newest else ():
+            box.take(newest[-1])
 
     def refuse(error: Tool0Error) -> None:
         for box in boxes:
             box.report(error)
 
-    def in_loop(callback: Callable[[Any], None]) -> Callable[[Any], None]:
-        def call(argument: Any) -> None:
+    def in_loop(callback: Callable[..., None]) -> Callable[..., None]:
+        def call(*arguments: Any) -> None:
             with contextlib.suppress(RuntimeError):  # the loop has ended
-                loop.call_soon_threadsafe(callback, argument)
+                loop.call_soon_threadsafe(callback, *arguments)
 
         return call
 
-    channel.when_updated = put
     channel.when_ended = in_loop(lambda failure: has_ended.set())
     channel.when_refused = in_loop(refuse)
     arms = [arm.name for arm in await asyncio.to_thread(channel.call, ListArms())]
     if not arms:
         raise TransportError("the robot has no arm that a UR's control box could drive")
-    request = SubscribeUpdates(arms=tuple(arms))
-    await asyncio.to_thread(channel.call, request)
-    update = await first
+    subscription = await asyncio.to_thread(
+        channel.follow, box_states(arms), when_published=in_loop(take)
+    )
+    first = await asyncio.to_thread(subscription.next, CONNECT_TIMEOUT)
+    if first is None:
+        raise TransportError("the bring-up sends no states")
     info = await asyncio.to_thread(channel.call, ReadInfo())
     limits = {joint: found.limits for joint, found in info.joint_limits.items()}
     boxes += [
         UrControlBox(
-            channel, arm, update, limits=limits, allow_sockets=options.allow_sockets
+            channel, arm, first, limits=limits, allow_sockets=options.allow_sockets
         )
         for arm in arms
     ]

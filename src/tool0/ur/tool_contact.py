@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple, final
 
-from tool0.protocol.updates import Six
+from tool0.protocol.state import Six
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
@@ -88,7 +88,7 @@ class ToolHistory:
         box = self._box
         if self._moments and box.time < self._moments[-1].time:
             self._moments.clear()  # a reset
-        fx, fy, fz = box.arm_update.wrench[:3]
+        fx, fy, fz = box.arm_sample.wrench[:3]
         is_resting = max(map(abs, box.qd)) <= STEADY_SPEED
         self._moments.append(_Moment(box.time, box.q, (fx, fy, fz), is_resting))
 

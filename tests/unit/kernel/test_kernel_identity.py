@@ -259,7 +259,7 @@ def paths(robot: Any, record: Record) -> None:
     robot.run(0.1)
     motion.take()
     for k in range(8):
-        start = motion.state.target_position
+        start = motion.state.setpoint.positions
         count = rng.choice((1, 2, 40))
         times = [0.03 * (n + 1) + (n + 1) / count for n in range(count)]
         ends = [[q + rng.uniform(-0.02, 0.02) for q in start] for _ in times]

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import waits
 from served import serving, use_folder
+from tool0.protocol.updates import ArmUpdate, SubscribeUpdates, UpdateMessage
 
 import tool0
 from tool0.api.connect import SocketChannel
@@ -22,7 +23,6 @@ from tool0.protocol.arm_motion import (
     StopArm,
     TakeArm,
 )
-from tool0.protocol.updates import ArmUpdate, SubscribeUpdates, UpdateMessage
 
 LONG = 30.0  # [wall s]; only a failing test waits so long
 
@@ -91,7 +91,7 @@ def test_every_update_has_the_arms_that_were_asked_for(client: Client) -> None:
     assert (free.mode, free.path, free.is_done) == ("free", 0, True)
     client.channel.call(TakeArm(by="test"))
     held = client.until("hold")
-    assert held.target_position == pytest.approx(free.target_position, abs=0.05)
+    assert held.setpoint.positions == pytest.approx(free.setpoint.positions, abs=0.05)
     assert len(held.wrench) == 6
     with pytest.raises(ControlError, match="no arm 'left'"):
         client.channel.call(SubscribeUpdates(arms=("left",)))
@@ -143,7 +143,7 @@ def test_streamed_targets_are_executed_one_by_one(
     """None is dropped or delayed, also while time stands still; the last one counts."""
     client.subscribe()
     client.channel.call(TakeArm(by="test"))
-    start = client.until("hold").target_position
+    start = client.until("hold").setpoint.positions
     controller = robot.simulation.core.arm_motions.find(None)
     aimed: queue.Queue[float] = queue.Queue()
     check = controller.require_positions
@@ -161,7 +161,7 @@ def test_streamed_targets_are_executed_one_by_one(
     robot.resume()
     end = targets[-1] - 0.01
     client.first(
-        lambda arm: arm.mode == "servo" and arm.target_position[0] >= end, "the end"
+        lambda arm: arm.mode == "servo" and arm.setpoint.positions[0] >= end, "the end"
     )
 
 
@@ -177,7 +177,7 @@ def test_a_refused_target_is_reported(client: Client) -> None:
 def test_a_target_does_not_overtake_the_request_before_it(client: Client) -> None:
     client.subscribe()
     client.channel.call(TakeArm(by="test"))
-    start = client.until("hold").target_position
+    start = client.until("hold").setpoint.positions
     for _ in range(20):
         client.channel.submit(StopArm(), lambda outcome: outcome())
         client.channel.post(ServoJoints(positions=start))
@@ -200,10 +200,10 @@ def test_while_time_runs_fast_updates_have_the_arms_of_their_instant() -> None:
         try:
             client.until("hold")
             motion = robot.arm.motion
-            goal = tuple(q + 0.3 for q in motion.state.target_position)
+            goal = tuple(q + 0.3 for q in motion.state.setpoint.positions)
             path = motion.execute_path([60.0], [goal], [(0.0,) * 6])
             arm = client.first(lambda arm: arm.path == path and arm.is_done, "its end")
-            assert arm.target_position == pytest.approx(goal)
+            assert arm.setpoint.positions == pytest.approx(goal)
             assert arm.path_time == 60.0
         finally:
             is_over.set()

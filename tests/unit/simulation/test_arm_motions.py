@@ -120,7 +120,7 @@ def test_wrong_values_are_refused_with_what_would_be_right(
 def test_the_setpoint_is_continuous_from_mode_to_mode(robot: tool0.Robot) -> None:
     motion = robot.arm.motion
     motion.take()
-    start = np.array(motion.state.target_position)
+    start = np.array(motion.state.setpoint.positions)
     last = motion.state
     steps = {
         0: lambda: motion.execute_path([1.0], [start + 0.4], REST),
@@ -134,19 +134,19 @@ def test_the_setpoint_is_continuous_from_mode_to_mode(robot: tool0.Robot) -> Non
     for k in range(130):
         if k in steps:
             steps[k]()
-            assert motion.state.target_position == last.target_position
+            assert motion.state.setpoint.positions == last.setpoint.positions
             modes.append(motion.state.mode)
         robot.run(0.01)
         now = motion.state
-        moved = np.subtract(now.target_position, last.target_position)
-        mean = np.add(now.target_velocity, last.target_velocity) / 2
+        moved = np.subtract(now.setpoint.positions, last.setpoint.positions)
+        mean = np.add(now.setpoint.velocities, last.setpoint.velocities) / 2
         assert np.abs(moved - 0.01 * mean).max() < 40.0 * 0.01**2
         last = now
     assert modes == ["path", "servo", "speed", "speed", "path", "stop"]
     assert last.is_done
-    assert not any(last.target_velocity)
+    assert not any(last.setpoint.velocities)
     position = [robot.snapshot.positions[name] for name in robot.arm.joint_names]
-    assert position == pytest.approx(last.target_position, abs=1e-3)
+    assert position == pytest.approx(last.setpoint.positions, abs=1e-3)
 
 
 def test_a_velocity_of_the_tool_moves_it_straight(robot: tool0.Robot) -> None:
@@ -158,7 +158,7 @@ def test_a_velocity_of_the_tool_moves_it_straight(robot: tool0.Robot) -> None:
     lever = np.array([0.05, 0.0, 0.1])
 
     def tcp() -> Placement:
-        return model.place(np.array(motion.state.target_position), lever)
+        return model.place(np.array(motion.state.setpoint.positions), lever)
 
     before = tcp()
     tool = (*lever, 0.0, 0.0, 0.0)
@@ -170,7 +170,7 @@ def test_a_velocity_of_the_tool_moves_it_straight(robot: tool0.Robot) -> None:
     R = after.rotation @ before.rotation.T
     assert math.atan2(R[1, 0], R[0, 0]) == pytest.approx(0.12, abs=1e-5)
     assert R[2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-5)
-    assert motion.state.target_velocity == pytest.approx((0.0,) * 6, abs=1e-12)
+    assert motion.state.setpoint.velocities == pytest.approx((0.0,) * 6, abs=1e-12)
 
 
 def test_paths_are_executed_by_the_kernel(robot: tool0.Robot) -> None:
@@ -272,13 +272,13 @@ def test_the_arms_of_a_cell_are_taken_one_by_one() -> None:
         assert "left_arm_motion" in running
         assert any(name.startswith("right") for name in running)
         right.take()
-        start = np.array(right.state.target_position)
+        start = np.array(right.state.setpoint.positions)
         assert left.execute_path([0.5], [np.add(DOWN, 0.1)], REST) == 1
         right.speed_joints((0.1,) * 6, 1.0)
         robot.run(0.3)
         assert left.state.mode == "path"
         assert right.state.mode == "speed"
-        moved = np.subtract(right.state.target_position, start)
+        moved = np.subtract(right.state.setpoint.positions, start)
         assert moved == pytest.approx(0.1 * 0.3 - 0.005)
         left.give_back()
         robot.run(0.4)
@@ -342,7 +342,7 @@ def test_force_mode_holds_a_force_on_a_table(
             assert motion.state.mode == "stop"
             assert not motion.state.force_mode
             measured = [robot.snapshot.positions[j] for j in robot.arm.joint_names]
-            assert motion.state.target_position == pytest.approx(measured, abs=0.005)
+            assert motion.state.setpoint.positions == pytest.approx(measured, abs=0.005)
 
 
 @pytest.mark.parametrize(

@@ -70,7 +70,7 @@ def goal_from_there(robot: tool0.Robot) -> None:
 
 def setpoint(robot: tool0.Robot) -> tuple[float, ...]:
     robot.channel.call(TakeArm(by="test"))
-    found = robot.channel.call(ReadArmMotion()).target_position
+    found = robot.channel.call(ReadArmMotion()).setpoint.positions
     assert isinstance(found, tuple)
     return found
 

@@ -46,7 +46,7 @@ async def while_moving(
         await box.until(
             lambda: (
                 min(map(abs, box.qd[1:3])) > 0.2
-                and max(map(abs, box.arm_update.target_acceleration)) < 0.01
+                and max(map(abs, box.target_qdd)) < 0.01
             )
         )
         taken = []

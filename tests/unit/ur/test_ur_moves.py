@@ -14,7 +14,7 @@ import tool0
 from tool0.errors import UnreachableError
 from tool0.motion.moves import Move
 from tool0.protocol.arm_motion import ReturnArm, TakeArm
-from tool0.protocol.updates import Six
+from tool0.protocol.state import Six
 from tool0.ur.control_box import UrControlBox
 from tool0.ur.moves import STOP, Moves
 
@@ -42,12 +42,12 @@ class Trace:
         box.when_updated.add(self._take)
 
     def _take(self) -> None:
-        update = self._box.arm_update
+        update = self._box.arm_sample
         if self.times and self._box.time <= self.times[-1]:
             return
         self.times.append(self._box.time)
-        self.q.append(update.target_position)
-        self.qd.append(update.target_velocity)
+        self.q.append(self._box.target_q)
+        self.qd.append(self._box.target_qd)
         self.paths.append(update.path)
 
     def end(self) -> None:
@@ -74,7 +74,7 @@ def play(
     async def run() -> Trace:
         async with control_box(robot) as box:
             await box.call(TakeArm(arm=box.arm, by="test"))
-            await box.until(lambda: box.arm_update.mode == "hold")
+            await box.until(lambda: box.arm_sample.mode == "hold")
             moves = Moves(box)
             await moves.movej(HOME, a=6.0, v=3.0)
             trace = Trace(box)
@@ -102,9 +102,9 @@ def panned(angle: float) -> Six:
 
 
 def check_at(box: UrControlBox, q: object, tolerance: float = 1e-9) -> None:
-    assert box.arm_update.is_done
-    np.testing.assert_allclose(box.arm_update.target_position, q, atol=tolerance)
-    np.testing.assert_allclose(box.arm_update.target_velocity, 0.0, atol=1e-9)
+    assert box.arm_sample.is_done
+    np.testing.assert_allclose(box.target_q, q, atol=tolerance)
+    np.testing.assert_allclose(box.target_qd, 0.0, atol=1e-9)
 
 
 def test_movej_returns_when_it_has_ended(robot: tool0.Robot) -> None:
@@ -166,8 +166,8 @@ def test_without_another_move_it_ends_at_its_target(robot: tool0.Robot) -> None:
 
     async def program(box: UrControlBox, moves: Moves) -> None:
         await moves.movej(target, a=1.4, v=1.05, r=0.05)
-        assert not box.arm_update.is_done
-        await box.until(lambda: box.arm_update.is_done)
+        assert not box.arm_sample.is_done
+        await box.until(lambda: box.arm_sample.is_done)
         check_at(box, target)
 
     play(robot, program)
@@ -190,12 +190,12 @@ def test_an_impossible_move_moves_nothing(robot: tool0.Robot) -> None:
 def test_a_cancelled_move_slows_down(robot: tool0.Robot) -> None:
     async def program(box: UrControlBox, moves: Moves) -> None:
         task = asyncio.create_task(moves.movej(panned(1.0), 1.4, 1.05))
-        await box.until(lambda: box.arm_update.target_velocity[0] > 0.3)
+        await box.until(lambda: box.target_qd[0] > 0.3)
         task.cancel()
         await asyncio.wait([task])
-        await box.until(lambda: box.arm_update.mode == "stop")
-        await box.until(lambda: box.arm_update.is_done)
-        assert 0.0 < box.arm_update.target_position[0] < 0.2 + 0.5**2 / STOP
+        await box.until(lambda: box.arm_sample.mode == "stop")
+        await box.until(lambda: box.arm_sample.is_done)
+        assert 0.0 < box.target_q[0] < 0.2 + 0.5**2 / STOP
 
     play(robot, program)
 
@@ -204,19 +204,19 @@ def test_streams_and_stops(robot: tool0.Robot) -> None:
     async def program(box: UrControlBox, moves: Moves) -> None:
         for k in range(50):
             await moves.servoj(panned(0.05 * np.sin(k / 20)))
-        assert box.arm_update.mode == "servo"
+        assert box.arm_sample.mode == "servo"
         # Any motion that has not ended is stopped before a move.
         await moves.movej(HOME.tolist(), a=4.0, v=1.05)
         check_at(box, HOME)
         await moves.speedj((0.2, 0.0, 0.0, 0.0, 0.0, 0.0), a=2.0)
-        await box.until(lambda: box.arm_update.target_velocity[0] > 0.2 - 1e-6)
+        await box.until(lambda: box.target_qd[0] > 0.2 - 1e-6)
         await moves.stopj(2.0)
-        assert box.arm_update.is_done
+        assert box.arm_sample.is_done
         await moves.speedl((0.0, 0.0, -0.05, 0.0, 0.0, 0.0), a=0.5, t=0.15)
         speed = box.tcp_speed(target=True)
         np.testing.assert_allclose(speed, [0, 0, -0.05, 0, 0, 0], atol=1e-3)
         await moves.stopl(1.0)
-        assert box.arm_update.is_done
+        assert box.arm_sample.is_done
 
     play(robot, program)
 

@@ -1,14 +1,8 @@
 /** The signals of a robot and its surroundings, and how they follow from what the server sends. */
 import { openingAt } from "../gripper-opening";
 import { fromQuaternion, linkPose, type Pose, toRpy } from "../kinematics";
-import type {
-  Frame,
-  GripperInfo,
-  JointInfo,
-  RobotPartsInfo,
-  ViewInfo,
-  ViewScene,
-} from "../protocol";
+import type { Frame } from "../messages";
+import type { GripperInfo, JointInfo, RobotPartsInfo, ViewInfo, ViewScene } from "../protocol";
 import type { UrdfModel, Vector } from "../urdf";
 import type { Moment } from "./history";
 import type { SignalInfo } from "./signals";
@@ -111,7 +105,7 @@ function wrenchSignals({ name }: RobotPartsInfo, robot: number): LiveSignal[] {
   const value =
     (axis: number) =>
     ({ frame }: Moment) =>
-      frame.wrenches?.[robot]?.[axis];
+      frame.wrenches?.[name]?.[axis];
   return [
     ...FORCES.map((quantity, axis): LiveSignal => ({
       ...{ id: `wrench/${name}/${quantity}`, group, of: name, quantity, kind: "force" },
@@ -163,7 +157,7 @@ function indexIn(scene: ViewScene, name: string): number | undefined {
 
 function objectSignals(name: string): LiveSignal[] {
   return poseSignals("object", name, ({ frame, scene }) => {
-    if (scene?.number !== frame.scene) return undefined;
+    if (scene?.number !== frame.scene_number) return undefined;
     const index = indexIn(scene, name);
     const pose = index === undefined ? undefined : frame.objects[index];
     return pose && { p: pose[0], R: fromQuaternion(pose[1]) };

@@ -1,5 +1,6 @@
 /** The last minutes of what the server sent, in a ring. */
-import type { Frame, Status, ViewScene } from "../protocol";
+import type { Frame } from "../messages";
+import type { Status, ViewScene } from "../protocol";
 
 /** Length of the history [simulated s]. */
 export const SPAN = 300;

@@ -5,7 +5,7 @@
  * through the last (arrival, time) pairs, and what is shown is where that line was one and
  * a half frames ago: there is then nearly always a frame before it and one after.
  */
-import type { Frame } from "../protocol";
+import type { Frame } from "../messages";
 
 /** How many frames the line is laid through: half a second. */
 const HISTORY = 32;
@@ -40,7 +40,7 @@ export interface Pose {
 
 /** Return the numbers of a frame, quaternions on the same side as in `before`. */
 function flattened(frame: Frame, before: Sample | undefined): Float64Array {
-  const previous = before?.scene === frame.scene ? before.values : undefined;
+  const previous = before?.scene === frame.scene_number ? before.values : undefined;
   const count = frame.position.length;
   const values = new Float64Array(count + frame.objects.length * PER_OBJECT);
   values.set(frame.position);

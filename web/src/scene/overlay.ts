@@ -2,7 +2,8 @@
 import { Group, type Object3D } from "three";
 import { linkPose } from "../kinematics";
 import type { Overlay as Name } from "../overlays";
-import type { Frame, RobotPartsInfo, ViewObject } from "../protocol";
+import type { Frame } from "../messages";
+import type { RobotPartsInfo, ViewObject } from "../protocol";
 import type { UrdfModel, Vector } from "../urdf";
 import { ContactArrows, forcesOf } from "./contact-arrows";
 import { Inertias } from "./inertia";

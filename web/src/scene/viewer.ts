@@ -4,13 +4,8 @@ import { aimAt, putThere } from "../moving";
 import type { Move } from "../moving";
 import type { Overlay as OverlayName } from "../overlays";
 import type { NewObject } from "../placing";
-import type {
-  Frame,
-  RobotPartsInfo,
-  ViewInfo,
-  ViewObject,
-  ViewScene,
-} from "../protocol";
+import type { Frame } from "../messages";
+import type { RobotPartsInfo, ViewInfo, ViewObject, ViewScene } from "../protocol";
 import type { Selection } from "../selection";
 import type { UrdfModel, Vector } from "../urdf";
 import { CollisionLook } from "./collision";

@@ -1,5 +1,6 @@
 /** The last minutes of frames, in bounded memory: what the page can scroll back to. */
-import type { Frame, ViewScene } from "../protocol";
+import type { Frame } from "../messages";
+import type { ViewScene } from "../protocol";
 
 /** Length of the history [wall ms]. */
 export const SPAN_MS = 300_000;

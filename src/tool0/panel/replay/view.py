@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Final, final
 from tool0.description.model import JointLimits
 from tool0.description.parts import find_grippers
 from tool0.errors import RecordingError
+from tool0.panel.frames import frame_of
 from tool0.panel.protocol import (
-    Frame,
     GripperState,
     ReplayInfo,
     Status,
@@ -24,11 +24,9 @@ from tool0.panel.replay.playhead import Playhead
 from tool0.panel.robot_info import RobotFiles, camera_infos, object_info, robot_info
 from tool0.panel.simulation_view import (
     controller_infos,
-    frame_of,
     gripper_state,
     stall_infos,
     targets_of,
-    with_forces,
 )
 from tool0.protocol.backend import missing_methods
 from tool0.protocol.notifications import Notification
@@ -42,6 +40,7 @@ from tool0.sensing.grasp import WINDOW, judge
 
 if TYPE_CHECKING:
     from tool0.description.scene import SceneObject
+    from tool0.protocol.state_message import StateMessage
     from tool0.recording.reading import RecordingFile
 
 
@@ -95,7 +94,6 @@ class Replay:
             ),
         )
         self.cameras = cameras_of(recording, lambda: self._snapshots[self._index()])
-        self._arms = [robot.name for robot in self.info.robot.robots]
         self._has_contacts = self._has_wrenches = False
         self._shown = -1
         snapshot = self._snapshots[0]
@@ -108,7 +106,7 @@ class Replay:
     def scene(self) -> ViewScene:
         return self._scene
 
-    def frame(self) -> Frame:
+    def frame(self) -> StateMessage:
         index = self._index()
         if index != self._shown:
             self._shown = index
@@ -116,12 +114,11 @@ class Replay:
             if snapshot.scene is not self._objects:
                 self._objects = snapshot.scene
                 self._scene = self._scene_of(self._scene.number + 1, snapshot.scene)
-            frame = frame_of(snapshot, self._scene.number)
-            self._frame = with_forces(
-                frame,
+            self._frame = frame_of(
                 snapshot,
+                self._scene.number,
                 contacts=self._has_contacts,
-                arms=self._arms if self._has_wrenches else (),
+                wrenches=self._has_wrenches,
             )
         return self._frame
 

@@ -24,7 +24,8 @@ from tool0.protocol.arm_motion import (
     ZeroWrench,
 )
 from tool0.protocol.request import ArmRequest
-from tool0.protocol.updates import ArmUpdate, arm_update
+from tool0.protocol.state import ArmSample
+from tool0.protocol.state_message import filled
 from tool0.simulation.handlers.stream_watch import StreamWatch
 from tool0.simulation.handlers.table import handles
 from tool0.simulation.simulation import Simulation
@@ -100,10 +101,10 @@ def _admit(
 
 
 @handles(ReadArmMotion)
-def _read(simulation: Simulation, request: ReadArmMotion) -> ArmUpdate:
+def _read(simulation: Simulation, request: ReadArmMotion) -> ArmSample:
     snapshot = simulation.loop.snapshot_with_arms()
     arm = simulation.core.control_boxes.find(request.arm).arm
-    return arm_update(snapshot, snapshot.arms[arm])
+    return filled(snapshot, snapshot.arms[arm])
 
 
 handles(ZeroWrench, in_tick=True)(

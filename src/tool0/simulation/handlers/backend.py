@@ -15,20 +15,19 @@ from tool0.protocol.poses import GoToPose
 from tool0.protocol.replay import LoopReplay, ReadReplay, SeekReplay
 from tool0.protocol.request import Request, Response
 from tool0.protocol.running import EmergencyStop, Reset
-from tool0.protocol.trajectories import CommandTrajectory, FollowTrajectory
-from tool0.protocol.updates import (
+from tool0.protocol.subscriptions import (
     Subscribe,
-    SubscribeUpdates,
     SubscribeView,
     Unsubscribe,
     ViewShown,
 )
+from tool0.protocol.trajectories import CommandTrajectory, FollowTrajectory
 from tool0.simulation.handlers.table import HANDLERS, answer, post
 from tool0.simulation.simulation import Simulation
 
 _REASONS: Final[Mapping[type[Request[Any]], str]] = {
     **dict.fromkeys(
-        (Subscribe, SubscribeUpdates, SubscribeView, Unsubscribe, ViewShown),
+        (Subscribe, SubscribeView, Unsubscribe, ViewShown),
         "streams are for connections; here, use robot.subscribe()",
     ),
     **dict.fromkeys(

@@ -30,12 +30,12 @@ def realtime_packet(box: UrControlBox) -> bytes:
 
 def _values(box: UrControlBox) -> Iterator[float]:
     """Return what follows the size, in the guide's order."""
-    state, arm = box.state, box.arm_update
+    state = box.state
     yield box.time
     for six in (
-        arm.target_position,
-        arm.target_velocity,
-        arm.target_acceleration,
+        box.target_q,
+        box.target_qd,
+        box.target_qdd,
         q.currents(box),  # target currents
         box.effort,  # target moments
         box.q,

@@ -144,16 +144,16 @@ def _robot_mode(box: UrControlBox) -> bytes:
 
 def control_mode(box: UrControlBox) -> ControlMode:
     """Return how the arm is controlled."""
-    if box.arm_update.mode == "freedrive":
+    if box.arm_sample.mode == "freedrive":
         return ControlMode.TEACH
-    return ControlMode.FORCE if box.arm_update.force_mode else ControlMode.POSITION
+    return ControlMode.FORCE if box.arm_sample.force_mode else ControlMode.POSITION
 
 
 def _joints(box: UrControlBox) -> bytes:
     volts = q.voltage(box)
     joints = zip(
         box.q,
-        box.arm_update.target_position,
+        box.target_q,
         box.qd,
         q.currents(box),
         q.joint_modes(box),
@@ -243,7 +243,7 @@ def _force_mode(box: UrControlBox) -> bytes:
 
 
 def _additional(box: UrControlBox) -> bytes:
-    is_guided = box.arm_update.mode == "freedrive"
+    is_guided = box.arm_sample.mode == "freedrive"
     body = bytes((is_guided, 1, 0, 0)) if box.is_e_series else bytes((is_guided, 1))
     return _package(Package.ADDITIONAL, body)
 

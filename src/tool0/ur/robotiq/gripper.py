@@ -13,7 +13,7 @@ from tool0.errors import Tool0Error
 from tool0.protocol.control_box_state import ControlBoxState, RobotMode
 from tool0.protocol.gripper import GraspState, Grip, ReadGripper
 from tool0.protocol.request import Request
-from tool0.protocol.updates import UpdateMessage
+from tool0.protocol.state import Snapshot
 from tool0.ur.robotiq.counts import FULL, Counts
 from tool0.ur.robotiq.registers import (
     Activation,
@@ -46,7 +46,7 @@ class GripperLink(Protocol):
 
     when_updated: set[Callable[[], None]]
     """Called for each update, in the event loop."""
-    update: UpdateMessage
+    snapshot: Snapshot
     """The newest one."""
     state: ControlBoxState
 
@@ -414,8 +414,8 @@ class RobotiqGripper:
 
     def _measured(self) -> tuple[float, float]:
         """Return position [rad | m] and effort [N·m | N] of the driven joint."""
-        update = self._link.update
-        return update.position[self._index], update.effort[self._index]
+        snapshot = self._link.snapshot
+        return snapshot.position[self._index], snapshot.effort[self._index]
 
     def _tell(self) -> None:
         """Wake those who wait for the registers."""

@@ -84,11 +84,9 @@ def _constant(kind: str, value: Any) -> OutputField:
 OUTPUTS: Final[dict[str, OutputField]] = {
     "timestamp": OutputField("DOUBLE", lambda box: box.time),
     # ---- joints ----
-    "target_q": OutputField("VECTOR6D", lambda box: box.arm_update.target_position),
-    "target_qd": OutputField("VECTOR6D", lambda box: box.arm_update.target_velocity),
-    "target_qdd": OutputField(
-        "VECTOR6D", lambda box: box.arm_update.target_acceleration
-    ),
+    "target_q": OutputField("VECTOR6D", lambda box: box.target_q),
+    "target_qd": OutputField("VECTOR6D", lambda box: box.target_qd),
+    "target_qdd": OutputField("VECTOR6D", lambda box: box.target_qdd),
     "target_current": OutputField("VECTOR6D", q.currents),
     "target_moment": OutputField("VECTOR6D", lambda box: box.effort),
     "actual_q": OutputField("VECTOR6D", lambda box: box.q),
@@ -106,7 +104,7 @@ OUTPUTS: Final[dict[str, OutputField]] = {
     "target_TCP_speed": OutputField("VECTOR6D", lambda box: box.tcp_speed(target=True)),
     "tcp_force_scalar": OutputField("DOUBLE", q.tcp_force),
     "tcp_offset": OutputField("VECTOR6D", lambda box: box.tcp),
-    "ft_raw_wrench": OutputField("VECTOR6D", lambda box: box.arm_update.wrench),
+    "ft_raw_wrench": OutputField("VECTOR6D", lambda box: box.arm_sample.wrench),
     "elbow_position": OutputField("VECTOR3D", q.elbow_position),
     "elbow_velocity": OutputField("VECTOR3D", q.elbow_velocity),
     "actual_tool_accelerometer": OutputField("VECTOR3D", q.tool_accelerometer),

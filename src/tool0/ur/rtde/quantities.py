@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING, Final
 
 from tool0.protocol.control_box_state import AnalogDomain, RobotMode, SafetyMode
-from tool0.protocol.updates import Six
+from tool0.protocol.state import Six
 from tool0.ur.programs import RuntimeState
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from enum import IntEnum
 from typing import TYPE_CHECKING, Final, final
 
-from tool0.protocol.updates import Six
+from tool0.protocol.state import Six
 
 if TYPE_CHECKING:
     from tool0.ur.registers import Registers

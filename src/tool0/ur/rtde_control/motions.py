@@ -15,7 +15,7 @@ from tool0.ur.pose import transform_of
 from tool0.ur.rtde_control.exchange import Exchange
 
 if TYPE_CHECKING:
-    from tool0.protocol.updates import Six
+    from tool0.protocol.state import Six
     from tool0.ur.control_box import UrControlBox
     from tool0.ur.tool_contact import ToolHistory
 

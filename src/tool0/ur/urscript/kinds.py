@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, Final, TypeAlias, final
 
-from tool0.protocol.updates import Six
+from tool0.protocol.state import Six
 from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.values import Pose, Value, described, is_number
 

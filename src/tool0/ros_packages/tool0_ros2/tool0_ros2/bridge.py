@@ -10,12 +10,12 @@ from tool0_ros2.connection import Connection, RequestFailedError
 from tool0_ros2.names import Names
 from tool0_ros2.requests import (
     ControlBoxState,
+    ControllerMotion,
     ControllerStatus,
     DescriptionInfo,
-    Motion,
     Request,
     SimulationInfo,
-    UpdateMessage,
+    StateMessage,
 )
 
 T = TypeVar("T")
@@ -33,7 +33,7 @@ class Update:
 
     def __init__(
         self,
-        message: UpdateMessage,
+        message: StateMessage,
         index: dict[str, int],
         stamp: Any,
         control_boxes: list[ControlBoxState],
@@ -53,7 +53,7 @@ class Update:
         """Applied [N·m | N]."""
         self.command: list[float] = message.get("command", [])
         """The last commands, if a part of the node wants a motion."""
-        self.motions: dict[str, Motion] = message.get("motions", {})
+        self.motions: dict[str, ControllerMotion] = message.get("motions", {})
         """Motion of each controller that was asked for, by its full name."""
         self.control_boxes = control_boxes
         """The control box of each arm: the same list until one changes."""

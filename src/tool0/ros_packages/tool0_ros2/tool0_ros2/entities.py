@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import unquote, urlparse
 from xml.etree import ElementTree
 
@@ -14,7 +14,7 @@ from tool0_ros2.connection import RequestFailedError
 from tool0_ros2.copied import Transform, Vector3, from_quaternion
 from tool0_ros2.kinematics import LinkTree
 from tool0_ros2.messages import fill_frame
-from tool0_ros2.requests import ObjectState, SnapshotMessage
+from tool0_ros2.requests import StateMessage
 
 _UNSUPPORTED, _NOT_FOUND, _FAILED = 0, 2, 4
 """Of simulation_interfaces/Result."""
@@ -34,6 +34,16 @@ class RefusedError(Exception):
     def __init__(self, code: int, reason: str) -> None:
         super().__init__(reason)
         self.code = code
+
+
+class _Object(NamedTuple):
+    """An object of the scene, in the robot's root."""
+
+    pose: Transform
+    linear: list[float]
+    """[m/s]"""
+    angular: list[float]
+    """[rad/s]"""
 
 
 class Entities:
@@ -97,7 +107,7 @@ class Entities:
 
     def delete_spawned(self) -> None:
         """Remove what was spawned here and is still there."""
-        present = {item["name"] for item in self._snapshot()["objects"]}
+        present = _objects(self._snapshot())
         for name in self._spawned:
             if name in present:
                 self._context.connection.call(requests.remove_object(name=name))
@@ -111,12 +121,12 @@ class Entities:
         has_pose = getattr(request, "set_pose", True)
         has_twist = getattr(request, "set_twist", True)
         frame = self._frame(state.header.frame_id, snapshot, _INVALID_STATE_POSE)
-        shape = _placed(now)
+        shape = now.pose
         if has_pose:
             asked = _pose(state.pose, _INVALID_STATE_POSE)
             shape = frame @ asked @ self._spawned.get(name, _IDENTITY)
-        linear: Sequence[float] = now["linear"]
-        angular: Sequence[float] = now["angular"]
+        linear: Sequence[float] = now.linear
+        angular: Sequence[float] = now.angular
         if has_twist:
             linear = frame.rotate(_vector(state.twist.linear))
             angular = frame.rotate(_vector(state.twist.angular))
@@ -132,10 +142,10 @@ class Entities:
 
     # ---- parts ----------------------------------------------------------------------
 
-    def _snapshot(self) -> SnapshotMessage:
+    def _snapshot(self) -> StateMessage:
         return self._context.connection.call(requests.read_snapshot())
 
-    def _matching(self, filters: Any, snapshot: SnapshotMessage) -> list[str]:
+    def _matching(self, filters: Any, snapshot: StateMessage) -> list[str]:
         tags, bounds = filters.tags.tags, filters.bounds.type
         if tags or bounds or filters.categories:
             raise RefusedError(_UNSUPPORTED, "entities are filtered by name only")
@@ -143,39 +153,37 @@ class Entities:
             pattern = re.compile(filters.filter)
         except re.error as error:
             raise RefusedError(_FAILED, f"filter '{filters.filter}': {error}") from None
-        names = [self._robot, *(item["name"] for item in snapshot["objects"])]
+        names = [self._robot, *_objects(snapshot)]
         return [name for name in names if pattern.search(name)]
 
-    def _object(self, name: str, snapshot: SnapshotMessage) -> ObjectState:
+    def _object(self, name: str, snapshot: StateMessage) -> _Object:
         if name == self._robot:
             raise RefusedError(
                 _FAILED, f"'{name}' is the robot, which is fixed to the world"
             )
-        for item in snapshot["objects"]:
-            if item["name"] == name:
-                return item
-        raise RefusedError(_NOT_FOUND, f"there is no entity '{name}'")
+        found = _objects(snapshot).get(name)
+        if found is None:
+            raise RefusedError(_NOT_FOUND, f"there is no entity '{name}'")
+        return found
 
-    def _fill_state(self, state: Any, name: str, snapshot: SnapshotMessage) -> None:
+    def _fill_state(self, state: Any, name: str, snapshot: StateMessage) -> None:
         state.header.stamp = self._context.clock.to_ros(snapshot["time"])
         state.header.frame_id = self._context.names.frame(self._tree.root)
         pose = _IDENTITY
         if name != self._robot:
             item, twist = self._object(name, snapshot), state.twist
             T_model_shape = self._spawned.get(name, _IDENTITY)
-            pose = _placed(item) @ T_model_shape.inverse()
-            twist.linear.x, twist.linear.y, twist.linear.z = map(float, item["linear"])
-            x, y, z = map(float, item["angular"])
+            pose = item.pose @ T_model_shape.inverse()
+            twist.linear.x, twist.linear.y, twist.linear.z = map(float, item.linear)
+            x, y, z = map(float, item.angular)
             twist.angular.x, twist.angular.y, twist.angular.z = x, y, z
         fill_frame(state.pose.position, state.pose.orientation, pose)
 
-    def _asked_pose(
-        self, stamped: Any, snapshot: SnapshotMessage, code: int
-    ) -> Transform:
+    def _asked_pose(self, stamped: Any, snapshot: StateMessage, code: int) -> Transform:
         frame = self._frame(stamped.header.frame_id, snapshot, code)
         return frame @ _pose(stamped.pose, code)
 
-    def _frame(self, frame: str, snapshot: SnapshotMessage, code: int) -> Transform:
+    def _frame(self, frame: str, snapshot: StateMessage, code: int) -> Transform:
         """Return the pose of a frame in the root: a link, an entity or the world."""
         if frame in ("", "world", self._robot):
             return _IDENTITY
@@ -183,19 +191,18 @@ class Entities:
             if frame in (link, self._context.names.frame(link)):
                 values = dict(zip(snapshot["joint_names"], snapshot["position"]))
                 return self._tree.pose(link, values)
-        for item in snapshot["objects"]:
-            if item["name"] == frame:
-                T_model_shape = self._spawned.get(frame, _IDENTITY)
-                return _placed(item) @ T_model_shape.inverse()
-        raise RefusedError(
-            code, f"there is no frame '{frame}'; use a link or an entity"
-        )
+        item = _objects(snapshot).get(frame)
+        if item is None:
+            raise RefusedError(
+                code, f"there is no frame '{frame}'; use a link or an entity"
+            )
+        return item.pose @ self._spawned.get(frame, _IDENTITY).inverse()
 
-    def _free_name(self, request: Any, text: str, snapshot: SnapshotMessage) -> str:
+    def _free_name(self, request: Any, text: str, snapshot: StateMessage) -> str:
         name = request.name or _name_in(text)
         if not name and not request.allow_renaming:
             raise RefusedError(_NAME_INVALID, "the name is empty")
-        taken = {self._robot, *(item["name"] for item in snapshot["objects"])}
+        taken = {self._robot, *_objects(snapshot)}
         if name and name not in taken:
             return name
         if not request.allow_renaming:
@@ -205,9 +212,13 @@ class Entities:
         return next(other for other in numbers if other not in taken)
 
 
-def _placed(item: ObjectState) -> Transform:
-    """Return the pose of an object in the root."""
-    return from_quaternion(item["position"], item["quat_wxyz"])
+def _objects(snapshot: StateMessage) -> dict[str, _Object]:
+    """Return the objects of the scene by name."""
+    rows = zip(snapshot["scene"], snapshot["objects"], snapshot["object_velocities"])
+    return {
+        item["name"]: _Object(from_quaternion(*pose), *velocity)
+        for item, pose, velocity in rows
+    }
 
 
 def _entity_state() -> Any:

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
 from rcl_interfaces.msg import Log
 from rclpy.executors import (
@@ -29,13 +29,18 @@ from tool0_ros2.requests import (
     LogMessage,
     Message,
     SimulationInfo,
-    UpdateMessage,
+    StateMessage,
 )
 from tool0_ros2.robot import RobotPart
 
 NODE_NAME = "tool0"
 MAX_RATE = 500.0
 """Largest rate of updates [Hz]."""
+_FIELDS: Final = (
+    *("joint_names", "position", "velocity", "effort", "controllers", "control_boxes"),
+)
+"""What every update has."""
+_MOTION_FIELDS: Final = ("motions", "command")
 _REFRESH_PERIOD = 0.5
 """Between two looks at what subscribers want [wall s]."""
 _WATCH_PERIOD = 1.0
@@ -250,7 +255,7 @@ class RobotNode:
     # ---- in the reader's thread -----------------------------------------------------
 
     def _take(self, message: Message) -> None:
-        if message["type"] == "update":
+        if message["type"] == "state":
             self._publish(message)
         elif message["type"] == "fault":
             self._report.error(f"the simulation has stopped: {message['message']}")
@@ -270,7 +275,7 @@ class RobotNode:
                 name, text = space.controllers.names.own(begin), rest
         self._rosout.publish(Log(stamp=stamp, level=level, name=name, msg=text))
 
-    def _publish(self, message: UpdateMessage) -> None:
+    def _publish(self, message: StateMessage) -> None:
         names = message.get("joint_names")
         if names is not None:
             self._index = {name: k for k, name in enumerate(names)}
@@ -327,7 +332,12 @@ class RobotNode:
             return
         self._wanted = wanted
         future = connection.submit(
-            requests.subscribe_updates(rate=self._rate, motions=wanted)
+            requests.subscribe(
+                rate=self._rate,
+                fields=(*_FIELDS, *_MOTION_FIELDS) if wanted else _FIELDS,
+                controllers=wanted,
+                newest_only=True,
+            )
         )
         future.add_done_callback(self._report_refusal)
 

@@ -15,7 +15,7 @@ from tool0_ros2.bridge import ControllerContext, Update
 from tool0_ros2.clock import to_seconds
 from tool0_ros2.connection import RequestFailedError
 from tool0_ros2.messages import fill, to_duration, to_points, to_tolerances
-from tool0_ros2.requests import GoalStarted, Motion, Outcome, Request
+from tool0_ros2.requests import ControllerMotion, GoalStarted, Outcome, Request
 
 _OUTPUT_FIELDS = {"position": "positions", "velocity": "velocities", "effort": "effort"}
 """Field of the output, by command interface."""
@@ -93,7 +93,7 @@ class JointTrajectoryPart:
 
     # ---- out ------------------------------------------------------------------------
 
-    def _state(self, update: Update, motion: Motion) -> Any:
+    def _state(self, update: Update, motion: ControllerMotion) -> Any:
         message = msg.JointTrajectoryControllerState()
         message.header.stamp = update.stamp
         reference = _point(motion["reference"], motion["time_from_start"])
@@ -110,7 +110,9 @@ class JointTrajectoryPart:
             actual=feedback,
         )
 
-    def _feedback(self, goal: ActiveGoal, update: Update, motion: Motion) -> Any:
+    def _feedback(
+        self, goal: ActiveGoal, update: Update, motion: ControllerMotion
+    ) -> Any:
         message = action.FollowJointTrajectory.Feedback()
         message.header.stamp = update.stamp
         trajectory = goal.request.trajectory
@@ -126,7 +128,7 @@ class JointTrajectoryPart:
             index=min(bisect_right(times, elapsed), len(times) - 1),
         )
 
-    def _error(self, motion: Motion) -> JointTrajectoryPoint:
+    def _error(self, motion: ControllerMotion) -> JointTrajectoryPoint:
         positions, rates = motion["error"]
         return _point(
             [positions, rates if self._has_rate_errors else [0.0] * len(rates)]

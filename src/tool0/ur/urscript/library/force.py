@@ -13,7 +13,7 @@ from tool0.protocol.arm_motion import (
     ZeroWrench,
 )
 from tool0.protocol.control_box import SetPayload, SetTcp, StopProtectively
-from tool0.protocol.updates import Six
+from tool0.protocol.state import Six
 from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function

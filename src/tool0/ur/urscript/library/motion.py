@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from tool0.errors import UnreachableError
-from tool0.protocol.updates import Six
+from tool0.protocol.state import Six
 from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
@@ -27,7 +27,7 @@ def _joints(thread: Thread, target: Target) -> Six:
     if not isinstance(target, Pose):
         return target
     try:
-        return thread.box.inverse(target, thread.box.arm_update.target_position)
+        return thread.box.inverse(target, thread.box.target_q)
     except UnreachableError as error:
         raise ValueProblem(f"no inverse kinematics solution: {error}") from None
 

@@ -32,12 +32,12 @@ def get_actual_joint_speeds(thread: Thread) -> Value:
 
 def get_target_joint_positions(thread: Thread) -> Value:
     """Return the setpoint of the joint positions."""
-    return thread.box.arm_update.target_position
+    return thread.box.target_q
 
 
 def get_target_joint_speeds(thread: Thread) -> Value:
     """Return the setpoint of the joint velocities [rad/s]."""
-    return thread.box.arm_update.target_velocity
+    return thread.box.target_qd
 
 
 def get_actual_tcp_pose(thread: Thread) -> Value:
@@ -78,7 +78,7 @@ def get_tcp_force(thread: Thread) -> Value:
 
 def force(thread: Thread) -> float:
     """Return the magnitude of the external force [N]."""
-    return math.hypot(*thread.box.arm_update.wrench[:3])
+    return math.hypot(*thread.box.arm_sample.wrench[:3])
 
 
 def get_joint_torques(thread: Thread) -> Value:

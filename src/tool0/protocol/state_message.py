@@ -1,0 +1,377 @@
+"""A state of the robot as connections send it: one schema, of which readers choose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, Final, Literal, final
+
+from msgspec import UNSET, Struct, UnsetType, structs
+
+from tool0.description.scene import SceneObject
+from tool0.protocol.control_box_state import ControlBoxState
+from tool0.protocol.controllers import ControllerStatus
+from tool0.protocol.objects import ObjectInfo, info_of, object_of
+from tool0.protocol.request import Quaternion, Vector3
+from tool0.protocol.state import (
+    ArmSample,
+    ArmSetpoint,
+    Contact,
+    JointSetpoint,
+    ObjectState,
+    Snapshot,
+    Stall,
+    Wrench,
+)
+
+StateField = Literal[
+    "joint_names",
+    "position",
+    "velocity",
+    "effort",
+    "desired",
+    "desired_velocity",
+    "target",
+    "command",
+    "motions",
+    "arms",
+    "wrenches",
+    "objects",
+    "object_velocities",
+    "contacts",
+    "is_paused",
+    "is_stopped",
+    "fault",
+    "speed",
+    "stalls",
+    "gripping",
+    "real_time_factor",
+    "overruns",
+    "late_ticks",
+    "controllers",
+    "control_boxes",
+    "scene",
+]
+"""The fields that a reader of states chooses from."""
+
+Rows = tuple[tuple[float, ...], ...]
+
+
+class RareChanges(Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """What stays the same for long: absent where it is as it was before."""
+
+    is_paused: bool | UnsetType = UNSET
+    """Whether simulated time is held."""
+    is_stopped: bool | UnsetType = UNSET
+    """Whether the emergency stop is engaged."""
+    fault: str | UnsetType | None = UNSET
+    """Why the simulation has stopped, until a reset."""
+    speed: float | UnsetType | None = UNSET
+    """Requested simulated time per wall time; null: as fast as possible."""
+    stalls: tuple[Stall, ...] | UnsetType = UNSET
+    """[joint, effort, [[link, what it touches], …], lag] of joints that push at their
+    limit without moving."""
+    gripping: tuple[str, ...] | UnsetType = UNSET
+    """The grippers whose fingers press on something from two sides."""
+    real_time_factor: float | UnsetType = UNSET
+    """Simulated time per wall time, over about the last second."""
+    overruns: int | UnsetType = UNSET
+    """Ticks that began more than one control period late, since the start."""
+    late_ticks: int | UnsetType = UNSET
+    """The same, in about the last second of wall time."""
+    controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
+    """Every loaded controller."""
+    control_boxes: tuple[ControlBoxState, ...] | UnsetType = UNSET
+    """The control box of each arm."""
+    scene: tuple[ObjectInfo, ...] | UnsetType = UNSET
+    """The objects around the robot; it changes when one is added or removed."""
+
+
+class ControllerMotion(Struct, frozen=True, kw_only=True):
+    """How a trajectory controller moves its joints, in its order."""
+
+    reference: Rows
+    """Desired positions, velocities and accelerations [rad | m] and per second."""
+    feedback: Rows
+    """Measured positions and velocities."""
+    error: Rows
+    """reference - feedback, of positions and velocities."""
+    time_from_start: float
+    """[s]"""
+    speed_scaling: float
+    """Trajectory time per simulated time."""
+
+
+@final
+class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
+    """The robot at one instant: what the reader has asked for.
+
+    A sequence of numbers of joints is in the order of ``joint_names``.
+    """
+
+    time: float
+    """Simulated [s]."""
+    tick: int
+    """Control periods since the start or the last reset."""
+    missed: int = 0
+    """States before this one that a slow reader has lost."""
+    joint_names: tuple[str, ...] | UnsetType = UNSET
+    """Every movable joint; absent where they are as before."""
+    position: tuple[float, ...] | UnsetType = UNSET
+    """Measured [rad | m]."""
+    velocity: tuple[float, ...] | UnsetType = UNSET
+    """Measured [rad/s | m/s]."""
+    effort: tuple[float, ...] | UnsetType = UNSET
+    """Applied during the last step [N·m | N]."""
+    desired: tuple[float | None, ...] | UnsetType = UNSET
+    """Setpoints at this instant [rad | m]; null for joints that no controller moves by
+    position."""
+    desired_velocity: tuple[float | None, ...] | UnsetType = UNSET
+    """Velocities of the setpoints [rad/s | m/s]; null for the same joints."""
+    target: tuple[float | None, ...] | UnsetType = UNSET
+    """Where the motions end [rad | m]; null for the same joints."""
+    command: tuple[float, ...] | UnsetType = UNSET
+    """The last command of each joint, in the unit of its interface."""
+    motions: Mapping[str, ControllerMotion] | UnsetType = UNSET
+    """Of the trajectory controllers that were asked for and are running, by name."""
+    arms: Mapping[str, ArmSample] | UnsetType = UNSET
+    """What moves each arm, by name."""
+    wrenches: Mapping[str, Wrench] | UnsetType = UNSET
+    """The ``wrench`` of ``arms`` alone."""
+    objects: tuple[tuple[Vector3, Quaternion], ...] | UnsetType = UNSET
+    """Position [m] and orientation of each object of ``scene``, in its order, in the
+    robot's root."""
+    object_velocities: tuple[tuple[Vector3, Vector3], ...] | UnsetType = UNSET
+    """Their linear [m/s] and angular velocity [rad/s], in the axes of the root."""
+    contacts: tuple[Contact, ...] | UnsetType = UNSET
+    """What touches what, with forces, in the axes of the root."""
+    scene_number: int | UnsetType = UNSET
+    """In the panel's view: the number of the ``scene`` that ``objects`` are of."""
+
+
+_SETPOINTS: Final = ("desired", "desired_velocity", "target")
+_RARE: Final = ("joint_names", *RareChanges.__struct_fields__)
+_COPIED: Final = ("position", "velocity", "effort", "command", "contacts")
+SNAPSHOT_FIELDS: Final[tuple[StateField, ...]] = (
+    *("joint_names", "position", "velocity", "effort"),
+    *("desired", "desired_velocity", "target", "objects", "object_velocities"),
+    *("is_paused", "is_stopped", "fault", "speed", "stalls", "gripping"),
+    *("real_time_factor", "overruns", "late_ticks"),
+    *("controllers", "control_boxes", "scene"),
+)
+"""What every snapshot has; the rest is computed for those who ask."""
+
+
+@final
+class StateMask:
+    """The fields that a reader of states wants."""
+
+    def __init__(
+        self,
+        fields: Collection[StateField],
+        controllers: Collection[str] = (),
+        arms: Collection[str] = (),
+    ) -> None:
+        """Want these fields.
+
+        Args:
+            fields: By name.
+            controllers: Those in ``motions``; all, if left out.
+            arms: Those in ``arms`` and ``wrenches``; all, if left out.
+        """
+        self.controllers = controllers
+        self.arms = arms
+        self.needs_commands = "command" in fields
+        self.needs_arms = "arms" in fields or "wrenches" in fields
+        self.needs_contacts = "contacts" in fields
+        self.rare = tuple(name for name in _RARE if name in fields)
+        self.copied = tuple(name for name in _COPIED if name in fields)
+        self.setpoints = tuple(name for name in _SETPOINTS if name in fields)
+        self.computed = tuple(item for item in _COMPUTED.items() if item[0] in fields)
+
+
+def state_message(
+    snapshot: Snapshot,
+    mask: StateMask,
+    before: Snapshot | None = None,
+    *,
+    missed: int = 0,
+) -> StateMessage:
+    """Return what a reader wants of a snapshot, after ``before`` in a stream.
+
+    ``missed`` is the number of snapshots between them that the reader has lost.
+    """
+    found = changes(snapshot, before, mask.rare)
+    for name in mask.copied:
+        found[name] = getattr(snapshot, name)
+    if mask.setpoints:
+        found |= _setpoints(snapshot, mask.setpoints)
+    for name, compute in mask.computed:
+        found[name] = compute(snapshot, mask)
+    return StateMessage(time=snapshot.time, tick=snapshot.tick, missed=missed, **found)
+
+
+def changes(
+    snapshot: Snapshot, before: Snapshot | None, names: Collection[str]
+) -> dict[str, Any]:
+    """Return those of some fields that changed since ``before``, as they are sent."""
+    found = {}
+    for name in names:
+        value = getattr(snapshot, name)
+        if before is not None:
+            old = getattr(before, name)
+            if value is old or value == old:
+                continue
+        found[name] = tuple(map(info_of, value)) if name == "scene" else value
+    return found
+
+
+def snapshot_of(message: StateMessage, before: Snapshot | None = None) -> Snapshot:
+    """Return the snapshot that was sent, after ``before`` in a stream.
+
+    It has nothing that the reader has not asked for; ``motions`` it has never.
+    """
+    found = {
+        name: value for name in _READ if (value := getattr(message, name)) is not UNSET
+    }
+    scene = () if before is None else before.scene
+    if not isinstance(message.scene, UnsetType):
+        scene = tuple(map(object_of, message.scene))
+    kept = {} if before is None else {name: getattr(before, name) for name in _KEPT}
+    names = found.get("joint_names", kept.get("joint_names", ()))
+    return Snapshot(
+        **{
+            **_NOTHING,
+            **kept,
+            **found,
+            "scene": scene,
+            "objects": _objects(message, scene),
+            "received_setpoints": _received(message, names),
+        }
+    )
+
+
+def filled(snapshot: Snapshot, sample: ArmSample) -> ArmSample:
+    """Return what moves an arm, with the setpoint of a controller, as it is sent."""
+    return structs.replace(
+        sample,
+        joint_names=UNSET,
+        setpoint=sample.setpoint or _arm_setpoint(snapshot, sample),
+    )
+
+
+# ---- what is computed of a snapshot --------------------------------------------------
+
+
+def _setpoints(
+    snapshot: Snapshot, names: Collection[str]
+) -> dict[str, tuple[float | None, ...]]:
+    setpoints = snapshot.setpoints()
+    rows = [setpoints.get(joint, _NO_SETPOINT) for joint in snapshot.joint_names]
+    columns = zip(_SETPOINTS, zip(*rows, strict=True), strict=False)
+    return {name: column for name, column in columns if name in names}
+
+
+_NO_SETPOINT: Final = (None, None, None)
+
+
+def _motions(snapshot: Snapshot, mask: StateMask) -> dict[str, ControllerMotion]:
+    running = snapshot.controller_setpoints
+    wanted = mask.controllers or running
+    return {name: _motion(snapshot, name) for name in wanted if name in running}
+
+
+def _motion(snapshot: Snapshot, controller: str) -> ControllerMotion:
+    state = snapshot.controller_setpoints[controller].state()
+    desired, actual, error = state.desired, state.actual, state.error
+    return ControllerMotion(
+        reference=(desired.positions, desired.velocities, desired.accelerations),
+        feedback=(actual.positions, actual.velocities),
+        error=(error.positions, error.velocities),
+        time_from_start=actual.time_from_start,
+        speed_scaling=state.speed_scaling,
+    )
+
+
+def _sampled(snapshot: Snapshot, mask: StateMask) -> dict[str, ArmSample]:
+    """Return the samples of the wanted arms, as far as the snapshot has them."""
+    samples = snapshot.arms
+    return {name: samples[name] for name in mask.arms or samples if name in samples}
+
+
+def _arms(snapshot: Snapshot, mask: StateMask) -> dict[str, ArmSample]:
+    sampled = _sampled(snapshot, mask)
+    return {name: filled(snapshot, sample) for name, sample in sampled.items()}
+
+
+def _wrenches(snapshot: Snapshot, mask: StateMask) -> dict[str, Wrench]:
+    sampled = _sampled(snapshot, mask)
+    return {name: sample.wrench for name, sample in sampled.items()}
+
+
+def _arm_setpoint(snapshot: Snapshot, sample: ArmSample) -> ArmSetpoint:
+    """Return the motion that a controller desires of an arm, or the measured."""
+    joints = sample.joint_names
+    assert not isinstance(joints, UnsetType)  # a sample of this process
+    for setpoint in snapshot.controller_setpoints.values():
+        motion = setpoint.desired_motion(joints, snapshot.time)
+        if motion is not None:
+            return motion
+    index = snapshot.joint_names.index
+    return ArmSetpoint(
+        tuple(snapshot.position[index(joint)] for joint in joints),
+        tuple(snapshot.velocity[index(joint)] for joint in joints),
+        (0.0,) * len(joints),
+    )
+
+
+_COMPUTED: Final[Mapping[str, Callable[[Snapshot, StateMask], Any]]] = {
+    "motions": _motions,
+    "arms": _arms,
+    "wrenches": _wrenches,
+    "objects": lambda snapshot, mask: tuple(
+        (item.position, item.quat_wxyz) for item in snapshot.objects
+    ),
+    "object_velocities": lambda snapshot, mask: tuple(
+        (item.linear, item.angular) for item in snapshot.objects
+    ),
+}
+
+
+# ---- what is read from a message -----------------------------------------------------
+
+_KEPT: Final = tuple(name for name in _RARE if name != "scene")
+_READ: Final = (*_KEPT, *_COPIED, "time", "tick", "arms")
+_NOTHING: Final[Mapping[str, Any]] = dict.fromkeys(
+    ("joint_names", "position", "velocity", "effort", "controllers"), ()
+)
+
+
+def _objects(
+    message: StateMessage, scene: tuple[SceneObject, ...]
+) -> tuple[ObjectState, ...]:
+    poses, velocities = message.objects, message.object_velocities
+    if isinstance(poses, UnsetType):
+        return ()
+    if isinstance(velocities, UnsetType):
+        return tuple(
+            ObjectState(item.name, *pose)
+            for item, pose in zip(scene, poses, strict=True)
+        )
+    return tuple(
+        ObjectState(item.name, *pose, *velocity)
+        for item, pose, velocity in zip(scene, poses, velocities, strict=True)
+    )
+
+
+def _received(
+    message: StateMessage, joint_names: tuple[str, ...]
+) -> dict[str, JointSetpoint]:
+    columns: list[Any] = [getattr(message, name) for name in _SETPOINTS]
+    if UNSET in columns:
+        return {}
+    rows = zip(joint_names, *columns, strict=True)
+    return {
+        joint: JointSetpoint(*setpoint)
+        for joint, *setpoint in rows
+        if setpoint[0] is not None
+    }
