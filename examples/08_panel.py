@@ -34,7 +34,7 @@ def drive(socket: ClientConnection) -> None:
             print("refused" if "error" in message else "accepted", message["id"])
         if message["type"] == "view":
             joints = [joint["name"] for joint in message["robot"]["joints"]]
-        if message["type"] == "frame":
+        if message["type"] == "state":
             position = dict(zip(joints, message["position"], strict=True))
             if abs(position["elbow_joint"] - 1.4) < 0.01:
                 print(f"t = {message['time']:.2f} s: the elbow is there")

@@ -108,7 +108,7 @@ def test_a_button_that_is_held_while_the_server_is_silent_moves_nothing_after_th
         button.scroll_into_view_if_needed()
 
         def lift() -> float:
-            return watch.position("shoulder_lift_joint", watch.next("frame"))
+            return watch.position("shoulder_lift_joint", watch.next("state"))
 
         start = lift()
         button.hover()
@@ -124,9 +124,9 @@ def test_a_button_that_is_held_while_the_server_is_silent_moves_nothing_after_th
         tab.see(CONNECTED)
         tab.text("driving-state", "no data")
         end = watch.next("notice", lambda it: "stood still" in it["text"])["time"]
-        watch.next("frame", lambda frame: frame["time"] > end + 0.5)
+        watch.next("state", lambda frame: frame["time"] > end + 0.5)
         rest = lift()
-        watch.next("frame", lambda frame: frame["time"] > end + 2.0)
+        watch.next("state", lambda frame: frame["time"] > end + 2.0)
         assert abs(lift() - rest) < 0.01  # while the button is still held
         tab.page.mouse.up()
         tab.drive()

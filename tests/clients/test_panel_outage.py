@@ -83,7 +83,7 @@ def positions(page: Page, frame: Message) -> list[float]:
 def moves(watch: Page, since: list[float]) -> None:
     """Wait until the robot has moved."""
     watch.next(
-        "frame",
+        "state",
         lambda frame: (
             max(abs(q - p) for q, p in zip(positions(watch, frame), since, strict=True))
             > 0.01
@@ -110,8 +110,8 @@ def rests(watch: Page) -> None:
     stopped = watch.next("notice", lambda notice: "stood still" in notice["text"])
     assert stopped["severity"] == "warning"
     end = stopped["time"] + STOPPING
-    first = watch.next("frame", lambda frame: frame["time"] > end)
-    last = watch.next("frame", lambda frame: frame["time"] > end + 1.0)
+    first = watch.next("state", lambda frame: frame["time"] > end)
+    last = watch.next("state", lambda frame: frame["time"] > end + 1.0)
     before, after = positions(watch, first), positions(watch, last)
     assert after == pytest.approx(before, abs=STILL)
 
@@ -133,7 +133,7 @@ def test_nothing_goes_on_after_the_simulator_was_frozen(
     url, pid = server
     with page_at(url) as page, page_at(url) as watch:
         go(watch, "ready")
-        start = positions(watch, watch.next("frame"))
+        start = positions(watch, watch.next("state"))
 
         def send(count: int) -> None:
             if kind == "jog":
@@ -151,7 +151,7 @@ def test_nothing_goes_on_after_the_simulator_was_frozen(
             freeze(pid)
             rests(watch)
         assert watch.request("go_to_pose", name="home", speed=1.0) is None
-        moves(watch, positions(watch, watch.next("frame")))
+        moves(watch, positions(watch, watch.next("state")))
         watch.next("notice", lambda it: it["code"] == "goal_succeeded")
 
 
@@ -179,7 +179,7 @@ def test_a_stream_that_was_silent_has_ended(panel: Panel, robot: tool0.Robot) ->
     """So what an outage of the network has held up moves nothing."""
     comes_to_rest(robot)
     with page_at(panel.url) as page, page_at(panel.url) as watch:
-        start = positions(watch, watch.next("frame"))
+        start = positions(watch, watch.next("state"))
         jog = {**JOG, "timeout": 1.5}
         assert page.request("take_arm", by="panel") is None
         with repeating(lambda _: page.send("speed_tool", **jog)):
@@ -191,7 +191,7 @@ def test_a_stream_that_was_silent_has_ended(panel: Panel, robot: tool0.Robot) ->
             assert "has ended" in refused["error"]["message"]
         assert robot.joint_state.position == pytest.approx(before, abs=STILL)
         assert page.request("stop_arm") is None  # a new press
-        start = positions(watch, watch.next("frame"))
+        start = positions(watch, watch.next("state"))
         with repeating(lambda _: page.send("speed_tool", **jog)):
             moves(watch, start)
         assert page.request("return_arm") is None

@@ -44,10 +44,13 @@ def test_a_page_receives_what_it_shows(panel: Panel, robot: tool0.Robot) -> None
         messages = [json.loads(ws.recv(TIMEOUT)) for _ in range(5)]
     assert (hello["protocol"], hello["mode"]) == (PROTOCOL, "simulation")
     kinds = [message["type"] for message in messages]
-    assert kinds == ["reply", "view", "scene", "status", "frame"]
+    assert kinds == ["reply", "view", "scene", "status", "state"]
     reply, view, scene, status, frame = messages
     assert reply["id"] == "first"
-    assert (scene["number"], scene["objects"]) == (frame["scene"], frame["objects"])
+    assert (scene["number"], scene["objects"]) == (
+        frame["scene_number"],
+        frame["objects"],
+    )
     assert view["engine"] == "mujoco"
     assert view["robot"]["title"] == "ur5 + 2f85"
     assert view["robot"]["ground"] == -0.1
@@ -72,24 +75,28 @@ def test_only_pages_that_ask_for_forces_get_them(
     robot.pause()  # the forces of one instant, also while time is held
     with page_at(panel.url) as asking, page_at(panel.url) as other:
         assert not robot.simulation.bus.wants_contacts
-        frame = asking.next("frame")
-        assert (frame["contacts"], frame["wrenches"]) == (None, None)
+        frame = asking.next("state")
+        assert not {"contacts", "wrenches"} & frame.keys()
         assert asking.request("subscribe_view", contacts=True, wrenches=True) is None
-        frame = asking.wait_for("frame", lambda it: it["contacts"] and it["wrenches"])
+        frame = asking.wait_for(
+            "state", lambda it: it.get("contacts") and it.get("wrenches")
+        )
         (contact,) = robot.contacts()
         assert frame["contacts"] == [
             {
-                "bodies": [contact.first, contact.second],
+                "first": contact.first,
+                "second": contact.second,
                 "point": pytest.approx(contact.point, abs=1e-6),
                 "force": pytest.approx(contact.force, abs=1e-4),
+                "torque": pytest.approx(contact.torque, abs=1e-4),
             }
         ]
         wrench = robot.arm.motion.state.wrench
-        assert frame["wrenches"] == [pytest.approx(wrench, abs=1e-3)]
-        frame = other.next("frame")
-        assert (frame["contacts"], frame["wrenches"]) == (None, None)
+        assert frame["wrenches"] == {"arm": pytest.approx(wrench, abs=1e-3)}
+        frame = other.next("state")
+        assert not {"contacts", "wrenches"} & frame.keys()
         assert asking.request("subscribe_view", contacts=True) is None
-        frame = asking.next("frame", lambda it: it["wrenches"] is None)
+        frame = asking.next("state", lambda it: "wrenches" not in it)
         assert frame["contacts"]
     eventually(
         lambda: not robot.simulation.bus.wants_contacts, "a page that ended needs them"
@@ -108,7 +115,7 @@ def test_pages_see_objects_come_and_go(panel: Panel, robot: tool0.Robot) -> None
             return [item["name"] for item in scene["objects"]] == names
 
         number = page.wait_for("scene", has_them)["number"]
-        return page.wait_for("frame", lambda frame: frame["scene"] == number)
+        return page.wait_for("state", lambda frame: frame["scene_number"] == number)
 
     with page_at(panel.url) as old:
         shown(old, [])
@@ -123,7 +130,7 @@ def test_pages_see_objects_come_and_go(panel: Panel, robot: tool0.Robot) -> None
             for page in (old, new):
                 shown(page, ["two"])
                 page.wait_for(
-                    "frame", lambda frame: frame["objects"][0][0] == [1, 2, 3]
+                    "state", lambda frame: frame["objects"][0][0] == [1, 2, 3]
                 )
 
 
@@ -264,7 +271,7 @@ def test_a_stop_ends_the_setpoints_that_were_sent_before(
         still = robot.snapshot.setpoints()["elbow_joint"].target
         assert still > 1.4
         for _ in range(30):  # half a second: five intervals of a stream
-            page.next("frame")
+            page.next("state")
         assert robot.snapshot.setpoints()["elbow_joint"].target == still
         page.wait_for(
             "status",
@@ -363,7 +370,7 @@ def test_only_the_last_frame_is_repeated_while_nothing_changes(
         page.request("pause")
         page.wait_for("status", lambda status: status["paused"])
         at = round(robot.time, 6)
-        last = page.wait_for("frame", lambda frame: frame["time"] == at)
+        last = page.wait_for("state", lambda frame: frame["time"] == at)
         start = time.monotonic()
         repeated = [page.receive(start + 30.0) for _ in range(4)]
         assert repeated == [last] * 4
@@ -450,7 +457,7 @@ def test_a_page_that_never_reads_hinders_nobody_and_is_dropped(
             is_dropped = False
             while not is_dropped:
                 message = page.receive(time.monotonic() + TIMEOUT)
-                frames += message["type"] == "frame"
+                frames += message["type"] == "state"
                 is_dropped = message["type"] == "status" and message["clients"] == 1
         assert frames > 10
         page.send("steer_joints", controller=ARM, positions={"elbow_joint": 1.5})

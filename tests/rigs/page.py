@@ -102,7 +102,7 @@ class Page:
 
     def wait_for_joint(self, joint: str, position: float, within: float = 0.02) -> None:
         self.next(
-            "frame",
+            "state",
             lambda frame: abs(self.position(joint, frame) - position) < within,
         )
 

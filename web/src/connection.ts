@@ -5,9 +5,9 @@ import { neededForces } from "./forces";
 import { frames } from "./frames";
 import { t } from "./i18n";
 import { parseMessage, PROTOCOL } from "./messages";
-import type { Method, Params, PostedMethod, StreamMethod } from "./messages";
+import type { Method, Params, PostedMethod, Received, StreamMethod } from "./messages";
 import { replaceNotices, report, showNotice } from "./notices";
-import type { ErrorInfo, Reply, Requests, Responses, ServerMessage } from "./protocol";
+import type { ErrorInfo, Reply, Requests, Responses } from "./protocol";
 import { SILENT_AFTER_MS } from "./silence";
 import { connectionState, view, scene, status } from "./store";
 

@@ -2,6 +2,7 @@ import { describe, expect, it, vi } from "vitest";
 import { connection, STREAM_INTERVAL_MS } from "../src/connection";
 import { need } from "../src/forces";
 import { frames } from "../src/frames";
+import { PROTOCOL } from "../src/messages";
 import { toasts } from "../src/notices";
 import * as store from "../src/store";
 import { FakeSocket, frame, view, status } from "./fixtures";
@@ -38,7 +39,7 @@ describe("the connection", () => {
   });
 
   it("subscribes to the view, and is open when that comes", () => {
-    const socket = greet(2);
+    const socket = greet(PROTOCOL);
     expect(socket.sent.map(({ method }) => method)).toEqual(["subscribe_view"]);
     expect(store.connectionState.value).toBe("connecting");
     socket.say(view());
@@ -46,14 +47,14 @@ describe("the connection", () => {
   });
 
   it("asks for forces while something needs them, also after it reconnects", () => {
-    const socket = greet(2);
+    const socket = greet(PROTOCOL);
     const [one, other] = [need({ contacts: true }), need({ contacts: true })];
     one();
     one();
     const third = need({ wrenches: true });
     FakeSocket.newest.end();
     connection.open();
-    const next = greet(2);
+    const next = greet(PROTOCOL);
     other();
     third();
     const none = { contacts: false, wrenches: false };
@@ -172,7 +173,7 @@ describe("the connection", () => {
 
   it("says what it does not understand, once, and goes on", () => {
     const socket = connect();
-    for (const text of ["{", "[]", "null", '{"type":"?"}', '{"type":"frame"}', 7]) {
+    for (const text of ["{", "[]", "null", '{"type":"?"}', '{"type":"state"}', 7]) {
       socket.sayText(text);
     }
     expect(toasts.value.map((toast) => [toast.severity, toast.count])).toEqual([
@@ -201,7 +202,7 @@ describe("the connection", () => {
   );
 
   it("asks to be reloaded for a server of another protocol", () => {
-    greet(3).say(status());
+    greet(PROTOCOL + 1).say(status());
     expect(store.connectionState.value).toBe("outdated");
     expect(store.status.value).toBeNull();
     FakeSocket.newest.end();

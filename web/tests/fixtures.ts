@@ -1,6 +1,13 @@
 /** Messages of a small robot, and a WebSocket of which the test is the other end. */
 import type { Frame } from "../src/messages";
-import type { ControllerInfo, ViewInfo, JointInfo, RobotPartsInfo, ServerMessage, Status } from "../src/protocol";
+import type {
+  ControllerInfo,
+  ViewInfo,
+  JointInfo,
+  RobotPartsInfo,
+  ServerMessage,
+  Status,
+} from "../src/protocol";
 
 export function joint(name: string, changes: Partial<JointInfo> = {}): JointInfo {
   return {
@@ -93,14 +100,15 @@ export function status(changes: Partial<Status> = {}): Status {
 
 export function frame(changes: Partial<Frame> = {}): Frame {
   return {
-    type: "frame",
+    type: "state",
     time: 1,
+    tick: 1000,
     position: [0.49, -0.99],
     velocity: [0, 0],
     effort: [0, 0],
     desired: [0.5, null],
     objects: [],
-    scene: 0,
+    scene_number: 0,
     ...changes,
   };
 }

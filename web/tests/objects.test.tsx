@@ -64,7 +64,7 @@ describe("the objects", () => {
       server().say({ type: "scene", number: 3, objects: [TABLE, CUBE] });
       server().say(
         frame({
-          scene: 3,
+          scene_number: 3,
           objects: [
             [
               [0.5, 0, 0],

@@ -113,7 +113,7 @@ describe("the signals of a robot", () => {
       "simulation/real_time_factor",
       "simulation/late_ticks",
     ]);
-    const wrenches = [[1, 2, 3, 4, 5, 6]] as NonNullable<Frame["wrenches"]>;
+    const wrenches = { arm: [1, 2, 3, 4, 5, 6] } as NonNullable<Frame["wrenches"]>;
     const moment = momentAt(0, [0, 0], { wrenches });
     const value = (id: string) => found.get(id)?.value(moment);
     expect(value("wrench/arm/fz")).toBe(3);
@@ -191,7 +191,7 @@ describe("the signals of a robot", () => {
       objects: [{ ...cup, rgba: [1, 1, 1, 1] }],
     };
     const moment = (number: number) => ({
-      ...momentAt(number, [0, 0], { objects, scene: number }),
+      ...momentAt(number, [0, 0], { objects, scene_number: number }),
       scene: scene as Moment["scene"],
     });
     const source = sourceOf(view(), [moment(4), moment(5)], ["cup"]);

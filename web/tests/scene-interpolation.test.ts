@@ -184,7 +184,7 @@ describe("poses of objects", () => {
       const time = (i * TICK) / 1000;
       const [x, scene] = i < 39 ? [1, 0] : [5, 1];
       interpolator.push(
-        frame({ time, position: [time], objects: at(x), scene }),
+        frame({ time, position: [time], objects: at(x), scene_number: scene }),
         i * TICK,
       );
     }

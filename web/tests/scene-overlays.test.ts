@@ -1,7 +1,7 @@
 import { Object3D, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
 import { fromRpy } from "../src/kinematics";
-import type { ContactInfo, ViewObject } from "../src/protocol";
+import type { Contact, ViewObject } from "../src/protocol";
 import { touching } from "../src/scene/card";
 import { forcesOf } from "../src/scene/contact-arrows";
 import { boxOf } from "../src/scene/inertia";
@@ -16,14 +16,14 @@ function object(name: string, mass: number | null): ViewObject {
   return { name, shape, rgba: [1, 0, 0, 1], mass, friction: 1 };
 }
 
-function contact(first: string, second: string, z: number): ContactInfo {
-  return { bodies: [first, second], point: [0, 0, 0], force: [0, 0, z] };
+function contact(first: string, second: string, z: number): Contact {
+  return { first, second, point: [0, 0, 0], force: [0, 0, z], torque: [0, 0, 0] };
 }
 
 describe("the forces at contacts", () => {
   const objects = [object("cube", 0.1), object("table", null)];
   const links = new Set(["pad"]);
-  const shown = (...contacts: ContactInfo[]) =>
+  const shown = (...contacts: Contact[]) =>
     forcesOf(contacts, objects, links).map(({ on, by, force }) => [on, by, force[2]]);
 
   it("are those on what can be moved, whichever body comes first", () => {

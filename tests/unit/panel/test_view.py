@@ -24,7 +24,7 @@ def test_joints_stand_where_a_page_puts_them_for_every_page(view: Panel) -> None
         assert one.view["engine"] is None
         one.send("pose_joints", positions={"elbow_joint": 0.7, "finger_joint": 0.4})
         frame = other.next(
-            "frame", lambda frame: one.position("elbow_joint", frame) == 0.7
+            "state", lambda frame: one.position("elbow_joint", frame) == 0.7
         )
         assert other.position("finger_joint", frame) == 0.4
         for joint in other.view["robot"]["joints"]:

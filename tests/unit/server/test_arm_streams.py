@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 import waits
 from served import serving, use_folder
-from tool0.protocol.updates import ArmUpdate, SubscribeUpdates, UpdateMessage
 
 import tool0
 from tool0.api.connect import SocketChannel
@@ -23,8 +22,16 @@ from tool0.protocol.arm_motion import (
     StopArm,
     TakeArm,
 )
+from tool0.protocol.bus import Subscription
+from tool0.protocol.state import ArmSample
+from tool0.protocol.subscriptions import Subscribe
 
 LONG = 30.0  # [wall s]; only a failing test waits so long
+
+
+def of_arm(name: str) -> Subscribe:
+    fields = ("joint_names", "position", "arms")
+    return Subscribe(rate=500.0, fields=fields, arms=(name,), newest_only=True)
 
 
 class Client:
@@ -32,23 +39,23 @@ class Client:
 
     def __init__(self) -> None:
         self.channel = SocketChannel("tool0")
-        self.updates: queue.Queue[UpdateMessage] = queue.Queue()
         self.refusals: queue.Queue[Tool0Error] = queue.Queue()
-        self.channel.when_updated = self.updates.put
+        self.states: Subscription | None = None
         self.channel.when_refused = self.refusals.put
 
-    def arm(self) -> ArmUpdate:
-        """Return the next update of the arm."""
-        arms = self.updates.get(timeout=LONG).arms
-        assert isinstance(arms, dict)
-        return arms["arm"]
+    def arm(self) -> ArmSample:
+        """Return the arm in the next state."""
+        assert self.states is not None
+        snapshot = self.states.following(LONG)
+        assert snapshot is not None
+        return snapshot.arms["arm"]
 
-    def until(self, mode: str) -> ArmUpdate:
+    def until(self, mode: str) -> ArmSample:
         return self.first(lambda arm: arm.mode == mode, mode)
 
-    def first(self, is_it: Callable[[ArmUpdate], bool], what: str) -> ArmUpdate:
+    def first(self, is_it: Callable[[ArmSample], bool], what: str) -> ArmSample:
         """Return the first update of the arm that is wanted."""
-        arm: ArmUpdate | None = None
+        arm: ArmSample | None = None
 
         def has_come() -> bool:
             nonlocal arm
@@ -60,7 +67,7 @@ class Client:
         return arm
 
     def subscribe(self) -> None:
-        self.channel.call(SubscribeUpdates(arms=("arm",)))
+        self.states = self.channel.follow(of_arm("arm"))
 
 
 @pytest.fixture(autouse=True)
@@ -94,7 +101,7 @@ def test_every_update_has_the_arms_that_were_asked_for(client: Client) -> None:
     assert held.setpoint.positions == pytest.approx(free.setpoint.positions, abs=0.05)
     assert len(held.wrench) == 6
     with pytest.raises(ControlError, match="no arm 'left'"):
-        client.channel.call(SubscribeUpdates(arms=("left",)))
+        client.channel.call(of_arm("left"))
 
 
 @pytest.mark.parametrize("names", [("first", "second"), ("panel", "panel")])

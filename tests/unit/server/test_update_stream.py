@@ -25,6 +25,15 @@ LONG = 30.0  # [wall s]; only a failing test waits so long
 ARM = "eff_joint_traj_controller"
 
 
+FIELDS = ("joint_names", "position", "controllers", "is_paused")
+
+
+def following(*more: str, **params: Any) -> requests.Request[None]:
+    """Return a request for the newest states."""
+    fields: Any = (*FIELDS, *more)
+    return requests.subscribe(fields=fields, newest_only=True, **params)
+
+
 class Listener:
     """A connection whose messages are kept."""
 
@@ -36,7 +45,7 @@ class Listener:
         self.connection.on_end = self.end.put
         self.connection.start()
 
-    def next(self, kind: str = "update") -> dict[str, Any]:
+    def next(self, kind: str = "state") -> dict[str, Any]:
         while True:
             message = self.messages.get(timeout=LONG)
             if message["type"] == kind:
@@ -68,7 +77,7 @@ def listener(robot: tool0.Robot) -> Iterator[Listener]:
 
 
 def test_every_update_comes_once_and_in_order(listener: Listener) -> None:
-    listener.connection.call(requests.subscribe_updates(rate=500.0))
+    listener.connection.call(following(rate=500.0))
     first = listener.next()
     times = [first["time"], *listener.times(200)]
     steps = [after - before for before, after in pairwise(times)]
@@ -83,20 +92,23 @@ def test_every_update_comes_once_and_in_order(listener: Listener) -> None:
 def test_names_and_controllers_come_only_when_they_change(
     robot: tool0.Robot, listener: Listener
 ) -> None:
-    listener.connection.call(requests.subscribe_updates(rate=125.0))
+    listener.connection.call(following(rate=125.0))
     listener.next()
     assert not {"joint_names", "controllers"} & listener.next().keys()
     robot.pause()
     robot.switch(stop=[ARM])
-    while "controllers" not in (message := listener.next()):
-        pass
-    states = {item["name"]: item["is_running"] for item in message["controllers"]}
-    assert (message["is_paused"], states[ARM]) == (True, False)
+    known: dict[str, Any] = {}
+    while "controllers" not in known:
+        known |= listener.next()
+    states = {item["name"]: item["is_running"] for item in known["controllers"]}
+    assert (known["is_paused"], states[ARM]) == (True, False)
     robot.switch(start=[ARM])
 
 
 def test_motions_come_for_those_who_ask(listener: Listener) -> None:
-    listener.connection.call(requests.subscribe_updates(motions=[ARM, "absent"]))
+    listener.connection.call(
+        following("motions", "command", controllers=[ARM, "absent"])
+    )
     message = listener.next()
     (name,) = message["motions"]
     motion = message["motions"][name]
@@ -112,7 +124,7 @@ def test_motions_come_for_those_who_ask(listener: Listener) -> None:
 
 
 def test_fast_time_sends_fewer_updates(robot: tool0.Robot, listener: Listener) -> None:
-    listener.connection.call(requests.subscribe_updates(rate=500.0))
+    listener.connection.call(following(rate=500.0))
     listener.times(5)
     robot.set_speed(2.0)
     steps = [0.0]
@@ -125,8 +137,8 @@ def test_streams_that_were_replaced_cost_nothing_any_more(
     robot: tool0.Robot, listener: Listener
 ) -> None:
     for _ in range(30):
-        listener.connection.submit(requests.subscribe_updates(rate=500.0))
-    listener.connection.call(requests.subscribe_updates(rate=500.0))
+        listener.connection.submit(following(rate=500.0))
+    listener.connection.call(following(rate=500.0))
     listener.next()
     listener.connection.call(requests.Request("unsubscribe", {}))
     until(lambda: not robot.simulation.bus.has_subscribers, "no subscriber left")
@@ -135,7 +147,7 @@ def test_streams_that_were_replaced_cost_nothing_any_more(
 def test_warnings_come_along_and_are_still_printed(
     listener: Listener, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    listener.connection.call(requests.subscribe_updates(rate=125.0))
+    listener.connection.call(following(rate=125.0))
     listener.next()
     logging.getLogger("tool0.control").warning("the arm is %s", "cold")
     message = listener.next("log")
@@ -146,7 +158,7 @@ def test_warnings_come_along_and_are_still_printed(
 
 
 def test_a_reset_is_reported(robot: tool0.Robot, listener: Listener) -> None:
-    listener.connection.call(requests.subscribe_updates(rate=500.0))
+    listener.connection.call(following(rate=500.0))
     listener.next()
     robot.reset()
     assert listener.next("reset")["time"] == 0.0
@@ -155,7 +167,7 @@ def test_a_reset_is_reported(robot: tool0.Robot, listener: Listener) -> None:
 
 def test_goals_report_their_end_once(listener: Listener) -> None:
     call = listener.connection.call
-    call(requests.subscribe_updates(rate=125.0))
+    call(following(rate=125.0))
     ended: queue.Queue[Any] = queue.Queue()
     names = listener.next()["joint_names"]
     elbow = next(name for name in names if "elbow" in name)

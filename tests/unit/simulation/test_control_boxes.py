@@ -18,8 +18,6 @@ from tool0.protocol.codec import (
     decode_response,
     encode_reply,
     encode_request,
-    snapshot_message,
-    snapshot_of,
 )
 from tool0.protocol.control_box import ReadIO, SetIO
 from tool0.protocol.control_box_state import (
@@ -28,6 +26,12 @@ from tool0.protocol.control_box_state import (
     ProgramState,
     RobotMode,
     SafetyMode,
+)
+from tool0.protocol.state_message import (
+    SNAPSHOT_FIELDS,
+    StateMask,
+    snapshot_of,
+    state_message,
 )
 from tool0.simulation.config import ControlConfig
 
@@ -256,11 +260,12 @@ def test_a_socket_carries_changes_only() -> None:
         second = robot.snapshot
         robot.arm.control_box.set_digital_output(5, True)
         third = robot.snapshot
-    unchanged = snapshot_message(second, first)
+    mask = StateMask(SNAPSHOT_FIELDS)
+    unchanged = state_message(second, mask, first)
     assert not unchanged.control_boxes
-    received = snapshot_of(unchanged, snapshot_of(snapshot_message(first)))
+    received = snapshot_of(unchanged, snapshot_of(state_message(first, mask)))
     assert received.control_boxes == first.control_boxes
-    changed = snapshot_of(snapshot_message(third, second), received)
+    changed = snapshot_of(state_message(third, mask, second), received)
     assert changed.control_boxes[0].digital_outputs[5]
 
 

@@ -2,7 +2,13 @@
 import { openingAt } from "../gripper-opening";
 import { fromQuaternion, linkPose, type Pose, toRpy } from "../kinematics";
 import type { Frame } from "../messages";
-import type { GripperInfo, JointInfo, RobotPartsInfo, ViewInfo, ViewScene } from "../protocol";
+import type {
+  GripperInfo,
+  JointInfo,
+  RobotPartsInfo,
+  ViewInfo,
+  ViewScene,
+} from "../protocol";
 import type { UrdfModel, Vector } from "../urdf";
 import type { Moment } from "./history";
 import type { SignalInfo } from "./signals";
@@ -100,7 +106,7 @@ function toolSignals(
   );
 }
 
-function wrenchSignals({ name }: RobotPartsInfo, robot: number): LiveSignal[] {
+function wrenchSignals({ name }: RobotPartsInfo): LiveSignal[] {
   const group = "wrench";
   const value =
     (axis: number) =>

@@ -8,7 +8,7 @@ import { begin, moving, type MoveKind } from "../moving";
 import { LinkDetails } from "../panels/link-details";
 import { describeObject, LivePose } from "../panels/objects";
 import { placing } from "../placing";
-import type { ContactInfo, ViewObject } from "../protocol";
+import type { Contact, ViewObject } from "../protocol";
 import { duplicateObject, removeObjects, targetOf } from "../scene-edits";
 import { select, selectedObject, selection } from "../selection";
 import { offers, unlessOffered, view } from "../store";
@@ -109,11 +109,11 @@ function ObjectFacts({ object }: { object: ViewObject }) {
 /** Return what touches a body, with the size of the force [N], strongest first. */
 export function touching(
   name: string,
-  contacts: readonly ContactInfo[],
+  contacts: readonly Contact[],
 ): { other: string; force: number }[] {
   return contacts
-    .filter(({ bodies }) => bodies.includes(name))
-    .map(({ bodies: [first, second], force }) => ({
+    .filter(({ first, second }) => first === name || second === name)
+    .map(({ first, second, force }) => ({
       other: first === name ? second : first,
       force: Math.hypot(...force),
     }))

@@ -1,6 +1,6 @@
 /** Arrows for the forces at contacts. */
 import { Group, MeshBasicMaterial, Vector3 } from "three";
-import type { ContactInfo, ViewObject } from "../protocol";
+import type { Contact, ViewObject } from "../protocol";
 import { Arrow } from "./arrow";
 import type { Label } from "./labels";
 
@@ -28,7 +28,7 @@ export interface Force {
  * most easily: an object, then a link, then what is fixed.
  */
 export function forcesOf(
-  contacts: readonly ContactInfo[],
+  contacts: readonly Contact[],
   objects: readonly ViewObject[],
   links: ReadonlySet<string>,
 ): Force[] {
@@ -37,7 +37,7 @@ export function forcesOf(
   );
   const rank = (body: string) => (movable.has(body) ? 2 : links.has(body) ? 1 : 0);
   return contacts
-    .map(({ bodies: [first, second], point, force }): Force => {
+    .map(({ first, second, point, force }): Force => {
       const size = Math.hypot(...force);
       if (rank(first) <= rank(second)) {
         return { on: second, by: first, point, force, size };

@@ -75,7 +75,7 @@ export class Interpolator {
   push(frame: Frame, arrival: number): void {
     const newest = this.history.at(-1);
     const values = flattened(frame, newest);
-    const { time, scene } = frame;
+    const { time, scene_number: scene } = frame;
     const sample = { time, arrival, values, scene, joints: frame.position.length };
     if (newest?.time === frame.time) {
       // paused, or posed by hand: there is no time in which to move

@@ -15,6 +15,7 @@ import { WrenchArrow } from "./wrench-arrow";
 
 /** One arm: what is drawn at its tip. */
 interface Tip {
+  readonly arm: string;
   readonly link: string;
   readonly wrench: WrenchArrow;
   readonly trace: Trace;
@@ -47,7 +48,8 @@ export class Overlay {
   ) {
     this.index = new Map(joints.map(({ name }, index) => [name, index]));
     this.links = new Set(model?.links.keys());
-    this.tips = robots.map(({ tip }) => ({
+    this.tips = robots.map(({ name, tip }) => ({
+      arm: name,
       link: tip,
       wrench: new WrenchArrow(),
       trace: new Trace(),
@@ -115,10 +117,10 @@ export class Overlay {
     if (shown.contacts) {
       this.contacts.show(forcesOf(frame.contacts ?? [], this.objects, this.links));
     }
-    this.tips.forEach(({ link, wrench, trace, line }, index) => {
-      if (shown.wrench) wrench.show(this.linkOf(link), frame.wrenches?.[index]);
+    for (const { arm, link, wrench, trace, line } of this.tips) {
+      if (shown.wrench) wrench.show(this.linkOf(link), frame.wrenches?.[arm]);
       if (shown.trace) line.show(trace.path);
-    });
+    }
   }
 
   get labels(): Label[] {

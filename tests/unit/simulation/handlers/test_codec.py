@@ -36,6 +36,12 @@ from tool0.protocol.objects import (
 from tool0.protocol.request import Request, checked
 from tool0.protocol.robot import ReadSnapshot
 from tool0.protocol.running import EmergencyStop, Step
+from tool0.protocol.state_message import (
+    SNAPSHOT_FIELDS,
+    StateMask,
+    snapshot_of,
+    state_message,
+)
 from tool0.protocol.trajectories import FollowTrajectory, TrajectoryPoint
 
 MUG = Compound(
@@ -161,9 +167,9 @@ def test_a_snapshot_arrives_whole_and_a_stream_only_sends_changes() -> None:
         assert getattr(found, name) == getattr(first, name)
     assert found.setpoints() == first.setpoints()
     assert [item.name for item in found.scene] == [item.name for item in first.scene]
-    change = codec.snapshot_message(second, first)
+    change = state_message(second, StateMask(SNAPSHOT_FIELDS), first)
     assert change.scene is change.controllers is msgspec.UNSET
-    after = codec.snapshot_of(change, found)
+    after = snapshot_of(change, found)
     assert after.scene is found.scene
     assert after.position == second.position
 
