@@ -48,8 +48,6 @@ R = TypeVar("R")
 
 CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
 """The arms whose control box is a CB3; all later ones have an e-Series one."""
-
-
 _FIELDS: Final[tuple[StateField, ...]] = (
     *("joint_names", "position", "velocity", "effort", "control_boxes", "arms"),
 )
