@@ -149,6 +149,7 @@ class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
 
 
 _SETPOINTS: Final = ("desired", "desired_velocity", "target")
+_NO_SETPOINT: Final = (None, None, None)
 _RARE: Final = ("joint_names", *RareChanges.__struct_fields__)
 _COPIED: Final = ("position", "velocity", "effort", "command", "contacts")
 SNAPSHOT_FIELDS: Final[tuple[StateField, ...]] = (
@@ -185,7 +186,9 @@ class StateMask:
         self.needs_contacts = "contacts" in fields
         self.rare = tuple(name for name in _RARE if name in fields)
         self.copied = tuple(name for name in _COPIED if name in fields)
-        self.setpoints = tuple(name for name in _SETPOINTS if name in fields)
+        self.setpoints = tuple(
+            (name, k) for k, name in enumerate(_SETPOINTS) if name in fields
+        )
         self.computed = tuple(item for item in _COMPUTED.items() if item[0] in fields)
 
 
@@ -204,7 +207,10 @@ def state_message(
     for name in mask.copied:
         found[name] = getattr(snapshot, name)
     if mask.setpoints:
-        found |= _setpoints(snapshot, mask.setpoints)
+        setpoints = snapshot.setpoints()
+        rows = [setpoints.get(joint, _NO_SETPOINT) for joint in snapshot.joint_names]
+        for name, k in mask.setpoints:
+            found[name] = tuple([row[k] for row in rows])
     for name, compute in mask.computed:
         found[name] = compute(snapshot, mask)
     return StateMessage(time=snapshot.time, tick=snapshot.tick, missed=missed, **found)
@@ -260,18 +266,6 @@ def filled(snapshot: Snapshot, sample: ArmSample) -> ArmSample:
 
 
 # ---- what is computed of a snapshot --------------------------------------------------
-
-
-def _setpoints(
-    snapshot: Snapshot, names: Collection[str]
-) -> dict[str, tuple[float | None, ...]]:
-    setpoints = snapshot.setpoints()
-    rows = [setpoints.get(joint, _NO_SETPOINT) for joint in snapshot.joint_names]
-    columns = zip(_SETPOINTS, zip(*rows, strict=True), strict=False)
-    return {name: column for name, column in columns if name in names}
-
-
-_NO_SETPOINT: Final = (None, None, None)
 
 
 def _motions(snapshot: Snapshot, mask: StateMask) -> dict[str, ControllerMotion]:
