@@ -76,8 +76,9 @@ class ArmSample(Struct, frozen=True):
     mode: MotionMode
     """What moves it: ``free`` is a controller of ROS, or nothing."""
     setpoint: ArmSetpoint | None
-    """Of what moves the arm; measured, if nothing does.  None only in a snapshot of
-    this process: a controller's setpoint has it then."""
+    """Of what moves the arm; measured, if nothing does.  Sent as [positions,
+    velocities, accelerations], base to flange [rad] and per second.  None only in a
+    snapshot of this process: a controller's setpoint has it then."""
     path: int
     """Number of the last path; 0 before the first."""
     path_time: float

@@ -157,6 +157,22 @@ def test_warnings_come_along_and_are_still_printed(
     assert listener.next("log")["message"] == "at last"
 
 
+def test_those_who_ask_for_the_same_share_a_stream_that_begins_for_each(
+    robot: tool0.Robot, listener: Listener
+) -> None:
+    listener.connection.call(following(rate=125.0))
+    assert "joint_names" in listener.next()
+    robot.pause()
+    other = Listener()
+    other.connection.call(following(rate=125.0))
+    assert {"joint_names", "position"} <= other.next().keys()
+    assert len(robot.simulation.bus._subscriptions) == 1
+    listener.connection.call(requests.Request("unsubscribe", {}))
+    robot.resume()
+    assert "joint_names" not in other.next()
+    other.connection.close()
+
+
 def test_a_reset_is_reported(robot: tool0.Robot, listener: Listener) -> None:
     listener.connection.call(following(rate=500.0))
     listener.next()
