@@ -19,9 +19,9 @@ from pathlib import Path
 from subprocess import DEVNULL, PIPE, Popen
 
 import tool0
-from tool0.api.address import Claim
-from tool0.api.channel import backend_of
 from tool0.installation.ros2.installation import NODE_FOLDER, Ros2, find_ros2
+from tool0.protocol.address import Claim
+from tool0.protocol.channel import backend_of
 from tool0.server.server import Server, UnixSocketService
 
 NAME = f"benchmark-ros2-{os.getpid()}"

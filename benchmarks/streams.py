@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from subprocess import PIPE, Popen
 
 import tool0
-from tool0.api.address import Claim
-from tool0.api.channel import backend_of
+from tool0.protocol.address import Claim
+from tool0.protocol.channel import backend_of
 from tool0.server.server import Server, UnixSocketService
 
 NAME = f"benchmark-streams-{os.getpid()}"

@@ -387,7 +387,7 @@ def test_a_missing_mesh_names_file_and_line(tmp_path: Path) -> None:
 def test_a_name_in_use_is_refused_and_the_first_bringup_goes_on(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from tool0.api.address import Claim
+    from tool0.protocol.address import Claim
 
     use_folder(monkeypatch, tmp_path)
     with ExitStack() as stack:

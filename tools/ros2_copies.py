@@ -16,7 +16,7 @@ from tools.ros2_requests import NODE, formatted
 
 MODULE = NODE / "copied.py"
 COPIED: Final = (
-    ("tool0.api.address", ("folders", "socket_path", "insecurity", "is_foreign")),
+    ("tool0.protocol.address", ("folders", "socket_path", "insecurity", "is_foreign")),
     ("tool0.description.transform", ("from_quaternion",)),
     ("tool0.description.model", ("Mimic",)),
     ("tool0.description.forward_kinematics", ("joint_transform",)),

@@ -18,7 +18,6 @@ from typing import Any, get_args, get_origin
 
 import msgspec
 
-from tool0.api.connect import MAX_REQUEST
 from tool0.description.transform import Transform
 from tool0.errors import SourceLocation
 from tool0.protocol import (
@@ -42,6 +41,7 @@ from tool0.protocol import (
 )
 from tool0.protocol.controllers import Role
 from tool0.protocol.request import Request, method_name, response_type
+from tool0.protocol.socket_channel import MAX_REQUEST
 
 NODE = Path(__file__).parents[1] / "src/tool0/ros_packages/tool0_ros2/tool0_ros2"
 MODULE = NODE / "requests.py"

@@ -9,10 +9,10 @@ from path_robot import PathRobot
 from served import serving, use_folder
 
 import tool0
-from tool0.api.channel import LocalChannel
 from tool0.cli import FAILED, OK, main
 from tool0.errors import ControlError
 from tool0.panel.server import Panel
+from tool0.protocol.channel import LocalChannel
 from tool0.protocol.methods import methods
 
 REASON = "this robot only follows joint paths"

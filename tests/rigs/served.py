@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import tool0
-from tool0.api.address import Claim
-from tool0.api.channel import backend_of
+from tool0.protocol.address import Claim
+from tool0.protocol.channel import backend_of
 from tool0.server.server import Server, UnixSocketService
 
 

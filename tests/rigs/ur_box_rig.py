@@ -10,8 +10,8 @@ from collections.abc import AsyncIterator
 from served import serving
 
 import tool0
-from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error
+from tool0.protocol.socket_channel import SocketChannel
 from tool0.ur.control_box import UrControlBox, box_states
 
 _numbers = itertools.count(1)

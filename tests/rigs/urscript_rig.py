@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error
 from tool0.protocol.arm import ListArms
+from tool0.protocol.socket_channel import SocketChannel
 from tool0.protocol.state import ArmSample, ArmSetpoint
 from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.messages import Message, MessageKind, Messages

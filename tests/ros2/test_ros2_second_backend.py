@@ -10,7 +10,7 @@ from ros2_rig import follow, trajectory
 from ur5_rig import ARM_JOINTS
 
 import tool0
-from tool0.api.channel import LocalChannel
+from tool0.protocol.channel import LocalChannel
 from tool0.ros2.node import Ros2Node
 
 PLACE = (0.1, -0.2, 0.3, -0.4, 0.5, 0.6)

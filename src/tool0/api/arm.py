@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
 from tool0.api.arm_motion import ArmMotion
-from tool0.api.channel import Channel
 from tool0.api.control_box import ControlBox
 from tool0.api.controller import GoalHandle
 from tool0.api.sensors import ForceTorque
@@ -21,6 +20,7 @@ from tool0.protocol.arm import (
     ReadToolPose,
     SolveInverseKinematics,
 )
+from tool0.protocol.channel import Channel
 from tool0.protocol.poses import GoToPose
 from tool0.protocol.request import plain
 

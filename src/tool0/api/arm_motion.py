@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Literal, cast, final
 
-from tool0.api.channel import Channel
 from tool0.api.controller import checked_timeout
 from tool0.errors import ControlError, GoalTimeoutError
 from tool0.protocol.arm_motion import (
@@ -27,6 +26,7 @@ from tool0.protocol.arm_motion import (
     TakeArm,
     ZeroWrench,
 )
+from tool0.protocol.channel import Channel
 from tool0.protocol.state import ArmSample
 
 Rows = Sequence[Sequence[float]]

@@ -8,7 +8,6 @@ from typing import TypeVar
 
 import tool0.recording.episodes  # handlers of its requests
 import tool0.recording.requests  # noqa: F401
-from tool0.api.channel import LocalChannel
 from tool0.api.robot import Robot
 from tool0.description.config import (
     UNSET,
@@ -20,6 +19,7 @@ from tool0.description.config import (
 )
 from tool0.description.loading import load_description
 from tool0.description.scene import Scene
+from tool0.protocol.channel import LocalChannel
 from tool0.simulation.bringup import start_simulation
 from tool0.simulation.config import ControlConfig, Names, SimulationConfig
 from tool0.simulation.handlers.backend import SimulationBackend

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from numbers import Real
 from typing import TYPE_CHECKING, final
 
-from tool0.api.channel import Channel
 from tool0.errors import GoalTimeoutError, RequestError
+from tool0.protocol.channel import Channel
 from tool0.protocol.controllers import (
     Gains,
     QueryState,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import final
 
-from tool0.api.channel import Channel
+from tool0.protocol.channel import Channel
 from tool0.protocol.episodes import (
     CloseEpisodes,
     EndEpisode,

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import final
 
-from tool0.api.channel import Channel
 from tool0.api.controller import GoalHandle, checked_timeout
 from tool0.description.grasp_frames import flange_of, grasp_frame
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.transform import Transform
 from tool0.errors import GoalTimeoutError
+from tool0.protocol.channel import Channel
 from tool0.protocol.gripper import GraspState, Grip, ReadGripper
 
 

@@ -8,10 +8,10 @@ from typing import Literal, final
 
 from msgspec.structs import replace
 
-from tool0.api.channel import Channel
 from tool0.api.controller import GoalHandle
 from tool0.errors import ProgramError, RequestError, SourceLocation
 from tool0.programs.files import ProgramFile, read_program
+from tool0.protocol.channel import Channel
 from tool0.protocol.program import Program, path_text
 from tool0.protocol.programs import (
     CheckProgram,

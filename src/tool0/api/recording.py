@@ -11,8 +11,8 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
-from tool0.api.channel import Channel
 from tool0.errors import ControlError, Tool0Error
+from tool0.protocol.channel import Channel
 from tool0.protocol.state import (
     MAX_SNAPSHOT_RATE,
     JointSetpoint,

@@ -9,7 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from tool0.api.channel import Channel, backend_of
 from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.api.gripper import Gripper
 from tool0.api.scene import SceneHandle
@@ -19,6 +18,7 @@ from tool0.description.parts import find_grippers
 from tool0.errors import ControlError, RenderError, RequestError, did_you_mean
 from tool0.kinematics.only_part import only_part
 from tool0.protocol.arm import ListArms
+from tool0.protocol.channel import Channel, backend_of
 from tool0.protocol.controllers import (
     ConfigureController,
     ListControllers,

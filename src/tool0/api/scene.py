@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import final, overload
 
-from tool0.api.channel import Channel
 from tool0.description.scene import DEFAULT_FRICTION, SceneObject
 from tool0.description.shapes import RGBA, Solid, mesh
 from tool0.description.transform import Transform, from_quaternion
 from tool0.errors import ControlError, RequestError, did_you_mean
+from tool0.protocol.channel import Channel
 from tool0.protocol.objects import AddObject, PlaceObject, RemoveObject, shape_of
 from tool0.protocol.request import checked_value
 from tool0.protocol.state import ObjectState, Snapshot

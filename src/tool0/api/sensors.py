@@ -7,9 +7,9 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, final
 
-from tool0.api.channel import Channel, LocalChannel
 from tool0.description.camera import Camera
 from tool0.errors import RenderError
+from tool0.protocol.channel import Channel, LocalChannel
 from tool0.protocol.sensors import (
     DEFAULT_CUTOFF,
     ReadForceTorque,

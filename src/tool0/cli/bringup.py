@@ -10,7 +10,6 @@ import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
-from tool0.api.channel import backend_of
 from tool0.cli import options
 from tool0.cli.options import BringupOptions, RunOptions
 from tool0.cli.text import (
@@ -22,12 +21,13 @@ from tool0.cli.text import (
     ur_lines,
 )
 from tool0.errors import ConfigError, EngineError, EngineUnavailableError
+from tool0.protocol.channel import backend_of
 
 if TYPE_CHECKING:
-    from tool0.api.address import Claim
     from tool0.api.robot import Robot
     from tool0.cli.stop_signal import StopSignal
     from tool0.panel.address import Endpoint
+    from tool0.protocol.address import Claim
     from tool0.ros2.node import Ros2Node
     from tool0.server.hub import Service
     from tool0.server.server import Server
@@ -131,7 +131,7 @@ def _claim(run: RunOptions) -> Claim | None:
             file=sys.stderr,
         )
         return None
-    from tool0.api.address import Claim
+    from tool0.protocol.address import Claim
 
     return Claim(run.name)
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
-from tool0.api.address import DEFAULT_NAME
+from tool0.protocol.address import DEFAULT_NAME
 
 if TYPE_CHECKING:
     from tool0.api.arm import Arm

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any, Final, final
 from starlette.responses import PlainTextResponse
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from tool0.api.channel import backend_of
-from tool0.api.robot import Robot
 from tool0.panel.address import Endpoint, open_endpoint
 from tool0.protocol.backend import Backend
+from tool0.protocol.channel import Connected, backend_of
 from tool0.protocol.motion import PoseJoints
 from tool0.protocol.request import Request
 from tool0.server.server import Server
@@ -222,7 +221,7 @@ class Panel(AbstractContextManager["Panel"]):
 
     def __init__(
         self,
-        robot: Robot | RobotView | Replay,
+        robot: Connected | RobotView | Replay,
         host: str | None = None,
         port: int | None = None,
         token: str | None = None,
@@ -257,10 +256,10 @@ class Panel(AbstractContextManager["Panel"]):
 
 
 def panel_service(
-    robot: Robot | RobotView | Replay, endpoint: Endpoint
+    robot: Connected | RobotView | Replay, endpoint: Endpoint
 ) -> tuple[Backend, WebService]:
     """Return what a server needs to show ``robot`` as a page."""
-    if isinstance(robot, Robot):
+    if isinstance(robot, Connected):
         backend = backend_of(robot.channel)
 
         def view() -> ViewSource:

@@ -14,7 +14,7 @@ from tool0.ros2.options import Ros2Options
 from tool0.server.companion import START_TIMEOUT, Companion
 
 if TYPE_CHECKING:
-    from tool0.api.robot import Robot
+    from tool0.protocol.channel import Connected
 
 
 @final
@@ -26,7 +26,9 @@ class Ros2Node(Companion):
 
     title, kind, unavailable = "ROS 2", "node", RosUnavailableError
 
-    def __init__(self, robot: Robot | str, options: Ros2Options | None = None) -> None:
+    def __init__(
+        self, robot: Connected | str, options: Ros2Options | None = None
+    ) -> None:
         """Start the node; ``wait`` waits until it is up.
 
         Args:

@@ -14,12 +14,12 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeVar
 
-from tool0.api.channel import backend_of
 from tool0.errors import Tool0Error
 from tool0.installation.child_process import ChildProcess, last_lines
+from tool0.protocol.channel import backend_of
 
 if TYPE_CHECKING:
-    from tool0.api.robot import Robot
+    from tool0.protocol.channel import Connected
 
 C = TypeVar("C", bound="Companion")
 
@@ -60,7 +60,7 @@ class Companion:
 
     def __init__(
         self,
-        robot: Robot | str,
+        robot: Connected | str,
         command: Callable[[str], list[str]],
         environment: Mapping[str, str],
     ) -> None:
@@ -196,7 +196,9 @@ class Companion:
             self._logger.log(_LEVELS[level], "%s %s", self.title, text)
 
 
-def _served_name(robot: Robot | str, label: str, stack: contextlib.ExitStack) -> str:
+def _served_name(
+    robot: Connected | str, label: str, stack: contextlib.ExitStack
+) -> str:
     """Return the name at which a robot is served, and serve it if it is ours.
 
     Args:
@@ -206,11 +208,11 @@ def _served_name(robot: Robot | str, label: str, stack: contextlib.ExitStack) ->
     """
     if isinstance(robot, str):
         return robot
-    from tool0.api.connect import SocketChannel
+    from tool0.protocol.socket_channel import SocketChannel
 
     if isinstance(robot.channel, SocketChannel):
         return robot.channel.name
-    from tool0.api.address import Claim
+    from tool0.protocol.address import Claim
     from tool0.server.server import Server, UnixSocketService
 
     claim = Claim(f"{label}-{os.getpid()}-{next(_numbers)}")

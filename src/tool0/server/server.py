@@ -14,14 +14,14 @@ import threading
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, final
 
-from tool0.api.address import is_foreign
 from tool0.errors import TransportError
+from tool0.protocol.address import is_foreign
 from tool0.protocol.fork_guard import OwnProcess
 
 if TYPE_CHECKING:
     import asyncio
 
-    from tool0.api.address import Claim
+    from tool0.protocol.address import Claim
     from tool0.protocol.backend import Backend
     from tool0.server.hub import Hub, Service
 

@@ -12,7 +12,6 @@ from typing import Any, Final, TypeVar, final
 
 import numpy as np
 
-from tool0.api.connect import SocketChannel
 from tool0.description.model import (
     FLANGE,
     GRIPPER_PROTOCOLS,
@@ -28,6 +27,7 @@ from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.scalar_kinematics import ScalarChain, ScalarPosture
 from tool0.protocol.control_box_state import ControlBoxState
 from tool0.protocol.request import Request
+from tool0.protocol.socket_channel import SocketChannel
 from tool0.protocol.state import (
     MAX_SNAPSHOT_RATE,
     ArmSample,

@@ -11,7 +11,7 @@ from tool0.server.companion import START_TIMEOUT, Companion
 from tool0.ur.options import UrArm, UrOptions
 
 if TYPE_CHECKING:
-    from tool0.api.robot import Robot
+    from tool0.protocol.channel import Connected
 
 MODULE: Final = "tool0.ur"
 
@@ -27,7 +27,9 @@ class UrController(Companion):
 
     title, kind, unavailable = "UR", "interface", TransportError
 
-    def __init__(self, robot: Robot | str, options: UrOptions | None = None) -> None:
+    def __init__(
+        self, robot: Connected | str, options: UrOptions | None = None
+    ) -> None:
         """Start the process; ``wait`` waits until its ports are open.
 
         Args:

@@ -9,10 +9,10 @@ import time
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final, Protocol
 
-from tool0.api.connect import SocketChannel
 from tool0.errors import Tool0Error, TransportError
 from tool0.protocol.arm import ListArms
 from tool0.protocol.robot import ReadInfo
+from tool0.protocol.socket_channel import SocketChannel
 from tool0.ur.compiling import prepare
 from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.options import UrArm, UrOptions

@@ -10,12 +10,12 @@ from raises_naming import raises_naming
 from served import use_folder
 
 import tool0
-from tool0.api.address import Claim, folders, running_names, socket_path
 from tool0.errors import TransportError
+from tool0.protocol.address import Claim, folders, running_names, socket_path
 
 HOLDER = """
 import sys
-from tool0.api.address import Claim
+from tool0.protocol.address import Claim
 claim = Claim("taken")
 claim.path.touch()
 print("held", flush=True)

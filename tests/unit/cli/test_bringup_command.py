@@ -11,10 +11,10 @@ import pytest
 from served import serving, use_folder
 
 import tool0
-from tool0.api.address import Claim
 from tool0.cli import FAILED, OK, main
 from tool0.cli.options import BringupOptions, RunOptions
 from tool0.cli.text import finite, greeting
+from tool0.protocol.address import Claim
 
 pytestmark = pytest.mark.slow
 

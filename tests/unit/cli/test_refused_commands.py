@@ -7,9 +7,9 @@ import pytest
 from lacking import Lacking
 
 import tool0
-from tool0.api.address import Claim
-from tool0.api.channel import backend_of
 from tool0.cli import FAILED, main
+from tool0.protocol.address import Claim
+from tool0.protocol.channel import backend_of
 from tool0.protocol.objects import AddObject, RemoveObject
 from tool0.protocol.programs import CheckProgram, RunProgram
 from tool0.protocol.recordings import StartRecording

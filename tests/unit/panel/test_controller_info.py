@@ -3,10 +3,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import tool0
-from tool0.api.channel import backend_of
 from tool0.control.ros1.dialect import ROS1
 from tool0.description.model import Joint, JointLimits, JointType
 from tool0.panel.simulation_view import SimulationView, controller_infos
+from tool0.protocol.channel import backend_of
 from tool0.protocol.controllers import ControllerStatus
 
 KIND = "effort_controllers/JointTrajectoryController"

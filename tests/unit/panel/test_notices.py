@@ -4,7 +4,6 @@ from pathlib import Path
 import pytest
 
 import tool0
-from tool0.api.channel import backend_of
 from tool0.panel.notices import (
     MAX_AT_ONCE,
     NOTICES_KEPT,
@@ -14,6 +13,7 @@ from tool0.panel.notices import (
 )
 from tool0.panel.simulation_view import SimulationView
 from tool0.protocol.bus import Faulted, Overran
+from tool0.protocol.channel import backend_of
 
 ARM = "eff_joint_traj_controller"
 

@@ -12,7 +12,6 @@ import waits
 from served import serving, use_folder
 
 import tool0
-from tool0.api.connect import SocketChannel
 from tool0.errors import ControlError, Tool0Error
 from tool0.protocol.arm_motion import (
     ReadArmMotion,
@@ -23,6 +22,7 @@ from tool0.protocol.arm_motion import (
     TakeArm,
 )
 from tool0.protocol.bus import Subscription
+from tool0.protocol.socket_channel import SocketChannel
 from tool0.protocol.state import ArmSample
 from tool0.protocol.subscriptions import Subscribe
 

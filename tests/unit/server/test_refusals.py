@@ -12,16 +12,16 @@ from lacking import Lacking
 from served import use_folder
 
 import tool0
-from tool0.api.address import Claim
-from tool0.api.channel import LocalChannel, backend_of
-from tool0.api.connect import SocketChannel
 from tool0.errors import ControlError, Tool0Error
+from tool0.protocol.address import Claim
 from tool0.protocol.arm_motion import SpeedTool
 from tool0.protocol.backend import missing_methods
+from tool0.protocol.channel import LocalChannel, backend_of
 from tool0.protocol.motion import SteerJoints
 from tool0.protocol.poses import GoToPose
 from tool0.protocol.request import Request, method_name
 from tool0.protocol.running import EmergencyStop, Pause
+from tool0.protocol.socket_channel import SocketChannel
 from tool0.server.server import Server, UnixSocketService
 
 LONG = 30.0  # [wall s]; only a failing test waits so long

@@ -7,7 +7,7 @@ import logging
 from pathlib import Path
 from typing import final
 
-from tool0.api.address import folders, socket_path
+from tool0.protocol.address import folders, socket_path
 from tool0.ur.robotiq.gripper import RobotiqGripper
 from tool0.ur.robotiq.modbus_rtu import ModbusRtu
 from tool0.ur.robotiq.modbus_tcp import ModbusTcp

@@ -15,11 +15,11 @@ from msgspec import Meta, Struct
 from websockets.sync.client import connect as open_websocket
 
 import tool0
-from tool0.api.address import Claim
 from tool0.errors import RequestError
 from tool0.panel.address import open_endpoint
 from tool0.panel.server import panel_service
 from tool0.protocol import codec
+from tool0.protocol.address import Claim
 from tool0.protocol.request import Request
 from tool0.server.server import Server, UnixSocketService
 from tool0.simulation.handlers.table import handles

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol, TypeVar, final
+from typing import TYPE_CHECKING, Protocol, TypeVar, final, runtime_checkable
 
 from tool0.errors import ControlError
 from tool0.protocol.backend import missing
@@ -132,6 +132,14 @@ class LocalChannel:
     def close(self) -> None:
         if self._process.is_this:  # a forked child leaves it to its parent
             self._states.close()
+
+
+@runtime_checkable
+class Connected(Protocol):
+    """A robot as its user has it: ``tool0.Robot``."""
+
+    @property
+    def channel(self) -> Channel: ...
 
 
 def backend_of(channel: Channel) -> Backend:
