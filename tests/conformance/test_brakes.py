@@ -110,9 +110,7 @@ def test_a_brake_slips_under_more_than_its_torque(bring_up: BringUp) -> None:
     assert np.abs(values(robot, "position") - start).max() > 0.01
 
 
-@pytest.mark.parametrize(
-    ("carried", "declared"), [(0.0, 10.0), (5.0, 0.0), (5.0, 5.0)]
-)
+@pytest.mark.parametrize(("carried", "declared"), [(0.0, 10.0), (5.0, 0.0), (5.0, 5.0)])
 def test_servos_are_stable_with_any_declared_payload(
     bring_up: BringUp, carried: float, declared: float
 ) -> None:

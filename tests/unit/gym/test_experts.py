@@ -12,7 +12,7 @@ import tool0.gym
 from tool0.errors import Tool0Error
 from tool0.gym.tasks import TASKS
 
-N = 16
+N = 8
 
 
 def solved(task: str, n: int = N, **options: Any) -> float:

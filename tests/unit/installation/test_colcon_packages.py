@@ -97,6 +97,7 @@ def spawned(launch: LaunchFile) -> list[str]:
     return [word for n in nodes for word in n.words if word[0] not in "-/"]
 
 
+@pytest.mark.usefixtures("at_once")
 @pytest.mark.slow
 def test_the_checker_finds_no_error(workspace: Workspace) -> None:
     ours = [workspace.packages[name] for name in (BRINGUP, workspace.moveit)]

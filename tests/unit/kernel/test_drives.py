@@ -237,7 +237,7 @@ def test_efforts_are_those_of_python_bit_by_bit(name: str, efforts: Efforts) -> 
     model, reference, hardware = pair(name)
     script = Script(model, reference, name)
     drives, draw = NativeDrives(hardware), random.Random(f"{name} steps")
-    n_native, n_steps = 0, 3000
+    n_native, n_steps = 0, 1500
     for step in range(n_steps):
         state = script.state
         if step == 5 or draw.random() < 0.006:  # what somebody requests

@@ -1,4 +1,4 @@
-"""Checks of files without a process for each."""
+"""Checks of files, without a process for each file."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ from tool0.lint import check
 
 @pytest.fixture
 def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let work be done here: a fork of this large process, for each file, takes long."""
+    """Read files here: to fork this large process for each of them takes long."""
     monkeypatch.setattr(check, "run_limited", lambda work, *a, **k: work(*a, **k))
