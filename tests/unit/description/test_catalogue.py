@@ -528,6 +528,7 @@ ROBOTS = [
 """Each arm and each gripper once: their parts have no name in common."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("arm", "gripper", "gripper_model", "prefix"), ROBOTS)
 def test_what_moves_or_is_seen_has_a_name_for_people(
     arm: str, gripper: str | None, gripper_model: str, prefix: str

@@ -15,6 +15,8 @@ import tool0.gym
 from tool0.errors import Tool0Error
 from tool0.gym.tasks import EPISODE_STEPS, TASKS
 
+pytestmark = pytest.mark.slow
+
 N = 5
 SEED = 5
 ACTIONS, OBSERVATIONS = ("joint", "cartesian", "pose"), ("state", "dict", "goal")

@@ -12,6 +12,8 @@ import tool0.gym
 from tool0.errors import Tool0Error
 from tool0.gym.tasks import TASKS
 
+pytestmark = pytest.mark.slow
+
 N = 8
 
 

@@ -261,6 +261,7 @@ def test_a_launch_file_finds_all_that_it_includes(workspace: Workspace) -> None:
             assert [n for n in launch.nodes() if not isinstance(n, Node)] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arm", ["ur3", "ur10e", "ur30"])
 @pytest.mark.parametrize("gripper", ["none", "2f140", "hande"])
 def test_any_robot_of_the_catalogue_can_be_written(arm: str, gripper: str) -> None:

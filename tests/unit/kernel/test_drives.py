@@ -232,6 +232,7 @@ def pair(name: str) -> tuple[RobotModel, RobotHardware, RobotHardware]:
     return model, first, second
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MODELS)
 def test_efforts_are_those_of_python_bit_by_bit(name: str, efforts: Efforts) -> None:
     model, reference, hardware = pair(name)

@@ -19,6 +19,8 @@ from tool0.kernel import library
 from tool0.protocol.controllers import Role
 from tool0.simulation.config import ControlConfig, SimulationConfig
 
+pytestmark = pytest.mark.slow
+
 Record = list[object]
 Scenario = Callable[[Any, Record], None]
 
