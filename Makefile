@@ -25,12 +25,13 @@ WORKERS ?= $(shell n=$$(getconf _NPROCESSORS_ONLN); echo $$((n < 4 ? n + 1 : 4))
 PYTEST  := $(BIN)/python -m pytest
 AT_ONCE := $(PYTEST) --numprocesses=$(WORKERS)
 STURDY  := tests/unit tests/conformance
-# Those that measure wall time, or hold what is sent to a rate: one at a time.
-ALONE   := $(addprefix tests/clients/test_,browser_tool.py panel_jog.py panel_outage.py \
-           stop_under_flood.py ur_rtde.py ur_rtde_safety.py)
-# Those of other programs, which mostly wait: two files at a time.
-TWO_FILES := $(PYTEST) --numprocesses=2 --dist=loadfile
+# Those of other programs, whole files at a time: they share a Gazebo or a ROS.
 PATIENT := tests/gazebo tests/ros1 tests/ros2 tests/ur $(wildcard tests/test_*.py)
+# Those that measure wall time, or hold what is sent to a rate: one at a time.
+ALONE   := $(addprefix tests/clients/test_,panel_jog.py stop_under_flood.py ur_rtde.py \
+           ur_rtde_safety.py)
+# Those of browsers, which draw with the processor: two files at a time.
+TWO_FILES := $(PYTEST) --numprocesses=2
 CLIENTS := $(filter-out $(ALONE),$(wildcard tests/clients/test_*.py))
 
 # Programs that the tests start load compiled modules.
@@ -89,7 +90,7 @@ test: $(DEV) $(PAGE) $(KERNEL) $(BROWSER) $(GAZEBO) $(ROS1) $(ROS2) $(GL) unit-w
 	export TOOL0_REQUIRE='$(TOOL0_REQUIRE)'; failed=; chosen=; \
 	run() { "$$@" $(ARGS); case $$? in 0) chosen=1;; 5) ;; *) failed=1;; esac; }; \
 	run $(AT_ONCE) $(STURDY); \
-	run $(TWO_FILES) $(PATIENT); \
+	run $(AT_ONCE) $(PATIENT); \
 	run $(TWO_FILES) $(CLIENTS); \
 	run $(PYTEST) $(patsubst %,--ignore=%,$(STURDY) $(PATIENT) $(CLIENTS)); \
 	[ -z "$$failed" ] && [ "$$chosen" ]  # status 5: ARGS chose none of them

@@ -1,6 +1,6 @@
 """Train a linear policy to reach, with an evolution strategy: needs tool0[gym].
 
-The cross-entropy method: try 32 policies at once, each on the same two goals, and draw
+The cross-entropy method: try 24 policies at once, each on the same two goals, and draw
 the next ones around the best.
 """
 
@@ -9,7 +9,7 @@ import numpy as np
 
 import tool0.gym  # noqa: F401  # registers the tasks
 
-POLICIES, GOALS, ELITES, GENERATIONS = 32, 2, 8, 12
+POLICIES, GOALS, ELITES, GENERATIONS = 24, 2, 6, 8
 STEPS, N = 25, POLICIES * GOALS
 ENVS = gymnasium.make_vec(
     "tool0/Reach-v0",

@@ -22,7 +22,10 @@ _LATE = re.compile(r"\d+ ticks began late in the last second")
 
 SUCCEEDED = r"GoalResult\(status=SUCCEEDED, error_code=0, error_string=''\)"
 PRINTED = {
-    "01_hello_arm": [SUCCEEDED, r"3\.\d+ 1\.[34]\d* Transform\(.*"],
+    "01_hello_arm": [
+        SUCCEEDED,
+        r"3\.[0-7]\d* 1\.(3[89]|4[01])\d* Transform\(position.*",
+    ],
     "02_gripper": [
         r"opening 8\d\.\d mm",
         r"SUCCEEDED after .* s: (39|40)\.\d mm, finger_joint .* rad",
@@ -108,7 +111,7 @@ PRINTED = {
     ],
     "17_train_reach": [
         r"success before: \d%",
-        r"generation 11: mean reward -0\.\d+",
+        r"generation 7: mean reward -0\.\d+",
         r"success after: (8\d|9\d|100)%",
     ],
     "18_batch": [
@@ -213,22 +216,3 @@ def test_the_video_of_an_example_needs_an_extra_and_says_so(tmp_path: Path) -> N
     assert "tool0[video]" in (ast.get_docstring(ast.parse(camera.read_text())) or "")
     printed = run(camera, tmp_path, "-c", WITHOUT_VIDEO)
     assert re.search(r"^no video: .*pip install 'tool0\[video\]'", printed, re.M)
-
-
-def test_the_first_one_succeeds_as_the_readme_says(tmp_path: Path) -> None:
-    lines = run(EXAMPLES[0], tmp_path).splitlines()
-    assert lines[0] == "GoalResult(status=SUCCEEDED, error_code=0, error_string='')"
-    time, elbow, pose = lines[1].split(maxsplit=2)
-    assert 3.0 <= float(time) <= 3.7
-    assert float(elbow) == pytest.approx(1.4, abs=0.02)
-    assert pose.startswith("Transform(position=(")
-
-
-def test_the_python_in_the_readme_runs_too(tmp_path: Path) -> None:
-    readme = (EXAMPLES[0].parent.parent / "README.md").read_text()
-    blocks = [part.partition("```")[0] for part in readme.split("```python\n")[1:]]
-    assert blocks
-    for number, block in enumerate(blocks):
-        path = tmp_path / f"{number}.py"
-        path.write_text(block)
-        assert "SUCCEEDED" in run(path, tmp_path)

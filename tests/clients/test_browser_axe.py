@@ -32,8 +32,9 @@ def violations(tab: Tab) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
-@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize(
+    ("width", "theme"), zip(WIDTHS, ("dark", "light", "dark"), strict=True)
+)
 def test_axe_finds_nothing(
     browser: Browser, panel: Panel, width: str, theme: str
 ) -> None:

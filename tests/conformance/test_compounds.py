@@ -80,28 +80,21 @@ def test_each_shape_touches_and_they_are_one_in_the_contacts(
     assert contact.point[0] == pytest.approx(1.5, abs=2e-3)
 
 
-@pytest.mark.parametrize(
-    ("axis", "inertia"),
-    [
-        (0, MASS * 0.4 * RADIUS**2),
-        (1, MASS * (0.4 * RADIUS**2 + ARM**2)),
-        (2, MASS * (0.4 * RADIUS**2 + ARM**2)),
-    ],
-)
-def test_a_dumbbell_turns_as_its_inertia_says(
-    bring_up: BringUp, axis: int, inertia: float
-) -> None:
+def test_a_dumbbell_turns_as_its_inertia_says(bring_up: BringUp) -> None:
+    along, across = MASS * 0.4 * RADIUS**2, MASS * (0.4 * RADIUS**2 + ARM**2)
     high = Pose(xyz=(3.0, 0.0, 50.0))
     dumbbell = SceneObject(name="dumbbell", geometry=DUMBBELL, pose=high, mass=MASS)
     robot = bring_up(scene=Scene((dumbbell,)), paused=True)
-    torque = [0.0, 0.0, 0.0]
-    torque[axis] = 0.02
-    robot.apply_wrench("dumbbell", torque=torque, duration=0.1)
-    robot.step(200)
-    expected = [0.0, 0.0, 0.0]
-    expected[axis] = 0.02 * 0.1 / inertia
-    angular = robot.scene.states["dumbbell"].angular
-    assert angular == pytest.approx(expected, rel=1e-3, abs=1e-9)
+    for axis, inertia in enumerate((along, across, across)):
+        robot.reset()
+        torque = [0.0, 0.0, 0.0]
+        torque[axis] = 0.02
+        robot.apply_wrench("dumbbell", torque=torque, duration=0.1)
+        robot.step(200)
+        expected = [0.0, 0.0, 0.0]
+        expected[axis] = 0.02 * 0.1 / inertia
+        angular = robot.scene.states["dumbbell"].angular
+        assert angular == pytest.approx(expected, rel=1e-3, abs=1e-9)
 
 
 def test_one_that_is_fixed_carries_and_is_put_elsewhere(bring_up: BringUp) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conformance_types import BringUp
+from flat_options import configured
 from ur5_rig import ARM_JOINTS, AWAY, HOME, point, positions
 
 import tool0
@@ -53,20 +55,38 @@ def write_yaml(folder: Path, interface: str) -> Path:
     return path
 
 
-@pytest.fixture(params=INTERFACES)
+@pytest.fixture(scope="module", params=INTERFACES)
 def interface(request: pytest.FixtureRequest) -> str:
     name: str = request.param
     return name
 
 
-@pytest.fixture
-def robot(bring_up: BringUp, interface: str, tmp_path: Path) -> tool0.Robot:
-    return bring_up(
-        controllers_file=write_yaml(tmp_path, interface),
+@pytest.fixture(scope="module")
+def shared_robot(
+    engine: str, interface: str, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tool0.Robot]:
+    """Bring a robot up, for all tests of an interface."""
+    options = configured(
+        engine=engine,
+        realtime=False,
+        controllers_file=write_yaml(tmp_path_factory.mktemp("yaml"), interface),
         controllers="states trajectory",
         stopped_controllers="group single",
         transmission_hw_interface=INTERFACES[interface],
     )
+    with tool0.bringup(**options) as robot:
+        yield robot
+
+
+@pytest.fixture
+def robot(shared_robot: tool0.Robot) -> tool0.Robot:
+    """Return it as if just brought up, with its trajectory controller running."""
+    robot = shared_robot
+    running = {status.name for status in robot.controllers() if status.is_running}
+    robot.switch(stop=sorted(running & {"trajectory", "group", "single"}))
+    robot.reset()
+    robot.switch(start=["trajectory"])
+    return robot
 
 
 def test_each_claims_its_joints_by_its_interface(

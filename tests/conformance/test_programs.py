@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import pytest
-from conformance_types import BringUp
+from flat_options import configured
 from taught_programs import TABLE, TOOL, search, taught_pick
 
 import tool0
@@ -14,9 +15,18 @@ TIMEOUT = 60.0
 """[simulated s]"""
 
 
-@pytest.fixture
-def robot(bring_up: BringUp) -> tool0.Robot:
-    return bring_up(arm="ur5e", scene="table_and_bin", initial_pose="home")
+@pytest.fixture(scope="module")
+def shared_robot(engine: str) -> Iterator[tool0.Robot]:
+    """Bring a robot up before a table, for all tests."""
+    options = configured(
+        arm="ur5e",
+        engine=engine,
+        scene="table_and_bin",
+        initial_pose="home",
+        realtime=False,
+    )
+    with tool0.bringup(**options) as robot:
+        yield robot
 
 
 def test_a_taught_pick_puts_the_cube_into_the_bin(robot: tool0.Robot) -> None:
@@ -34,8 +44,9 @@ def test_a_taught_pick_puts_the_cube_into_the_bin(robot: tool0.Robot) -> None:
 def test_a_search_stops_at_the_table_and_goes_on_from_there(
     robot: tool0.Robot, changes: dict[str, object]
 ) -> None:
-    handle = robot.run_program(search(**changes))
     box = robot.arm.control_box
+    box.set_digital_output(5, False)  # the program sets it at the table
+    handle = robot.run_program(search(**changes))
     assert robot.channel.wait_until(lambda: box.state.digital_outputs[5], TIMEOUT)
     lowest = robot.arm.pose(tool=TOOL).position[2]
     forces = [

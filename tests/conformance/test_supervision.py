@@ -32,18 +32,26 @@ UNLOCK_AFTER = 5.1
 """[s]"""
 POSITIONS = "hardware_interface/PositionJointInterface"
 ON_GAZEBO = {"goal of ROS 1", "path", "program, line"}
-"""Ways that are also tested there, with the floor and the emergency stop."""
+FAULTS_ON_GAZEBO = {
+    "test_the_floor_in_the_way",
+    "test_an_emergency_stop",
+    "test_waiting_for_a_path_tells_how_it_ended",
+}
+"""Ways and faults that are also tested there."""
 STREAMS = {"servo", "speed", "jog"}
 
 Robot = Callable[[str], tool0.Robot]
 
 
 @pytest.fixture
-def robot_for(bring_up: BringUp, engine: str, tmp_path: Path) -> Robot:
+def robot_for(
+    bring_up: BringUp, engine: str, tmp_path: Path, request: pytest.FixtureRequest
+) -> Robot:
     """Bring a robot up for a way to move it."""
 
     def bring(name: str) -> tool0.Robot:
-        if engine != "mujoco" and name not in ON_GAZEBO:
+        is_there = name in ON_GAZEBO and request.function.__name__ in FAULTS_ON_GAZEBO
+        if engine != "mujoco" and not is_there:
             pytest.skip("the supervision knows no engine: a few ways will do")
         more = {}
         if WAYS[name].controllers:

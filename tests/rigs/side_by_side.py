@@ -12,8 +12,12 @@ import pytest
 from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
-SINGLE: Final = "tests/conformance/"
-"""Here nothing that is costly is shared by the tests of a file: each goes anywhere."""
+SINGLE: Final = (
+    "tests/conformance/",
+    "tests/test_examples.py",
+    "tests/test_tutorial.py",
+)
+"""Here little that is costly is shared by the tests of a file: each goes anywhere."""
 
 
 def pytest_configure(config: pytest.Config) -> None:

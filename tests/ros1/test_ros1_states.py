@@ -122,12 +122,14 @@ def test_ctrl_c_unregisters_its_names(ros: Ros) -> None:
 
 @pytest.mark.usefixtures("rospy")
 def test_a_node_can_be_unregistered_with_all_its_names(ros: Ros) -> None:
+    """With a parameter, too, which rospy subscribes to with its first warning."""
     uri, topic = "http://127.0.0.1:1/", "/gone/topic"
     master, other = Master("/gone/node"), Master("/other/node")
     for each in (master, other):
         each.call("registerPublisher", topic, "std_msgs/Bool", uri)
         each.call("registerSubscriber", "/gone/heard", "std_msgs/Bool", uri)
     master.call("registerService", "/gone/service", "rosrpc://127.0.0.1:1", uri)
+    master.call("subscribeParam", uri, "/rosout_disable_topics_generation")
     assert ros.address_of("/gone/node") == uri
     master.unregister_all(uri)
     assert ros.address_of("/gone/node") is None

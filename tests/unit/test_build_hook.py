@@ -59,6 +59,7 @@ def make(
     return made, done.stderr
 
 
+@pytest.mark.slow
 def test_a_wheel_has_the_kernel_for_every_python(project: Path, tmp_path: Path) -> None:
     require_compiler()
     wheel, said = make(project, "wheel", tmp_path / "dist")

@@ -173,6 +173,7 @@ def undocumented(name: str) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*tool0.__all__, *tool0.scene.__all__])
 def test_every_public_member_is_documented(name: str) -> None:
     assert undocumented(name) == []

@@ -56,6 +56,7 @@ def moved(robot: tool0.Robot, before: dict[str, float]) -> set[str]:
     }
 
 
+@pytest.mark.slow
 def test_arms_grippers_sensors_and_cameras_go_by_the_robots_names(
     robot: tool0.Robot,
 ) -> None:
@@ -76,6 +77,7 @@ def test_each_robot_starts_where_the_file_says(robot: tool0.Robot) -> None:
     assert position["left_elbow_joint"] == pytest.approx(1.5708, abs=0.02)
 
 
+@pytest.mark.slow
 def test_a_pose_moves_all_robots_or_one(robot: tool0.Robot) -> None:
     before = dict(robot.joint_state.position)
     for goal in robot.go_to_pose("up", robot="left"):

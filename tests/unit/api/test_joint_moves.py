@@ -48,6 +48,7 @@ def test_what_is_not_named_stays_or_goes_on(robot: tool0.Robot) -> None:
     assert desired(robot) == pytest.approx({**before, PAN: 1.0, LIFT: -1.0})
 
 
+@pytest.mark.slow
 def test_a_stream_of_new_targets_is_followed_smoothly(robot: tool0.Robot) -> None:
     rng = np.random.default_rng(8)
     robot.run(1.0)  # the arm sags into its PIDs at first

@@ -9,6 +9,8 @@ from batch_rig import Beside, block_between
 import tool0
 from tool0.scene import Scene
 
+pytestmark = pytest.mark.slow
+
 HOME = tool0.DescriptionConfig()
 SLIDING = tool0.DescriptionConfig(arm="ur10e", gripper="hande")
 CELL = tool0.DescriptionConfig(robots=["left=ur5+2f85@0,0.5,0", "right=ur3e@0,-0.5,0"])

@@ -185,6 +185,7 @@ def settled_threads() -> int:
     return found[-1]
 
 
+@pytest.mark.slow
 @needs_kernel
 def test_threads_end_with_the_batch() -> None:
     before = settled_threads()

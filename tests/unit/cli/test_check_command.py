@@ -70,6 +70,7 @@ def test_a_path_that_is_not_there_is_a_mistake(
     assert "PATH ... is missing" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", ["a: [1, 2\nb: 3\n", "a:\n\t- 1\n", "[" * 50_000])
 def test_yaml_that_cannot_be_parsed_is_an_error_whatever_it_is_about(
     text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -93,6 +93,7 @@ def test_columns_are_aligned_and_end_without_blanks() -> None:
     assert columns([]) == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("form", "start"),
     [

@@ -61,8 +61,10 @@ def assert_refused(done: subprocess.CompletedProcess[str], *words: str) -> None:
         assert word in done.stderr
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-@pytest.mark.parametrize("output", ["/dev/full", "&-"])
+@pytest.mark.parametrize(
+    ("command", "output"),
+    [*((name, "/dev/full") for name in COMMANDS), ("help", "&-"), ("bringup", "&-")],
+)
 def test_an_output_that_cannot_be_written_is_named(
     command: str, output: str, folder: Path
 ) -> None:
@@ -72,9 +74,14 @@ def test_an_output_that_cannot_be_written_is_named(
 
 
 def test_with_nowhere_to_write_only_the_status_tells(folder: Path) -> None:
-    for shell in ('exec "$@" <&- >&- 2>&-', 'exec "$@" >/dev/full 2>/dev/full'):
-        for arguments in (BRINGUP, ["move", "--wrong"], ["state"], ["wrong"]):
-            assert run(arguments, folder, shell=shell).returncode == FAILED
+    closed, full = 'exec "$@" <&- >&- 2>&-', 'exec "$@" >/dev/full 2>/dev/full'
+    for shell, arguments in (
+        (closed, BRINGUP),
+        (full, BRINGUP),
+        (closed, ["move", "--wrong"]),
+        (full, ["state"]),
+    ):
+        assert run(arguments, folder, shell=shell).returncode == FAILED
 
 
 def test_a_folder_in_place_of_the_lock_is_named(folder: Path) -> None:
@@ -98,10 +105,16 @@ def test_without_a_home_a_variable_is_named(folder: Path) -> None:
     assert_refused(done, "HOME")
 
 
-@pytest.mark.parametrize("limit", [5, 6, 8, 10, 12, 14])
-@pytest.mark.parametrize("panel", ["--headless", "--no-open"])
+@pytest.mark.parametrize(
+    ("panel", "limit"),
+    [
+        *(("--no-open", limit) for limit in (6, 8, 10, 12, 14)),
+        ("--headless", 5),
+        ("--headless", 8),
+    ],
+)
 def test_few_descriptors_are_enough_or_are_named(
-    limit: int, panel: str, folder: Path
+    panel: str, limit: int, folder: Path
 ) -> None:
     arguments = [*BRINGUP, panel]
     done = run(arguments, folder, shell=f'ulimit -n {limit}; exec "$@"')
@@ -110,14 +123,12 @@ def test_few_descriptors_are_enough_or_are_named(
     assert done.stderr.count("\n") <= 1
 
 
-@pytest.mark.parametrize("command", [*COMMANDS, "tree"])
 @pytest.mark.parametrize(
-    "variables",
+    ("command", "variables"),
     [
-        {"PYTHONIOENCODING": "ascii"},
-        {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+        *((name, {"PYTHONIOENCODING": "ascii"}) for name in [*COMMANDS, "tree"]),
+        ("tree", {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}),
     ],
-    ids=["ascii", "C"],
 )
 def test_an_output_in_ascii_is_readable(
     command: str, variables: dict[str, str], folder: Path

@@ -96,6 +96,7 @@ def test_programs_are_saved_listed_run_exported_and_deleted(
     assert "no program 'hello' is saved" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_the_program(robot: tool0.Robot, file: Path) -> None:
     file.write_text(ENDLESS)
     command = [sys.executable, "-m", "tool0", "run", str(file)]

@@ -160,6 +160,7 @@ def test_each_robot_with_a_namespace_has_a_joint_state_controller() -> None:
     assert config_alike.parameters() == parsed(description)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gripper_action", [False, True])
 def test_what_is_printed_is_what_runs(gripper_action: bool) -> None:
     for description in (assemble(), assemble(DERIVED), cell()):

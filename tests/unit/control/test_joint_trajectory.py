@@ -354,6 +354,7 @@ BAD_POINTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [*BAD_JOINTS, *BAD_POINTS])
 @pytest.mark.parametrize("method", ["follow", "command"])
 def test_a_bad_goal_is_rejected_and_what_runs_is_untouched(

@@ -169,6 +169,7 @@ def test_every_pedestal_reaches_the_ground() -> None:
         assert ends == pytest.approx([-height] * 2)
 
 
+@pytest.mark.slow
 def test_a_pedestal_is_as_wide_as_the_base_on_it() -> None:
     model = described("small=ur3", "large=ur20@1,0,0").model
     for name in ("small", "large"):

@@ -24,6 +24,7 @@ def ament(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "ament_index_python.packages", packages)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("ament")
 @pytest.mark.parametrize(
     "args",

@@ -119,6 +119,7 @@ def test_the_fingers_loops_close_at_every_opening(prefix: str) -> None:
             assert math.dist(first, second) < 1e-9
 
 
+@pytest.mark.slow
 def test_the_linkage_differs_from_mimic_in_its_passive_joints_alone() -> None:
     mimic, linkage = assemble().model, assemble(gripper_model="linkage").model
     assert mimic.links == linkage.links

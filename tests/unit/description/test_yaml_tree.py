@@ -36,6 +36,7 @@ HOSTILE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("read", [lambda file: read_files([file]), read_verbatim])
 @pytest.mark.parametrize("case", HOSTILE)
 def test_a_hostile_text_is_refused(case: str, read: Read, tmp_path: Path) -> None:

@@ -90,6 +90,7 @@ def test_the_xacro_s_gearboxes_stay_where_they_are_exact() -> None:
     assert gearboxes(urdf_of()) == OF_THE_2F85
 
 
+@pytest.mark.slow
 def test_gearboxes_are_made_where_the_urdf_brings_none() -> None:
     made = gearboxes(urdf_of(TWO_ROBOTS))
     assert made == {
@@ -184,6 +185,7 @@ def test_meshes_are_named_by_absolute_path() -> None:
     assert all(name.startswith("file:///") for name in meshes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_bodies_are_sent_where_the_kinematics_say(seed: int) -> None:
     model = load_robot(TWO_ROBOTS).model

@@ -99,6 +99,7 @@ def test_links_that_collide_in_the_default_pose_are_disabled() -> None:
     assert disabled_collisions(chain(), {"second": 0.0})[ENDS] == "Default"
 
 
+@pytest.mark.slow
 def test_links_of_one_mechanism_may_touch() -> None:
     description = assemble()
     disabled = disabled_collisions(description.model, named_poses(description)["home"])
@@ -140,6 +141,7 @@ def robot(request: pytest.FixtureRequest) -> Robot:
     return description, disabled_collisions(description.model, home)
 
 
+@pytest.mark.slow
 def test_each_reason_holds_in_other_poses(robot: Robot) -> None:
     description, disabled = robot
     model = description.model
@@ -185,6 +187,7 @@ def test_no_named_pose_collides(robot: Robot) -> None:
         assert shapes.colliding_at(pose) <= disabled.keys(), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("distance", "is_checked"), [(1.0, True), (5.0, False)])
 def test_robots_in_reach_of_each_other_are_checked(
     distance: float, is_checked: bool

@@ -83,6 +83,7 @@ def test_a_free_fall_keeps_its_energy(skew_model: RobotModel) -> None:
     assert abs(engine.data.energy.sum() - start) < 0.01 * kinetic
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("arm", "gripper"), CATALOGUE)
 def test_every_robot_steps_for_a_second_under_noise_without_a_warning(
     arm: str, gripper: str | None

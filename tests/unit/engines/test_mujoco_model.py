@@ -63,6 +63,7 @@ def robot(request: pytest.FixtureRequest) -> RobotModel:
     return named_robot(request.param)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arm", arms())
 def test_an_arm_with_a_long_tool_touches_nothing_in_its_poses(arm: str) -> None:
     description = assemble(arm, gripper=None)

@@ -12,7 +12,9 @@ import tool0.gym
 from tool0.errors import Tool0Error
 from tool0.gym.tasks import TASKS
 
-N = 16
+pytestmark = pytest.mark.slow
+
+N = 8
 
 
 def solved(task: str, n: int = N, **options: Any) -> float:

@@ -160,6 +160,7 @@ def ripple(steps_per_command: int) -> tuple[float, float]:
     return max(errors[500:]), float(np.abs(np.diff(efforts[500:])).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps_per_command", [2, 4, 8])
 def test_commands_of_a_longer_period_are_followed_as_smoothly(
     steps_per_command: int,

@@ -97,6 +97,7 @@ def spawned(launch: LaunchFile) -> list[str]:
     return [word for n in nodes for word in n.words if word[0] not in "-/"]
 
 
+@pytest.mark.usefixtures("at_once")
 @pytest.mark.slow
 def test_the_checker_finds_no_error(workspace: Workspace) -> None:
     ours = [workspace.packages[name] for name in (BRINGUP, workspace.moveit)]
@@ -260,6 +261,7 @@ def test_a_launch_file_finds_all_that_it_includes(workspace: Workspace) -> None:
             assert [n for n in launch.nodes() if not isinstance(n, Node)] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arm", ["ur3", "ur10e", "ur30"])
 @pytest.mark.parametrize("gripper", ["none", "2f140", "hande"])
 def test_any_robot_of_the_catalogue_can_be_written(arm: str, gripper: str) -> None:

@@ -104,6 +104,7 @@ def ur5() -> Package:
     return Package(assemble("ur5", None))
 
 
+@pytest.mark.slow
 def test_the_urdf_is_the_robot(package: Package) -> None:
     assert package.model == package.description.model
 

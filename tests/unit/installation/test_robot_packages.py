@@ -101,6 +101,7 @@ def test_an_arm_without_gripper_has_controllers() -> None:
     assert "gripper_controller" not in yaml.safe_load(files[path])
 
 
+@pytest.mark.slow
 def test_your_own_folder_goes_among_the_built_in_ones(tmp_path: Path) -> None:
     config = BUNDLED / "tool0_description" / "config" / "arms"
     own = tmp_path / "long_arm"

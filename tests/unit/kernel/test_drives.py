@@ -232,12 +232,13 @@ def pair(name: str) -> tuple[RobotModel, RobotHardware, RobotHardware]:
     return model, first, second
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MODELS)
 def test_efforts_are_those_of_python_bit_by_bit(name: str, efforts: Efforts) -> None:
     model, reference, hardware = pair(name)
     script = Script(model, reference, name)
     drives, draw = NativeDrives(hardware), random.Random(f"{name} steps")
-    n_native, n_steps = 0, 3000
+    n_native, n_steps = 0, 1500
     for step in range(n_steps):
         state = script.state
         if step == 5 or draw.random() < 0.006:  # what somebody requests

@@ -54,6 +54,7 @@ def _compiler() -> None:
 # --- what is compiled ---
 
 
+@pytest.mark.slow
 def test_the_sources_of_the_kernel_compile_without_a_warning(tmp_path: Path) -> None:
     folder = copy_kernel(tmp_path / "kernel")
     path = build(folder, flags=["-Werror"])
@@ -217,6 +218,7 @@ def run_command(folder: Path, *words: str, cc: str) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
+@pytest.mark.slow
 def test_the_command_compiles_what_is_stale(tmp_path: Path) -> None:
     cc = shlex.join(require_compiler())
     folder = copy_kernel(tmp_path / "kernel")

@@ -19,6 +19,8 @@ from tool0.kernel import library
 from tool0.protocol.controllers import Role
 from tool0.simulation.config import ControlConfig, SimulationConfig
 
+pytestmark = pytest.mark.slow
+
 Record = list[object]
 Scenario = Callable[[Any, Record], None]
 
@@ -119,7 +121,7 @@ def assert_identical(
 
 def trajectories(robot: Any, record: Record) -> None:
     """Send random goals, and let most of them end."""
-    send_goals(robot, record, random.Random(1), count=12, rest=1.5)
+    send_goals(robot, record, random.Random(1), count=8, rest=1.0)
 
 
 def send_goals(
@@ -258,7 +260,7 @@ def paths(robot: Any, record: Record) -> None:
     rng, motion = random.Random(5), robot.arm.motion
     robot.run(0.1)
     motion.take()
-    for k in range(8):
+    for k in range(6):
         start = motion.state.setpoint.positions
         count = rng.choice((1, 2, 40))
         times = [0.03 * (n + 1) + (n + 1) / count for n in range(count)]
@@ -441,6 +443,6 @@ def test_of_scaled_trajectories(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_of_many_goals(monkeypatch: pytest.MonkeyPatch) -> None:
     def many(robot: Any, record: Record) -> None:
-        send_goals(robot, record, random.Random(7), count=500, rest=0.05)
+        send_goals(robot, record, random.Random(7), count=250, rest=0.05)
 
     assert_identical(monkeypatch, many)

@@ -56,6 +56,7 @@ def test_the_flange_is_where_the_table_says(name: str) -> None:
     np.testing.assert_allclose(poses, by_table(TABLES["arms"][name], q), atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", arms())
 def test_inverse_kinematics_find_the_way_back(name: str) -> None:
     """``make bench`` does the same with 10 000 poses."""

@@ -49,6 +49,7 @@ def test_every_branch_of_random_poses_is_found(arm: InverseKinematics) -> None:
     check_all_branches(arm, seed=0)
 
 
+@pytest.mark.slow
 def test_a_calibrated_arm_is_solved_by_its_own_lengths(tmp_path: Path) -> None:
     chain = ur5(kinematics_params=calibration(tmp_path))
     q = HOME[None]

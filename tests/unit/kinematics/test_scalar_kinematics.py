@@ -15,6 +15,7 @@ from tool0.kinematics.scalar_kinematics import ScalarChain
 N = 50
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arm", arms())
 def test_postures_agree(arm: str) -> None:
     rng = np.random.default_rng(seed=7)

@@ -13,7 +13,6 @@ from tool0.cli import OK, main
 from tool0.description.loading import GRIPPER_MODELS, assemble
 from tool0.description.packages import BUNDLED
 from tool0.errors import ConfigError
-from tool0.lint import check as module
 from tool0.lint.check import check
 
 pytestmark = pytest.mark.slow
@@ -26,6 +25,7 @@ SEEDS = [
 ]
 
 
+@pytest.mark.usefixtures("at_once")
 def test_the_packages_that_we_write_are_clean(tmp_path: Path) -> None:
     """But for the knuckles, which carry a rotor's inertia in Gazebo, on purpose."""
     assert main(["workspace", str(tmp_path), "--moveit"]) == OK
@@ -42,12 +42,6 @@ def test_a_urdf_that_we_make_is_clean(tmp_path: Path, gripper_model: str) -> Non
     path = tmp_path / "robot.urdf"
     path.write_text(assemble(gripper_model=gripper_model).urdf)
     assert check([path]).findings == ()
-
-
-@pytest.fixture
-def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let work be done here: a child for each example takes too long."""
-    monkeypatch.setattr(module, "run_limited", lambda work, *a, **k: work(*a, **k))
 
 
 def mangled(text: str, seed: int) -> str:
@@ -77,7 +71,7 @@ def mangled(text: str, seed: int) -> str:
 
 @pytest.mark.usefixtures("at_once")
 @settings(
-    max_examples=80,
+    max_examples=30,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )

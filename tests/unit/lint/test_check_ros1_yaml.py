@@ -32,6 +32,7 @@ def robot() -> RobotFacts:
     return facts_of(Tag(root))
 
 
+@pytest.mark.slow
 def test_a_good_file_is_clean(robot: RobotFacts) -> None:
     assert of_yaml(ARM) == of_yaml(ARM, robot) == []
 

@@ -7,7 +7,7 @@ from check_files import rules, write
 
 from tool0.lint.check import check
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("at_once")]
 
 FILES = {
     "package.xml": """

@@ -48,6 +48,7 @@ def blend_times(plan: MovePlan) -> np.ndarray:
     return np.linspace(plan.zones[0], plan.duration, 4001)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radius", [0.005, 0.04])
 @pytest.mark.parametrize(
     "name", ["jj", "ll", "jl", "lj", "pp", "lp", "ss", "lc", "cl", "pc", "cj"]
@@ -143,6 +144,7 @@ def test_without_a_next_move_it_ends_at_rest_in_time() -> None:
         assert plan.zones[0] < plan.duration <= stopped.duration + 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late", [0.0, 0.004, 0.05, 0.1])
 @pytest.mark.parametrize("name", ["jj", "ll", "jl", "lj", "pp", "cl"])
 def test_a_move_that_comes_later_continues_the_motion(name: str, late: float) -> None:
@@ -218,6 +220,7 @@ def random_moves(draw: st.DrawFn) -> list[Move]:
     return moves
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(random_moves())
 def test_any_sequence_is_smooth_or_refused(moves: list[Move]) -> None:

@@ -182,6 +182,7 @@ def test_a_move_is_checked_when_it_is_made() -> None:
             Move(**wrong)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", arms())
 def test_every_arm_of_the_catalogue_moves(name: str) -> None:
     (chain,) = find_chains(assemble(name, gripper=None).model).values()

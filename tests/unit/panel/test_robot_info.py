@@ -39,6 +39,7 @@ def test_every_mesh_of_the_urdf_is_served(panel: Panel, robot: tool0.Robot) -> N
     assert len(urdf) + sum(map(len, served)) < 2 << 20
 
 
+@pytest.mark.slow
 def test_only_the_paths_of_meshes_differ_from_the_robot_s_urdf() -> None:
     description = assemble()
     text = RobotFiles(description).urdf.decode()

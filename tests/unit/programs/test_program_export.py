@@ -31,6 +31,8 @@ from tool0 import (
 )
 from tool0.scene import Pose
 
+pytestmark = pytest.mark.slow
+
 TIMEOUT = 60.0
 """[wall s]"""
 EVERY_STEP = Program(

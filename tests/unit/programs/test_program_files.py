@@ -70,6 +70,7 @@ steps = st.recursive(
 programs = st.builds(Program, name=texts, tool=poses, steps=st.lists(steps).map(tuple))
 
 
+@pytest.mark.slow
 @given(program=programs)
 def test_a_program_is_read_as_it_was_written(program: Program) -> None:
     found = parse_program(program_text(program))

@@ -12,6 +12,7 @@ import tool0
 pytest.importorskip("mcap", reason="the extra 'record' is not installed")
 
 
+@pytest.mark.slow
 def test_a_recorded_program_is_repeated_to_the_bit(tmp_path: Path) -> None:
     from tool0.protocol.recordings import StartRecording, StopRecording
     from tool0.recording.resimulation import resimulate

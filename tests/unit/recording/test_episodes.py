@@ -189,6 +189,7 @@ def test_they_become_a_lerobot_data_set(folder: Path, tmp_path: Path) -> None:
     assert table["next.success"].to_pylist() == [False] * 9 + [True]
 
 
+@pytest.mark.slow
 def test_frames_can_have_images(folder: Path, tmp_path: Path) -> None:
     pytest.importorskip("gymnasium", reason="the extra 'collect' is not installed")
     parquet = pytest.importorskip("pyarrow.parquet")

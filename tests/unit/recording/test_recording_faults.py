@@ -41,6 +41,7 @@ def robot() -> Iterator[tool0.Robot]:
         yield robot
 
 
+@pytest.mark.slow
 def test_kill_9_loses_at_most_a_second(tmp_path: Path) -> None:
     """At twenty instants: real kills of some processes, and their files before."""
     files, ends = grow_and_kill(tmp_path, n_processes=2, n_instants=N_KILLS)
@@ -95,6 +96,7 @@ def read_until(process: subprocess.Popen[str], end: float) -> float:
     raise AssertionError("the process has ended")
 
 
+@pytest.mark.slow
 def test_a_full_disk_ends_the_recording_and_not_the_simulation(
     robot: tool0.Robot, tmp_path: Path
 ) -> None:

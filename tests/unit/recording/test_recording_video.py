@@ -31,6 +31,7 @@ def images(path: Path) -> list[np.ndarray]:
         return [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
 
 
+@pytest.mark.slow
 def test_each_image_shows_the_robot_as_it_was(
     recording: RecordingFile, tmp_path: Path
 ) -> None:

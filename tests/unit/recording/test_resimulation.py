@@ -245,6 +245,7 @@ def assert_identical(outcome: Resimulation, requests: int = 1) -> None:
     assert outcome.reasons == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SESSIONS)
 def test_a_session_repeats_to_the_bit(name: str, tmp_path: Path) -> None:
     session, options = SESSIONS[name]
@@ -252,6 +253,7 @@ def test_a_session_repeats_to_the_bit(name: str, tmp_path: Path) -> None:
     assert_identical(resimulate(file))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("recorded_with", ["kernel", "python"])
 def test_kernel_and_python_repeat_each_other(
     recorded_with: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

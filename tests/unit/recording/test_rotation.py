@@ -43,6 +43,7 @@ def test_after_a_duration(robot: tool0.Robot, tmp_path: Path) -> None:
         assert len(part.description.model.links) > 6
 
 
+@pytest.mark.slow
 def test_after_a_size(robot: tool0.Robot, tmp_path: Path) -> None:
     robot.start_recording(tmp_path / "a.mcap", max_size=1_000_000)
     for position in (1.0, 1.6, 1.0, 1.6):
@@ -90,6 +91,7 @@ def test_only_the_newest_files_are_kept(robot: tool0.Robot, tmp_path: Path) -> N
     assert names(tmp_path) == ["a_3.mcap", "a_4.mcap"]
 
 
+@pytest.mark.slow
 def test_without_real_time_nothing_is_dropped(
     robot: tool0.Robot, tmp_path: Path
 ) -> None:

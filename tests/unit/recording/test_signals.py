@@ -28,6 +28,7 @@ def signals(recording: RecordingFile) -> Signals:
     return Signals(recording)
 
 
+@pytest.mark.slow
 def test_joints_are_columns(signals: Signals, recording: RecordingFile) -> None:
     elbow = recording.joint_names.index("elbow_joint")
     np.testing.assert_array_equal(

@@ -57,6 +57,7 @@ def test_another_import_is_found() -> None:
     assert {name for name in found if not is_allowed(name)} == {"numpy", "msgspec"}
 
 
+@pytest.mark.slow
 def test_what_the_node_cannot_do_without_is_a_dependency_of_the_ros_package() -> None:
     trees = [ast.parse(file.read_text()) for file in FILES]
     for tree in trees:  # packages that a function imports may be missing

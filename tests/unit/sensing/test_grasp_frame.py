@@ -64,6 +64,7 @@ def test_a_mounted_gripper_takes_its_frame_along() -> None:
     np.testing.assert_allclose(frame[:3, 1], (-1.0, 0.0, 0.0), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_each_of_two_grippers_has_its_own() -> None:
     model = load_robot(TWO_ROBOTS).model
     pads = {pad_links(model, gripper) for gripper in model.grippers}

@@ -191,6 +191,7 @@ def test_a_target_does_not_overtake_the_request_before_it(client: Client) -> Non
         assert client.channel.call(ReadArmMotion()).mode == "servo"
 
 
+@pytest.mark.slow
 def test_while_time_runs_fast_updates_have_the_arms_of_their_instant() -> None:
     with tool0.bringup(gripper=None, realtime=False) as robot, serving(robot):
         client = Client()

@@ -125,6 +125,7 @@ def test_it_greets_with_its_protocol(peer: Peer) -> None:
     assert (peer.hello["pid"], peer.hello["mode"]) == (os.getpid(), "simulation")
 
 
+@pytest.mark.slow
 def test_an_endless_line_is_answered_and_ends_only_that_connection(
     peer: Peer, folder: Path
 ) -> None:

@@ -7,6 +7,7 @@ import tool0
 from tool0.protocol.arm_motion import ReturnArm, TakeArm
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dialect", [False, True], ids=["efforts", "positions"])
 def test_an_arm_does_not_sink_from_program_to_program(dialect):
     """A controller of efforts sags when it starts, until its integral carries."""

@@ -87,6 +87,7 @@ def test_nothing_starts_the_controllers_of_a_stopped_arm(robot: tool0.Robot) -> 
     assert robot.gripper.move(opening=0.02).wait(5.0)
 
 
+@pytest.mark.slow
 def test_a_protective_stop_holds_until_it_is_unlocked_and_played(
     robot: tool0.Robot,
 ) -> None:

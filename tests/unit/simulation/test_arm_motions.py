@@ -149,6 +149,7 @@ def test_the_setpoint_is_continuous_from_mode_to_mode(robot: tool0.Robot) -> Non
     assert position == pytest.approx(last.setpoint.positions, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_velocity_of_the_tool_moves_it_straight(robot: tool0.Robot) -> None:
     """Ramps of 0.24 s before and after 1 s with the twist of a point off the flange."""
     motion = robot.arm.motion
@@ -298,6 +299,7 @@ def force_on(robot: tool0.Robot, name: str) -> float:
     return -sum(force * sign for force, sign in signs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("force", "options"),
     [
@@ -345,6 +347,7 @@ def test_force_mode_holds_a_force_on_a_table(
             assert motion.state.setpoint.positions == pytest.approx(measured, abs=0.005)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("force", "speed", "options"),
     [
@@ -407,6 +410,7 @@ def test_a_push_does_not_turn_the_tool(robot: tool0.Robot) -> None:
     assert np.abs(moved[:3, :3]).max() < 0.02
 
 
+@pytest.mark.slow
 def test_force_mode_follows_a_path_along_the_other_axes(robot: tool0.Robot) -> None:
     motion = robot.arm.motion
     motion.take()
@@ -442,6 +446,7 @@ def test_the_axes_of_a_force_can_follow_the_tool(robot: tool0.Robot) -> None:
     assert np.abs(moved[1:]).max() < 0.002
 
 
+@pytest.mark.slow
 def test_freedrive_follows_a_push_and_stays(robot: tool0.Robot) -> None:
     motion, box = robot.arm.motion, robot.arm.control_box
     motion.take()
@@ -468,6 +473,7 @@ def test_freedrive_follows_a_push_and_stays(robot: tool0.Robot) -> None:
     assert robot.arm.pose().position == pytest.approx(still, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_freedrive_keeps_locked_axes(robot: tool0.Robot) -> None:
     motion = robot.arm.motion
     motion.take()

@@ -228,6 +228,7 @@ def test_a_payload_that_is_set_does_not_droop(servoed: tool0.Robot) -> None:
     assert droop(servoed, load, at) < 0.01 * surprised
 
 
+@pytest.mark.slow
 def test_a_wrong_payload_moves_the_arm(servoed: tool0.Robot) -> None:
     box, start = servoed.arm.control_box, servoed.arm.pose().position[2]
     box.set_payload(8.0, (0.0, 0.0, 0.1))

@@ -253,6 +253,7 @@ def test_a_pose_that_no_controller_can_reach_is_refused() -> None:
         assert robot.controller(ARM).state.desired.velocities == (0.0,) * 6
 
 
+@pytest.mark.slow
 def test_an_unknown_pose_is_refused_with_the_nearest(robot: tool0.Robot) -> None:
     with pytest.raises(ControlError) as error:
         robot.go_to_pose("hom")

@@ -70,6 +70,7 @@ def test_the_force_limit_can_be_set(robot: tool0.Robot) -> None:
     assert "more than 30 N" in reason(robot)
 
 
+@pytest.mark.slow
 def test_nothing_stops_by_itself_unless_enabled(robot: tool0.Robot) -> None:
     robot.arm.move_linear(IN_TABLE, speed=0.25)
     robot.run(1.0)
@@ -130,6 +131,7 @@ def test_an_emergency_stop_is_none(robot: tool0.Robot) -> None:
     assert not reason(robot)
 
 
+@pytest.mark.slow
 def test_a_program_that_has_the_arm_loses_it(robot: tool0.Robot) -> None:
     box, call = robot.arm.control_box, robot.channel.call
     box.set_safety_limits(enabled=True)

@@ -45,6 +45,7 @@ def spring(link: str, target: NDArray[np.float64], duration: float) -> PullLink:
     return PullLink(name=link, point=POINT, target=(x, y, z), duration=duration)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("link", ["tool0", "wrist_1_link"])
 def test_a_link_goes_where_it_is_pulled_and_stays(
     guided: tool0.Robot, link: str

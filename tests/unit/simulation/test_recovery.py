@@ -106,6 +106,7 @@ def freedrive(robot: tool0.Robot) -> None:
 WAYS = [move, move_within, jog, goal_from_there, movej, servoj, speedj, freedrive]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 def test_every_way_to_move_brings_it_back(
     robot: tool0.Robot, way: Callable[[tool0.Robot], None]
@@ -122,6 +123,7 @@ def test_every_way_to_move_brings_it_back(
     assert not robot.arm.control_box.state.protective_stop
 
 
+@pytest.mark.slow
 def test_no_motion_goes_further_out(robot: tool0.Robot) -> None:
     here = list(robot.arm.joints.values())
     out = [LIMIT + 0.045, *here[1:]]

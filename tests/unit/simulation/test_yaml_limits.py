@@ -25,6 +25,7 @@ TURN = Program(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["move_linear", "move_to", "program"])
 def test_no_setpoint_is_faster_than_the_yaml_allows(tmp_path: Path, way: str) -> None:
     limits = tmp_path / "limits.yaml"

@@ -106,6 +106,7 @@ def quat_wxyz(rpy: tuple[float, float, float]) -> np.ndarray:
     return quat
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pose", POSES.values(), ids=POSES)
 @pytest.mark.parametrize("arm", ARMS.values(), ids=ARMS)
 def test_no_two_links_of_an_arm_touch(

@@ -111,6 +111,7 @@ def test_inputs_are_written_to_registers_with_their_names(robot: tool0.Robot) ->
     assert asyncio.run(written()) == ([True, False, True], True, -5, 2.5)
 
 
+@pytest.mark.slow
 def test_the_history_knows_where_the_arm_was_and_whether_it_rests(
     robot: tool0.Robot,
 ) -> None:

@@ -26,6 +26,8 @@ UNREGISTER_TIMEOUT = 5.0
 takes a while."""
 _QUIET = 0.05
 """So long must the master not know our node [wall s]."""
+_SUBSCRIBED_BY_ROSPY = "/rosout_disable_topics_generation"
+"""A parameter that it subscribes to with its first warning, and for ever."""
 _POLL_PERIOD = 0.01
 """[wall s]"""
 CALL_TIMEOUT = 3.0
@@ -137,6 +139,7 @@ class Master:
                 with contextlib.suppress(RosUnavailableError):  # unregistered meanwhile
                     address = self.call("lookupService", service)
                     self.call("unregisterService", service, address)
+        self.call("unsubscribeParam", uri, _SUBSCRIBED_BY_ROSPY)
 
 
 @contextmanager

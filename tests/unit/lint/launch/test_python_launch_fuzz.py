@@ -52,7 +52,7 @@ def launch_files() -> list[str]:
     return [data.decode() for path, data in files.items() if path.suffix == ".py"]
 
 
-@pytest.mark.parametrize("seed", range(15))
+@pytest.mark.parametrize("seed", range(5))
 def test_a_launch_file_with_other_expressions_is_read(
     launch_files: list[str], seed: int, tmp_path: Path
 ) -> None:

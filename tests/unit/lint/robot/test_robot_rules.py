@@ -25,6 +25,7 @@ def root_of(document: Document) -> LocatedElement:
 ROBOTS = [(arm, None) for arm in arms()] + [(arms()[0], name) for name in grippers()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("arm", "gripper"), ROBOTS)
 @pytest.mark.parametrize("prefix", ["", "left_"])
 @pytest.mark.parametrize("safety", [False, True])

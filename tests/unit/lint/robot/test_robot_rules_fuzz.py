@@ -81,7 +81,7 @@ def judge(root: LocatedElement) -> None:
         str(finding)
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
 @given(changes=CHANGES, source=st.sampled_from(["expanded", "xacro", "ours"]))
 def test_a_damaged_robot_is_judged(
     changes: list[tuple[str, int, str]], source: str
@@ -94,7 +94,7 @@ def test_a_damaged_robot_is_judged(
 
 
 def test_large_and_wrong_robots_take_no_longer_than_they_must() -> None:
-    count = 3000
+    count = 1500
     no_inertia = "<inertial/>"
     chain = [joint(f"j{i}", f"l{i}", f"l{i + 1}", "") for i in range(count)]
     circle = [

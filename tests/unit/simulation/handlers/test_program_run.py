@@ -128,6 +128,7 @@ def is_still(robot: tool0.Robot) -> bool:
     return max(map(abs, robot.joint_state.velocity.values())) < 0.01
 
 
+@pytest.mark.slow
 def test_a_taught_pick_succeeds_ten_of_ten_times(robot: tool0.Robot) -> None:
     seed = 20
     print("seed", seed)
@@ -257,6 +258,7 @@ def _servo(robot: tool0.Robot) -> None:
     robot.arm.motion.servo_joints(list(robot.arm.joints.values()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("what", "reason"),
     [
@@ -437,6 +439,7 @@ def test_an_arm_that_is_taken_or_stopped_runs_no_program(robot: tool0.Robot) -> 
     robot.emergency_stop(False)
 
 
+@pytest.mark.slow
 def test_two_runs_are_identical_to_the_bit(robot: tool0.Robot) -> None:
     def trace() -> np.ndarray:
         robot.reset()

@@ -87,6 +87,7 @@ def texts_of(served: ServedGripper, script: str) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 def test_a_program_uses_the_socket_as_the_urcap_does(served: ServedGripper) -> None:
     assert texts_of(served, SOCKET) == [
         "PRE [3, 50, 53, 53]",

@@ -88,6 +88,7 @@ def test_it_must_be_activated_and_closes_and_opens_meanwhile(
     assert gripper.status.activation is Activation.RESET
 
 
+@pytest.mark.slow
 def test_it_detects_an_object_its_loss_and_a_release(
     activated: ServedGripper, cube: str
 ) -> None:
@@ -126,6 +127,7 @@ def test_stopping_and_deactivating_keep_a_grip(
         assert gripper.status.current == pytest.approx(held, abs=3)
 
 
+@pytest.mark.slow
 def test_stopping_keeps_the_fingers_where_they_are(activated: ServedGripper) -> None:
     gripper = activated.gripper
     activated.do(lambda: gripper.change(speed=0))
@@ -140,6 +142,7 @@ def test_stopping_keeps_the_fingers_where_they_are(activated: ServedGripper) -> 
     assert not gripper.status.goes_to
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("opening", [True, False])
 def test_after_an_automatic_release_only_a_reset_helps(
     activated: ServedGripper, opening: bool
@@ -201,6 +204,7 @@ def test_a_reset_of_the_simulation_ends_its_goal(activated: ServedGripper) -> No
     assert gripper.position == 230
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "closed", "opened"),
     [("2f140", 230, 3), ("hande", 255, 0)],  # the 2F-85 is everywhere else

@@ -47,10 +47,12 @@ def serial(served: ServedGripper) -> Iterator[ModbusSerialClient]:
         yield client
 
 
+@pytest.mark.slow
 def test_pymodbus_activates_and_moves_it_over_tcp(tcp: ModbusTcpClient) -> None:
     operate(tcp)
 
 
+@pytest.mark.slow
 def test_pymodbus_activates_and_moves_it_over_a_serial_port(
     serial: ModbusSerialClient,
 ) -> None:
@@ -247,6 +249,7 @@ def test_without_power_nothing_answers(
     served.wait_for_update(lambda: served.gripper.is_powered)
 
 
+@pytest.mark.slow
 def test_the_serial_port_is_removed_at_the_end(tmp_path: Path) -> None:
     with (
         tool0.bringup(gripper="hande", speed=4.0) as robot,

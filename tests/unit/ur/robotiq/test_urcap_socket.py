@@ -90,6 +90,7 @@ def client(served: ServedGripper) -> Iterator[Client]:
         yield client
 
 
+@pytest.mark.slow
 def test_a_client_activates_and_moves_it(client: Client) -> None:
     client.activate()
     assert client.move_and_wait(255, 255, 1) == (230, 3)
@@ -118,6 +119,7 @@ def test_variables_without_a_newline_are_answered_by_their_value(
     assert client.get("PRE") == 7
 
 
+@pytest.mark.slow
 def test_an_emergency_release_is_that_of_ur_rtde(client: Client) -> None:
     client.activate()
     assert client.set(GTO=0)

@@ -32,6 +32,7 @@ def test_it_is_rejected_where_it_is_wrong(text: str, expected: str) -> None:
     assert expected.startswith(f"{caught.value.line}:{caught.value.column}: ")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -58,6 +59,7 @@ def test_limits_hold_before_anything_runs(text: str, words: str) -> None:
         compile_program(text, "p")
 
 
+@pytest.mark.slow
 def test_100_levels_and_long_chains_are_no_problem() -> None:
     compile_program("x = " + "(" * 100 + "1" + ")" * 100)
     compile_program("if True:\n" * 100 + "end\n" * 100)

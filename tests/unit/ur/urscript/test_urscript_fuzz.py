@@ -115,13 +115,13 @@ def compiles_or_tells(text: str) -> None:
 
 
 @given(st.text(max_size=200))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_any_text(text: str) -> None:
     compiles_or_tells(text)
 
 
 @given(st.lists(st.sampled_from(WORDS), max_size=40), st.sampled_from(["", " "]))
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=150, deadline=None)
 def test_words_of_the_language_in_any_order(words: list[str], gap: str) -> None:
     compiles_or_tells(gap.join(words))
 
@@ -132,7 +132,7 @@ def test_words_of_the_language_in_any_order(words: list[str], gap: str) -> None:
     st.integers(0, 30),
     st.sampled_from([*WORDS, ""]),
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_damaged_programs(source: str, start: int, length: int, word: str) -> None:
     start %= len(source)
     compiles_or_tells(source[:start] + word + source[start + length :])

@@ -166,6 +166,7 @@ def test_kinematics_agree_and_an_unreachable_pose_ends_the_program(
 # ---- motion -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("at_home")
 def test_palletizing(rig: BoxRig) -> None:
     places = [f"{row}/{column}True" for row in (0, 1) for column in (0, 1, 2)]
@@ -188,6 +189,7 @@ def test_circle_of_two_arcs(rig: BoxRig) -> None:
     assert half - 0.002 < passed < half + 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("at_home")
 def test_blends_return_early_and_save_time(rig: BoxRig) -> None:
     run = ran(rig, "blends")
@@ -206,6 +208,7 @@ def test_servo_follows_a_sine(rig: BoxRig) -> None:
     assert run.time_of("back True") > 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("at_home")
 def test_speeds_ramps_and_rest(rig: BoxRig) -> None:
     run = ran(rig, "jog")
@@ -332,6 +335,7 @@ def test_protocols_of_a_socket(rig: BoxRig) -> None:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("at_home")
 def test_down_until_contact(rig: BoxRig, robot: tool0.Robot) -> None:
     robot.scene.add(table(BETWEEN_PADS[2] - 0.045))
@@ -345,6 +349,7 @@ def test_down_until_contact(rig: BoxRig, robot: tool0.Robot) -> None:
     assert wrench == "pushes up True"
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("at_home")
 def test_force_mode_presses_on_a_table(rig: BoxRig, robot: tool0.Robot) -> None:
     robot.scene.add(table(BETWEEN_PADS[2] - 0.045))
@@ -358,6 +363,7 @@ def test_force_mode_presses_on_a_table(rig: BoxRig, robot: tool0.Robot) -> None:
     assert int(after.split()[-1]) == pytest.approx(20, abs=1)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("at_home")
 def test_pick_and_place(rig: BoxRig, robot: tool0.Robot) -> None:
     robot.scene.add(table(BETWEEN_PADS[2] - EDGE / 2))
