@@ -331,7 +331,7 @@ def test_a_robot_does_not_own_the_names_of_one_with_a_longer_name() -> None:
     assert names.name("joint_states") == "/lab/arm/joint_states"
     assert names.owns("arm_elbow_joint")
     assert not names.owns("arm_2_elbow_joint")
-    assert {names.own(joint.name) for joint in names.joints} >= set(ARM_JOINTS)
+    assert {names.to_ros(joint.name) for joint in names.joints} >= set(ARM_JOINTS)
     assert len(names.joints) == len(names_in("arm_2", "arm", "arm_2").joints)
     assert not any(map(names_in("", "arm", "arm_2").owns, ("arm_x", "arm_2_x")))
 
@@ -344,8 +344,8 @@ def test_own_and_full_names_undo_each_other() -> None:
         "left_left_inner_finger",
         "left_gripper_controller",
     ):
-        assert names.full(names.own(full)) == full
-        assert names.text(f"unknown '{full}'") == f"unknown '{names.own(full)}'"
+        assert names.to_model(names.to_ros(full)) == full
+        assert names.text(f"unknown '{full}'") == f"unknown '{names.to_ros(full)}'"
     assert names.frame("left_left_inner_finger") == "left/left_inner_finger"
     assert names.frame("world") == "left/world"
 

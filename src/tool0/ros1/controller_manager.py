@@ -153,20 +153,20 @@ class ControllerManagerBridge:
 
     def _load(self, request: Message) -> None:
         """Load with the present parameters of the server, as the spawner expects."""
-        name = self._ros.full(request.name)
+        name = self._ros.to_model(request.name)
         text = self._controller_yaml(request.name)
         config = None if text is None else ControllerConfig.from_text(text)
         self._robot.load(name, config)
         self._update()
 
     def _unload(self, request: Message) -> None:
-        self._robot.unload(self._ros.full(request.name))
+        self._robot.unload(self._ros.to_model(request.name))
         self._update()
 
     def _switch(self, request: Message) -> None:
         self._robot.switch(
-            [self._ros.full(name) for name in request.start_controllers],
-            [self._ros.full(name) for name in request.stop_controllers],
+            [self._ros.to_model(name) for name in request.start_controllers],
+            [self._ros.to_model(name) for name in request.stop_controllers],
             strict=request.strictness == STRICT,
         )
 
@@ -187,7 +187,7 @@ class ControllerManagerBridge:
         self._update()
 
     def _state(self, status: ControllerStatus) -> Message:
-        own = self._ros.own
+        own = self._ros.to_ros
         return msg.ControllerState(
             name=own(status.name),
             state=status.state,
@@ -210,5 +210,5 @@ class ControllerManagerBridge:
             return None
         if not isinstance(value, dict) or "type" not in value:
             return None
-        named = {ros.full(own.strip("/")): ros.full_parameters(value)}
+        named = {ros.to_model(own.strip("/")): ros.full_parameters(value)}
         return yaml.safe_dump(named, sort_keys=False)

@@ -124,10 +124,10 @@ class JointTrajectoryBridge:
     ) -> None:
         self._ros = ros
         self._name = spec.name
-        self._joints = tuple(map(ros.own, spec.joints))
+        self._joints = tuple(map(ros.to_ros, spec.joints))
         self._controller = controller
         self._rate = PublishRate(spec.state_publish_rate)
-        name = ros.own(spec.name)
+        name = ros.to_ros(spec.name)
         self._publisher = ros.publisher(
             f"{name}/state", msg.JointTrajectoryControllerState, queue_size=10
         )
@@ -166,7 +166,9 @@ class JointTrajectoryBridge:
         self._action.close()
         self._publisher.unregister()
         self._subscriber.unregister()
-        self._service.shutdown(f"controller '{self._ros.own(self._name)}' was unloaded")
+        self._service.shutdown(
+            f"controller '{self._ros.to_ros(self._name)}' was unloaded"
+        )
 
     def _filled(self, message: Message, state: TrajectoryState) -> Message:
         """Fill a state or feedback message.
@@ -174,7 +176,7 @@ class JointTrajectoryBridge:
         As in ROS, only the desired motion has accelerations.
         """
         message.header.stamp = self._ros.node.clock.to_ros(state.time)
-        message.joint_names = list(map(self._ros.own, state.joint_names))
+        message.joint_names = list(map(self._ros.to_ros, state.joint_names))
         message.desired = point_message(state.desired)
         message.actual = point_message(state.actual)
         message.error = point_message(state.error)
@@ -208,11 +210,11 @@ class JointTrajectoryBridge:
         )
 
     def _full(self, joints: Sequence[str]) -> list[str]:
-        return list(map(self._ros.full, joints))
+        return list(map(self._ros.to_model, joints))
 
     def _tolerances(self, tolerances: Sequence[Message]) -> dict[str, Tolerance]:
         found = to_tolerances(tolerances)
-        return {self._ros.full(joint): item for joint, item in found.items()}
+        return {self._ros.to_model(joint): item for joint, item in found.items()}
 
     def _query(self, request: Message) -> Message:
         time = self._ros.node.clock.from_ros(request.time)
@@ -248,7 +250,7 @@ class JointStatePublisher:
         )
         self._publisher.publish(
             header=self._ros.header(snapshot.time),
-            name=list(map(self._ros.own, joints.names)),
+            name=list(map(self._ros.to_ros, joints.names)),
             position=joints.position,
             velocity=joints.velocity,
             effort=joints.effort,
@@ -266,7 +268,7 @@ class ForwardCommandBridge:
         self, ros: RosNamespace, spec: ForwardCommandSpec, controller: ControllerHandle
     ) -> None:
         self._subscriber = ros.subscriber(
-            f"{ros.own(spec.name)}/command",
+            f"{ros.to_ros(spec.name)}/command",
             Float64MultiArray if "JointGroup" in spec.type else Float64,
             lambda message: controller.command(message.data),
         )
@@ -289,7 +291,7 @@ class GripperActionBridge:
         self._position = 0.0
         self._action = ControllerActionServer(
             ros,
-            f"{ros.own(spec.name)}/gripper_cmd",
+            f"{ros.to_ros(spec.name)}/gripper_cmd",
             msg.GripperCommandAction,
             start=lambda goal: controller.command_gripper(
                 goal.command.position, goal.command.max_effort

@@ -69,7 +69,9 @@ class RosNamespace:
         model = robot.description.model
         self.joints = tuple(joint for joint in model.joints if self.owns(joint.name))
         """The joints of the model that are in the namespace."""
-        self._own_joints = {joint.name: self.own(joint.name) for joint in self.joints}
+        self._own_joints = {
+            joint.name: self.to_ros(joint.name) for joint in self.joints
+        }
         self._in_text = re.compile(rf"(?<!\w){re.escape(prefix)}(?=\w)")
 
     @property
@@ -92,16 +94,16 @@ class RosNamespace:
         """Return whether what has this full name is in the namespace."""
         return full.startswith(self._prefix) and not full.startswith(self._longer)
 
-    def own(self, full: str) -> str:
+    def to_ros(self, full: str) -> str:
         """Return the own name of what has a full name; others' names do not change."""
         return full.removeprefix(self._prefix) if self.owns(full) else full
 
-    def full(self, own: str) -> str:
+    def to_model(self, own: str) -> str:
         """Return the full name of what has an own name."""
         return self._prefix + own
 
     def text(self, text: object) -> str:
-        """Return a message for people with own names."""
+        """Return a message with ROS names."""
         return self._in_text.sub("", str(text)) if self._prefix else str(text)
 
     def own_parameters(self, yaml: Mapping[str, Any]) -> dict[str, Any]:
@@ -109,14 +111,14 @@ class RosNamespace:
         if not self._prefix:
             return {name: value for name, value in yaml.items() if self.owns(name)}
         found = {
-            self.own(name): _renamed(value, self._own_joints)
+            self.to_ros(name): _renamed(value, self._own_joints)
             for name, value in yaml.items()
             if self.owns(name)
         }
         limits = yaml.get(_JOINT_LIMITS)
         if isinstance(limits, dict):
             found[_JOINT_LIMITS] = {
-                self.own(joint): value
+                self.to_ros(joint): value
                 for joint, value in limits.items()
                 if joint in self._own_joints
             }
@@ -130,7 +132,7 @@ class RosNamespace:
 
     def frame(self, link: str) -> str:
         """Return the frame of the link with a full name."""
-        return self.own_frame(self.own(link))
+        return self.own_frame(self.to_ros(link))
 
     def own_frame(self, own: str) -> str:
         """Return the frame with an own name."""
@@ -143,7 +145,7 @@ class RosNamespace:
         its full name if another one has the own one.
         """
         full = [item.name for item in cameras if self.owns(item.link or "")]
-        own = {name: self.own(name) for name in full}
+        own = {name: self.to_ros(name) for name in full}
         return {name: name if short in full else short for name, short in own.items()}
 
     # ---- topics and services ---------------------------------------------------------

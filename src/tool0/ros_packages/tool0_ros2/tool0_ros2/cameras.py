@@ -47,7 +47,9 @@ class CamerasPart:
             _Camera(
                 context,
                 item,
-                own if (own := names.own(item["name"])) not in full else item["name"],
+                own
+                if (own := names.to_ros(item["name"])) not in full
+                else item["name"],
                 item["link"] or root,
             )
             for item in listed
@@ -124,7 +126,7 @@ class _Camera:
         self._context, self._camera, self._link = context, camera, link
         self.full_name = camera["name"]
         names, node = context.names, context.node
-        self._frame = names.frame(names.full(f"{name}_camera_color_optical_frame"))
+        self._frame = names.frame(names.to_model(f"{name}_camera_color_optical_frame"))
         qos = QoSProfile(depth=2)
         topic = names.topic(f"{name}_camera")
         self._colors = node.create_publisher(Image, f"{topic}/color/image_raw", qos)

@@ -36,10 +36,13 @@ class ControlBox:
         boxes = read_boxes(context)
         found = [box for box in boxes if box["prefix"] == prefix]
         if not found:
-            known = ", ".join(f"'{context.names.own(box['prefix'])}'" for box in boxes)
+            known = ", ".join(
+                f"'{context.names.to_ros(box['prefix'])}'" for box in boxes
+            )
             raise RequestFailedError(
                 "ControlError",
-                f"no arm has the prefix '{context.names.own(prefix)}'; valid: {known}",
+                f"no arm has the prefix '{context.names.to_ros(prefix)}'; "
+                f"valid: {known}",
             )
         self.arm: str = found[0]["arm"]
         self.flange: str = f"{prefix}tool0"
@@ -78,8 +81,8 @@ def flange_of(context: Context, name: str) -> str:
             return f"{box['prefix']}tool0"
     raise RequestFailedError(
         "ConfigError",
-        f"'{context.names.own(name)}' begins with no arm's prefix; valid: "
-        + ", ".join(context.names.own(box["prefix"]) for box in boxes),
+        f"'{context.names.to_ros(name)}' begins with no arm's prefix; valid: "
+        + ", ".join(context.names.to_ros(box["prefix"]) for box in boxes),
     )
 
 

@@ -139,7 +139,7 @@ class Controllers:
     def _new_node(self, name: str) -> tuple[Any, dict[str, Any]]:
         context, values = self._context, self._read(name)
         node = Node(
-            context.names.own(name),
+            context.names.to_ros(name),
             namespace=context.names.root or "/",
             context=context.node.context,
             use_global_arguments=False,

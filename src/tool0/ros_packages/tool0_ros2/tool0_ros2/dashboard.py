@@ -57,7 +57,7 @@ class DashboardPart:
     def __init__(self, context: Context) -> None:
         messages = optional_module(context, "ur_dashboard_msgs.srv", NODE_NAME)
         for box in read_boxes(context):
-            name = f"{context.names.own(box['prefix'])}{NODE_NAME}"
+            name = f"{context.names.to_ros(box['prefix'])}{NODE_NAME}"
             node = context.new_node(name)
             _Dashboard(context, node, ControlBox(context, box["prefix"]), messages)
 

@@ -71,7 +71,7 @@ class ParallelGripperPart:
 
     def __init__(self, context: ControllerContext) -> None:
         self._gripper = _Gripper(context)
-        self._own_joint = context.names.own(self._gripper.joint)
+        self._own_joint = context.names.to_ros(self._gripper.joint)
         self._last = (0.0, 0.0, 0.0)
         self._action = SimulatedAction(
             context,

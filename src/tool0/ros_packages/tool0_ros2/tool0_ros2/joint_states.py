@@ -30,7 +30,7 @@ class JointStatePart:
             for joint in parameters.get("joints") or self._joints
             if joint in self._joints
         }
-        own = list(map(context.names.own, self._joints))
+        own = list(map(context.names.to_ros, self._joints))
         extra = parameters.get("extra_joints") or []
         self._n_extra = len(extra)
         local = "~/" if parameters.get("use_local_topics") else ""

@@ -47,7 +47,11 @@ def manager_node(context: Context, update_rate: float, urdf: str) -> Any:
     values = {
         "update_rate": round(update_rate),
         "robot_description": urdf,
-        **{f"{names.own(name)}.type": kind for name, kind in types if names.owns(name)},
+        **{
+            f"{names.to_ros(name)}.type": kind
+            for name, kind in types
+            if names.owns(name)
+        },
     }
     return Node(
         NAME,
@@ -100,7 +104,7 @@ class ControllerManager:
         if self._activity is None or states == self._last_activity:
             return
         self._last_activity = states
-        own = self._context.names.own
+        own = self._context.names.to_ros
         components = self._context.ask(requests.list_hardware(), "hardware components")
         message = msg.ControllerManagerActivity()
         message.header.stamp = self._context.clock.now()
@@ -145,7 +149,7 @@ class ControllerManager:
         return handle
 
     def _call_by_name(self, request: "_OfController", message: Any) -> None:
-        self._call(request(name=self._context.names.full(message.name)))
+        self._call(request(name=self._context.names.to_model(message.name)))
 
     def _controllers(self) -> list[ControllerStatus]:
         owns = self._context.names.owns
@@ -165,7 +169,7 @@ class ControllerManager:
         response.controller = [
             fill(
                 msg.ControllerState(),
-                name=names.own(item["name"]),
+                name=names.to_ros(item["name"]),
                 type=item["type"],
                 state=item["state"],
                 update_rate=rate,
@@ -180,7 +184,7 @@ class ControllerManager:
         return response
 
     def _own(self, interfaces: list[str]) -> list[str]:
-        return list(map(self._context.names.own, interfaces))
+        return list(map(self._context.names.to_ros, interfaces))
 
     def _update_rate(self) -> int:
         rate: int = self._context.node.get_parameter("update_rate").value
@@ -204,7 +208,7 @@ class ControllerManager:
         files = params["params_file"] or []
         self._call(
             requests.load_controller(
-                name=self._context.names.full(name),
+                name=self._context.names.to_model(name),
                 type=params["type"] or None,
                 files=[files] if isinstance(files, str) else list(files),
                 configure=False,
@@ -225,7 +229,7 @@ class ControllerManager:
             strict = distribution not in _BEST_EFFORT_BY_DEFAULT
         else:
             strict = strictness == STRICT
-        full = self._context.names.full
+        full = self._context.names.to_model
         self._call(
             requests.switch_controllers(
                 start=list(map(full, start)),
@@ -257,7 +261,7 @@ class ControllerManager:
         response.component = [
             fill(
                 msg.HardwareComponentState(),
-                name=self._context.names.own(item["name"]),
+                name=self._context.names.to_ros(item["name"]),
                 type=item["type"],
                 class_type=item["plugin"],
                 plugin_name=item["plugin"],
@@ -279,7 +283,7 @@ class ControllerManager:
         return response
 
     def _interfaces(self, entries: list[HardwareInterfaceState]) -> list[Any]:
-        own = self._context.names.own
+        own = self._context.names.to_ros
         return [
             fill(
                 msg.HardwareInterface(),
@@ -293,7 +297,7 @@ class ControllerManager:
 
     def _set_component(self, request: Any, response: Any) -> Any:
         """Report the state: simulated hardware has one only."""
-        by_own = {self._context.names.own(c["name"]): c for c in self._components()}
+        by_own = {self._context.names.to_ros(c["name"]): c for c in self._components()}
         component = by_own.get(request.name)
         if component is None:
             raise RequestFailedError(

@@ -40,16 +40,16 @@ class Names:
         """Return whether what has this full name is in the namespace."""
         return full.startswith(self.prefix) and not full.startswith(self._longer)
 
-    def own(self, full: str) -> str:
+    def to_ros(self, full: str) -> str:
         """Return the own name of what has a full name; others' names do not change."""
         return full[len(self.prefix) :] if self.owns(full) else full
 
-    def full(self, own: str) -> str:
+    def to_model(self, own: str) -> str:
         """Return the full name of what has an own name."""
         return self.prefix + own
 
     def text(self, text: object) -> str:
-        """Return a message for people with own names."""
+        """Return a message with ROS names."""
         return self._in_text.sub("", str(text)) if self.prefix else str(text)
 
     def own_values(self, value: Any) -> Any:
@@ -62,7 +62,7 @@ class Names:
 
     def frame(self, link: str) -> str:
         """Return the frame of the link with a full name."""
-        own = self.own(link)
+        own = self.to_ros(link)
         return f"{self.tf_prefix}/{own}" if self.tf_prefix else own
 
 

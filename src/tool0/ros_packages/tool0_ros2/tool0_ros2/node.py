@@ -272,7 +272,7 @@ class RobotNode:
         for space in self._namespaces:
             begin, found, rest = text.partition(": ")
             if found and begin in space.controllers.loaded:
-                name, text = space.controllers.names.own(begin), rest
+                name, text = space.controllers.names.to_ros(begin), rest
         self._rosout.publish(Log(stamp=stamp, level=level, name=name, msg=text))
 
     def _publish(self, message: StateMessage) -> None:

@@ -22,11 +22,12 @@ class PosePart:
         self._context = context
         names, parameters = context.names, context.parameters
         self._tree = LinkTree(context.description["urdf"])
-        frame = parameters.get("frame_id") or names.full("base")
+        frame = parameters.get("frame_id") or names.to_model("base")
         self._flange = flange_of(context, parameters.get("pose_name") or names.prefix)
         if frame not in self._tree.links:
             raise RequestFailedError(
-                "ConfigError", f"frame_id: the robot has no link '{names.own(frame)}'"
+                "ConfigError",
+                f"frame_id: the robot has no link '{names.to_ros(frame)}'",
             )
         self._link = frame
         node = context.node

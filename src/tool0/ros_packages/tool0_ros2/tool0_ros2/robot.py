@@ -56,7 +56,7 @@ class RobotPart:
         if not (is_on and self._rate.is_due(update.time)):
             return
         names, index, position = self._context.names, update.index, update.position
-        values = {names.own(name): position[k] for name, k in index.items()}
+        values = {names.to_ros(name): position[k] for name, k in index.items()}
         for item, joint in zip(self._message.transforms, self._movable):
             item.header.stamp = update.stamp
             frame, transform = joint_transform(joint, values), item.transform
@@ -104,15 +104,15 @@ class RobotPart:
         """Return the frame of the robot's root, which is the cell's with a prefix."""
         names, message = self._context.names, TransformStamped()
         message.header.frame_id = self._root
-        message.child_frame_id = names.frame(names.full(self._root))
+        message.child_frame_id = names.frame(names.to_model(self._root))
         return message
 
     def _transform(self, joint: Joint) -> TransformStamped:
         frame = self._context.names.frame
         names = self._context.names
         message = TransformStamped()
-        message.header.frame_id = frame(names.full(joint.parent))
-        message.child_frame_id = frame(names.full(joint.child))
+        message.header.frame_id = frame(names.to_model(joint.parent))
+        message.child_frame_id = frame(names.to_model(joint.child))
         transform = message.transform
         frame_at_zero = joint_transform(joint, {})
         fill_frame(transform.translation, transform.rotation, frame_at_zero)

@@ -29,7 +29,7 @@ class JointTrajectoryPart:
         names, node, parameters = context.names, context.node, context.parameters
         claimed = (name for _, joints in context.status["claimed"] for name in joints)
         self._full = list(parameters.get("joints") or dict.fromkeys(claimed))
-        self._joints = list(map(names.own, self._full))
+        self._joints = list(map(names.to_ros, self._full))
         self._outputs = [
             _OUTPUT_FIELDS[kind]
             for kind in parameters.get("command_interfaces", ["position"])
@@ -173,13 +173,13 @@ class JointTrajectoryPart:
         )
 
     def _tolerances(self, given: Any) -> dict[str, list[float]]:
-        full = self._context.names.full
+        full = self._context.names.to_model
         return {full(joint): item for joint, item in to_tolerances(given).items()}
 
     def _trajectory(self, message: Any) -> dict[str, Any]:
         return {
             "points": to_points(message.points),
-            "joint_names": list(map(self._context.names.full, message.joint_names)),
+            "joint_names": list(map(self._context.names.to_model, message.joint_names)),
             "stamp": self._context.clock.from_ros(message.header.stamp),
         }
 

@@ -38,7 +38,7 @@ class WrenchPart:
         self._context = context
         parameters = context.parameters
         self._frame = context.names.frame(
-            parameters.get("frame_id") or context.names.full("tool0")
+            parameters.get("frame_id") or context.names.to_model("tool0")
         )
         sensor = (
             parameters.get("sensor_name")
