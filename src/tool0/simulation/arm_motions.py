@@ -8,9 +8,9 @@ from dataclasses import replace
 from functools import partial
 from typing import Final, final
 
-from tool0.control.arm_compliance import ComplianceTask
-from tool0.control.arm_motion import ArmMotionController, ArmMotionSpec
-from tool0.control.arm_path import ArmPath
+from tool0.control.arm.compliance import ComplianceTask
+from tool0.control.arm.motion import ArmMotionController, ArmMotionSpec
+from tool0.control.arm.path import ArmPath
 from tool0.control.controller import TrajectoryFollower
 from tool0.control.manager import ControllerManager
 from tool0.description.model import FLANGE, Interface, RobotModel

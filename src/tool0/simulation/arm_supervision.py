@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from operator import sub
 from typing import Final, final
 
-from tool0.control.arm_motion import ArmMotionController
+from tool0.control.arm.motion import ArmMotionController
 from tool0.control.manager import ControllerManager
 from tool0.description.model import RobotModel
 from tool0.description.parts import find_arms

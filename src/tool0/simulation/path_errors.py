@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple, final
 
-from tool0.control.arm_stream import SINGULAR
+from tool0.control.arm.stream import SINGULAR
 from tool0.control.manager import ControllerManager
 from tool0.description.model import RobotModel
 from tool0.description.parts import ArmParts

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tool0
-from tool0.control.arm_model import Placement
+from tool0.control.arm.model import Placement
 from tool0.description.config import DescriptionConfig
 from tool0.errors import ControlError, RequestError
 from tool0.protocol.arm_motion import ServoJoints, StartForceMode

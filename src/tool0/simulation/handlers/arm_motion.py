@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from tool0.control.arm_path import ArmPath
+from tool0.control.arm.path import ArmPath
 from tool0.errors import RequestError
 from tool0.protocol.arm_motion import (
     SILENCE,
@@ -151,7 +151,7 @@ def _speed_tool(simulation: Simulation, request: SpeedTool, admitted: None) -> N
 def _start_force_mode(simulation: Simulation, request: StartForceMode) -> None:
     import numpy as np
 
-    from tool0.control.arm_compliance import ComplianceTask, force_damping
+    from tool0.control.arm.compliance import ComplianceTask, force_damping
     from tool0.description.transform_arrays import matrix_of
 
     core = simulation.core
@@ -171,7 +171,7 @@ def _start_force_mode(simulation: Simulation, request: StartForceMode) -> None:
 def _start_freedrive(simulation: Simulation, request: StartFreedrive) -> None:
     import numpy as np
 
-    from tool0.control.arm_compliance import FREEDRIVE_DAMPING, ComplianceTask
+    from tool0.control.arm.compliance import FREEDRIVE_DAMPING, ComplianceTask
     from tool0.description.transform_arrays import matrix_of
 
     core = simulation.core

@@ -56,7 +56,7 @@ from tool0.simulation.handlers.table import answer
 from tool0.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
-    from tool0.control.arm_motion import ArmMotionController
+    from tool0.control.arm.motion import ArmMotionController
     from tool0.programs.robot_context import RobotContext
 
 logger = logging.getLogger(__name__)
