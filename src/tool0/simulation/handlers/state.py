@@ -100,7 +100,7 @@ def _check_pose(simulation: Simulation, request: Reset) -> None:
     """Raise PenetrationError for a pose that cannot be."""
     if not request.position or request.allow_penetration:
         return
-    usual = simulation.setup.assembly.position
+    usual = simulation.setup.position
     position = joint_positions(simulation.description.model, request.position, usual)
     simulation.collisions.require_pose(position, usual, simulation.snapshot.scene)
 
