@@ -8,6 +8,7 @@ from tool0.description.robot import RobotDescription
 from tool0.protocol.bus import Bus
 from tool0.sensing.collisions import CollisionFinder
 from tool0.simulation.config import ControlConfig, SimulationConfig
+from tool0.simulation.executor import Executor
 from tool0.simulation.loop import Loop
 from tool0.simulation.setup import Setup
 from tool0.simulation.simulation import Simulation
@@ -31,10 +32,10 @@ def start_simulation(
     try:
         if not simulation.allow_penetration:
             _require_pose(collisions, setup)
-        core = setup.make_core(engine)
+        executor = Executor(setup.make_core(engine))
         bus = Bus()
         loop = Loop(
-            core,
+            executor,
             bus,
             paused=simulation.paused,
             speed=simulation.speed if simulation.realtime else None,
@@ -44,7 +45,7 @@ def start_simulation(
         raise
     return Simulation(
         setup=setup,
-        core=core,
+        executor=executor,
         loop=loop,
         bus=bus,
         cameras=cameras,

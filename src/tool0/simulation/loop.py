@@ -26,7 +26,7 @@ from tool0.protocol.freeze_meter import FreezeMeter
 from tool0.protocol.goals import Goal
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot, ticks_between_snapshots
 from tool0.simulation.clock import Lag, Pacer, SpeedMeter
-from tool0.simulation.core import Core
+from tool0.simulation.executor import Executor
 
 logger = logging.getLogger(__name__)
 
@@ -44,11 +44,11 @@ class _Operation(NamedTuple):
 
 @final
 class Loop:
-    """Owns the time of one core."""
+    """Owns the time of one core, whose robot an executor moves."""
 
     def __init__(
         self,
-        core: Core,
+        executor: Executor,
         bus: Bus,
         *,
         paused: bool = False,
@@ -59,7 +59,8 @@ class Loop:
         ``speed`` is in simulated seconds per wall second; None runs only on
         request, as fast as possible.
         """
-        self._core = core
+        self._executor = executor
+        self._core = core = executor.core
         self._mailbox: queue.SimpleQueue[_Operation | None] = queue.SimpleQueue()
         """None wakes the thread of the tick for what is urgent."""
         self._urgent: deque[_Operation] = deque()
@@ -86,7 +87,7 @@ class Loop:
         """Called in real time, before the next tick, when the process was frozen: for
         how long [wall s].  Not with an engine in a process of its own, which may be
         late by itself."""
-        core.when_goal_starts = lambda goal: goal.when_finished(
+        executor.when_goal_starts = lambda goal: goal.when_finished(
             lambda done: bus.announce(GoalFinished(done, core.time))
         )
         self._publish()
@@ -258,6 +259,7 @@ class Loop:
     def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
         """Reset the core and clear a fault.  In the thread of the tick."""
         self._core.reset(position, keep_time)
+        self._executor.supervision.forget()
         self._fault = None
         self._update_running()
         self._restart_clock()
@@ -344,10 +346,7 @@ class Loop:
         if core.ticks % self._default_snapshot_ticks:
             self._publish()
             return
-        if core.control_boxes.has_limits:
-            self._attempt(core.check_safety_limits)
-        if core.arm_motions.has_taken:
-            self._attempt(core.check_motions)
+        self._attempt(self._executor.supervise)
         self._attempt(core.check_contacts)
         self._publish()
         snapshot, grasp_assist = self._bus.latest, core.grasp_assist
@@ -468,8 +467,8 @@ class Loop:
                 core.engine.world.object_states(),
                 core.stall_monitor.stalls,
                 core.grip_contacts.gripping,
-                core.control_boxes.states,
-                core.command if self._bus.wants_commands else (),
+                core.arms.boxes,
+                tuple(core.newest_command()) if bus.wants_commands else (),
                 core.arm_samples()
                 if with_arms or (bus.wants_arms and has_forces)
                 else {},

@@ -30,7 +30,7 @@ from tool0.protocol.state import (
 from tool0.sensing.cameras import Cameras
 from tool0.sensing.collisions import CollisionFinder
 from tool0.sensing.force_torque import ForceTorqueSensors
-from tool0.simulation.core import Core
+from tool0.simulation.executor import Executor
 from tool0.simulation.journal import Journal
 from tool0.simulation.loop import POLL_PERIOD, Loop
 from tool0.simulation.program_runs import ProgramRuns
@@ -57,7 +57,7 @@ class Simulation:
         self,
         *,
         setup: Setup,
-        core: Core,
+        executor: Executor,
         loop: Loop,
         bus: Bus,
         ground: float | None = None,
@@ -69,8 +69,9 @@ class Simulation:
         self.setup = setup
         """Its start, from which the journal leads to its present state."""
         self.description = description
-        self.core = core
-        """Only for the thread of the tick."""
+        self.executor = executor
+        self.core = core = executor.core
+        """Both only for the thread of the tick."""
         self.engine = core.engine
         self.loop = loop
         self.bus = bus

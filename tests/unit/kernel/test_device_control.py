@@ -18,6 +18,7 @@ from tool0.description.robot import RobotDescription  # noqa: E402
 from tool0.hardware.engine import JointState  # noqa: E402
 from tool0.kernel.device import DeviceControl, DeviceState  # noqa: E402
 from tool0.protocol.trajectories import TrajectoryPoint  # noqa: E402
+from tool0.simulation.executor import Executor  # noqa: E402
 from tool0.simulation.setup import Setup  # noqa: E402
 
 N = 4
@@ -81,14 +82,14 @@ class Side:
             self.most[bounds.joint] = bounds.effort
 
     def command(self, name: str, duration: float, rng: np.random.Generator) -> None:
-        spec = self.cores[0].trajectory_controller(name).spec
+        spec = Executor(self.cores[0]).trajectory_controller(name).spec
         q = self.home[
             :, [self.cores[0].engine.joint_names.index(j) for j in spec.joints]
         ]
         q = q + rng.uniform(0.0, 0.002, q.shape)
         for core, target in zip(self.cores, q.tolist(), strict=True):
             points = [TrajectoryPoint(target, time_from_start=duration)]
-            core.command_trajectory(
+            Executor(core).command_trajectory(
                 name, TrajectoryGoal(points=points, joint_names=spec.joints)
             )
         self._start(name, q, duration)
@@ -101,7 +102,7 @@ class Side:
         q = q + rng.uniform(0.0, 0.002, q.shape)
         for core, target in zip(self.cores, q.tolist(), strict=True):
             points = [TrajectoryPoint(target, time_from_start=duration)]
-            core.command_trajectory(
+            Executor(core).command_trajectory(
                 name,
                 TrajectoryGoal(points=points, joint_names=(joint,)),
                 {joint: limits},

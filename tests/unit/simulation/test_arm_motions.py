@@ -155,7 +155,7 @@ def test_a_velocity_of_the_tool_moves_it_straight(robot: tool0.Robot) -> None:
     motion = robot.arm.motion
     motion.take()
     move(robot, DOWN, 2.0)
-    model = robot.simulation.core.arm_motions.specs["arm"].model
+    model = robot.simulation.core.arms.find("arm").motion.spec.model
     lever = np.array([0.05, 0.0, 0.1])
 
     def tcp() -> Placement:

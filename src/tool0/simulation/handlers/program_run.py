@@ -99,6 +99,7 @@ class ProgramExecution:
         """
         self._simulation, self._plan, self._context = simulation, plan, context
         name, arm = plan.program.name, context.arm
+        self._arm = simulation.core.arms.find(arm)
         self._name = f"program '{name}'"
         self.goal = Goal(self._name)
         self.status = ProgramRun(run=number, program=name, arm=arm, state="running")
@@ -195,8 +196,7 @@ class ProgramExecution:
             raise _EndedError("stopped", "the arm was switched off")
         if box.motion_failure:
             raise _EndedError("failed", box.motion_failure)
-        motions = self._simulation.core.arm_motions
-        if not box.taken_by or motions.is_returning(self.arm):
+        if not box.taken_by or self._arm.motion.is_returning:
             raise _EndedError(
                 "stopped", "something else stopped the arm or gave it back"
             )
@@ -394,7 +394,9 @@ class ProgramExecution:
         if goal.status is GoalStatus.PREEMPTED:
             raise _EndedError("stopped", "something else moved the gripper")
         if state.motion == "blocked":
-            reason = self._simulation.core.gripper_obstacle(geometry.joint)
+            reason = self._simulation.executor.supervision.gripper_obstacle(
+                geometry.joint
+            )
             raise _EndedError(
                 "failed", f"the gripper is blocked and holds nothing ({reason})"
             )
@@ -444,7 +446,7 @@ class ProgramExecution:
 
     @property
     def _box(self) -> ControlBoxState:
-        return self._simulation.core.control_boxes.find(self.arm)
+        return self._arm.box.state
 
     @property
     def _is_paused(self) -> bool:
@@ -453,9 +455,8 @@ class ProgramExecution:
     @property
     def _motion(self) -> ArmMotionController:
         """What moves the arm; _EndedError if something else does."""
-        core = self._simulation.core
-        motion = core.arm_motions.find(self.arm)
-        number, _ = motion.progress(core.time)
+        motion = self._arm.controller_to_move()
+        number, _ = motion.progress(self._simulation.core.time)
         if number != self._path_number or motion.mode not in {"path", "hold", "stop"}:
             raise _EndedError("stopped", "something else moves the arm")
         return motion

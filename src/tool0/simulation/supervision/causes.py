@@ -1,0 +1,149 @@
+"""Why joints are not where they are sent: a contact, a limit, too little effort."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final, NamedTuple, final
+
+from tool0.control.arm.stream import SINGULAR
+from tool0.description.parts import ArmParts
+from tool0.hardware.engine import JointState
+from tool0.protocol.state import Contact, contacts_text
+from tool0.sensing.stalls import LARGEST_LAG, external_contacts
+from tool0.simulation.core import Core
+
+RECENT: Final = 0.1
+"""For how long a contact counts as a cause after it has ended [s]: what hits the ground
+rebounds."""
+_AT_LIMIT: Final = 0.02
+"""Distance from a limit at which a joint is held by it [rad]."""
+_FULL: Final = 0.98
+"""Part of its largest effort from which a drive gives all that it can."""
+
+
+@final
+class TrackedJoint(NamedTuple):
+    """A joint that is to be where it is sent."""
+
+    name: str
+    number: int
+    """In the engine's order."""
+    lower: float
+    upper: float
+    """Its limits [rad]."""
+    error: float
+    """Largest distance from the setpoint [rad]."""
+    effort: float
+    """Largest effort of its drive [N·m]."""
+    links: frozenset[str]
+    """All that it moves."""
+
+
+@final
+class Causes:
+    """Names what keeps the joints of one arm from where they are sent."""
+
+    def __init__(self, arm: ArmParts, core: Core) -> None:
+        self._arm, self._core = arm, core
+        model, hardware = core.model, core.hardware
+        self.joints = tuple(
+            TrackedJoint(
+                joint.name,
+                hardware.index[joint.name],
+                limits.lower,
+                limits.upper,
+                LARGEST_LAG * limits.velocity,
+                limits.effort,
+                frozenset(model.links_from(joint.child)),
+            )
+            for joint in arm.joints
+            if (limits := hardware.limits.get(joint.name)) is not None
+        )
+        """The joints with drives, from base to flange."""
+        self._touching: tuple[Contact, ...] = ()
+        """The last contacts of the arm that were seen, and when [s]:"""
+        self._touched_at = -math.inf
+
+    def watch(self, time: float) -> None:
+        """Note what touches the arm at ``time`` [s]: it may become a cause."""
+        contacts = self._core.engine.world.contacts()
+        if self.joints and external_contacts(self.joints[0].links, contacts):
+            self._touching, self._touched_at = contacts, time
+
+    def of(self, joint: TrackedJoint, state: JointState) -> str:
+        """Return what most likely keeps a joint off the path of a tool."""
+        return (
+            self._obstacle((joint,), state)
+            or self._singularity(state)
+            or self._weakness((joint,), state)
+            or "no contact: the motion is too fast, or the payload is not as set"
+        )
+
+    def known(self, joints: Sequence[TrackedJoint], state: JointState) -> str:
+        """Return what keeps some of ``joints`` from where they are sent, if known.
+
+        They are in the order from base to flange.
+        """
+        return self._obstacle(joints, state) or self._weakness(joints, state)
+
+    def _obstacle(self, joints: Sequence[TrackedJoint], state: JointState) -> str:
+        """Return what they touch, or the limit that one is at."""
+        self.watch(state.time)
+        if 0.0 <= state.time - self._touched_at <= RECENT:
+            touching = external_contacts(joints[0].links, self._touching)
+            if touching:
+                return contacts_text(touching)
+        for joint in joints:
+            position = state.position[joint.number]
+            for limit in (joint.lower, joint.upper):
+                if abs(position - limit) <= _AT_LIMIT:
+                    who = "it" if len(joints) == 1 else f"'{joint.name}'"
+                    return f"no contact: {who} is at its limit of {limit:.4g} rad"
+        return ""
+
+    def _weakness(self, joints: Sequence[TrackedJoint], state: JointState) -> str:
+        """Return which drive gives all that it can."""
+        for joint in joints:
+            if abs(state.effort[joint.number]) >= _FULL * joint.effort:
+                its = (
+                    "its drive" if len(joints) == 1 else f"the drive of '{joint.name}'"
+                )
+                return (
+                    f"no contact: {its} gives all of its {joint.effort:.4g} N·m; the "
+                    "motion is too fast for the load, or the payload is not the one "
+                    "that is set"
+                )
+        return ""
+
+    def _singularity(self, state: JointState) -> str:
+        """Return that the arm is at one, if it is to move fast."""
+        if self._is_wanted_fast() and self._singular_value(state) < SINGULAR:
+            return (
+                "no contact: the arm is at a singularity, where its joints would have "
+                "to turn faster than they can"
+            )
+        return ""
+
+    def _is_wanted_fast(self) -> bool:
+        """Return whether a joint is to turn at more than half of its speed."""
+        limits = self._core.hardware.limits
+        return any(
+            abs(spline.sample(setpoint.time).velocity) > limits[model.name].velocity / 2
+            for setpoint in self._core.manager.setpoints().values()
+            for model, spline in zip(
+                setpoint.joint_models, setpoint.splines, strict=True
+            )
+            if model.name in limits
+        )
+
+    def _singular_value(self, state: JointState) -> float:
+        """Return the smallest singular value of the Jacobian: 0 where singular."""
+        import numpy as np  # only once something is wrong
+
+        from tool0.kinematics.chain import ArmChain
+
+        model, arm, index = self._core.model, self._arm, self._core.hardware.index
+        position = [state.position[index[joint.name]] for joint in arm.joints]
+        posture = ArmChain(model, arm.flange, arm.joints).forward(np.array([position]))
+        return float(np.linalg.svd(posture.jacobian[0], compute_uv=False)[-1])
