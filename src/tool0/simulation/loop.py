@@ -21,12 +21,13 @@ from functools import partial
 from typing import Any, NamedTuple, TypeVar, final
 
 from tool0.errors import ControlError, EngineError
-from tool0.protocol.bus import Bus, Faulted, GoalFinished, Overran, WasReset
+from tool0.protocol.bus import Bus, Faulted, GoalFinished, WasReset
 from tool0.protocol.freeze_meter import FreezeMeter
 from tool0.protocol.goals import Goal
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot, ticks_between_snapshots
-from tool0.simulation.clock import Lag, Pacer, SpeedMeter
+from tool0.simulation.clock import Pacer
 from tool0.simulation.executor import Executor
+from tool0.simulation.publisher import Pace, Publisher
 
 logger = logging.getLogger(__name__)
 
@@ -69,8 +70,7 @@ class Loop:
         self._is_paused = paused
         self._speed = None if speed is None else _checked_speed(speed)
         self._pacer = Pacer(core.control_period, speed or 1.0)
-        self._meter = SpeedMeter()
-        self._lag = Lag()
+        self._publisher = Publisher(core, bus)
         default = ticks_between_snapshots(SNAPSHOT_PERIOD, core.control_period)
         self._default_snapshot_ticks = self._snapshot_ticks = default
         self._owner = threading.RLock()
@@ -79,8 +79,6 @@ class Loop:
         self._update_running()
         self.steps = 0
         """Ticks since the start; unlike time, a reset does not set it back."""
-        self.max_drift = 0.0
-        """Largest departure of an uncommanded joint from its initial pose so far."""
         self.when_observed: Callable[[Snapshot], None] = lambda snapshot: None
         """Called after snapshots at the default period, between two ticks."""
         self.when_frozen: Callable[[float], None] = lambda duration: None
@@ -90,8 +88,8 @@ class Loop:
         executor.when_goal_starts = lambda goal: goal.when_finished(
             lambda done: bus.announce(GoalFinished(done, core.time))
         )
-        self._publish()
         self._thread: threading.Thread | None = None
+        self._publish()
         if speed is not None:
             self._thread = threading.Thread(
                 target=self._run_forever, name="tool0 loop", daemon=True
@@ -111,6 +109,11 @@ class Loop:
     @property
     def overruns(self) -> int:
         return self._pacer.overruns
+
+    @property
+    def max_drift(self) -> float:
+        """Largest departure of an uncommanded joint from its initial pose so far."""
+        return self._publisher.max_drift
 
     @property
     def is_realtime(self) -> bool:
@@ -410,7 +413,7 @@ class Loop:
         overruns = self._pacer.overruns
         self._pacer = Pacer(self._core.control_period, self._speed or 1.0)
         self._pacer.overruns = overruns
-        self._meter.restart(self._core.time, overruns)
+        self._publisher.restart_meter(overruns)
 
     def snapshot_with_arms(self) -> Snapshot:
         """Publish a snapshot that has what moves each arm, and return it.
@@ -436,65 +439,15 @@ class Loop:
             self._mailbox.put(_Operation(self._publish, Future(), publishes=False))
 
     def _publish(self, *, with_arms: bool = False) -> None:
-        core, meter, overruns = self._core, self._meter, self._pacer.overruns
-        self.max_drift = core.drift(self.max_drift)
-        time = core.time
-        if meter.measure(time, overruns):
-            self._announce_lag()
-        hardware, manager, fault = core.hardware, core.manager, self._fault
-        _, position, velocity, effort = core.state
-        bus = self._bus
-        has_forces = bus.are_forces_due(time)
-        self._bus.publish(
-            Snapshot(  # by position: keywords take ten times as long
-                time,
-                core.ticks,
-                hardware.joint_names,
-                tuple(position),
-                tuple(velocity),
-                tuple(effort),
-                manager.list(),
-                self._is_paused,
-                hardware.is_stopped,
-                meter.factor,
-                overruns,
-                meter.late_ticks,
-                None if fault is None else str(fault),
-                self._speed,
-                manager.setpoints(),
-                {},  # received setpoints: it is this process that computes them
-                core.scene.objects,
-                core.engine.world.object_states(),
-                core.stall_monitor.stalls,
-                core.grip_contacts.gripping,
-                core.arms.boxes,
-                tuple(core.newest_command()) if bus.wants_commands else (),
-                core.arm_samples()
-                if with_arms or (bus.wants_arms and has_forces)
-                else {},
-                core.engine.world.contacts()
-                if bus.wants_contacts and has_forces
-                else (),
-                self.steps,
-            )
+        pace = Pace(
+            self._is_paused,
+            self._thread is not None,
+            self._speed,
+            self._pacer.overruns,
+            self.steps,
+            self._fault,
         )
-
-    def _announce_lag(self) -> None:
-        """Publish that the simulation falls behind the wall clock or keeps up again."""
-        if self._thread is None or self._is_paused:
-            return
-        factor, speed = self._meter.factor, self._speed or 1.0
-        if not self._lag.changes(factor / speed):
-            return
-        count = self._meter.late_ticks if self._lag.is_behind else 0
-        self._bus.announce(Overran(count, self._core.time))
-        logger.warning(
-            "the simulation %s: %.2f x real time of %g x, %d late ticks a second",
-            "falls behind" if self._lag.is_behind else "keeps up again",
-            factor,
-            speed,
-            self._meter.late_ticks,
-        )
+        self._publisher.publish(pace, with_arms=with_arms)
 
 
 def _checked_speed(factor: float) -> float:

@@ -108,7 +108,7 @@ class Simulation:
         self.program_runs = ProgramRuns()
         """Only for the thread of the tick."""
         loop.when_observed = self.program_runs.look
-        self.journal = Journal(core, lambda: loop.steps)
+        self.journal = Journal(core, loop)
         """The requests that changed the simulation, since its start."""
         self._services: dict[object, Service] = {}
         self._lock = threading.Lock()

@@ -10,7 +10,7 @@ on) do not occur.
 from __future__ import annotations
 
 import logging
-from typing import Final, NamedTuple, final
+from typing import Final, final
 
 from tool0.control.arm.compliance import ComplianceTask
 from tool0.control.arm.motion import ArmMotionController
@@ -22,8 +22,6 @@ from tool0.errors import ControlError
 from tool0.hardware.engine import Engine, JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.protocol.control_box_state import (
-    POWERED,
-    UNSTOPPED,
     ProgramState,
     RobotMode,
     SafetyMode,
@@ -31,6 +29,7 @@ from tool0.protocol.control_box_state import (
 from tool0.protocol.state import ArmSample, Contact
 from tool0.sensing.tool_wrench import ToolWrench
 from tool0.simulation.arms.control_box import ControlBox
+from tool0.simulation.arms.modes import Modes
 from tool0.simulation.arms.motion import ArmMotion
 
 logger = logging.getLogger(__name__)
@@ -43,17 +42,6 @@ _TOO_SOON: Final = (
     "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of "
     "protective stop before unlocking"
 )
-
-
-class _Modes(NamedTuple):
-    """The modes of an arm, whether or not the emergency stop hides them."""
-
-    robot: RobotMode = RobotMode.RUNNING
-    safety: SafetyMode = SafetyMode.NORMAL
-
-    @property
-    def may_move(self) -> bool:
-        return self.robot in POWERED and self.safety in UNSTOPPED
 
 
 @final
@@ -77,7 +65,7 @@ class Arm:
         self._model, self._engine = model, engine
         self._hardware, self._manager = hardware, manager
         self._joints = frozenset(joint.name for joint in parts.joints)
-        self._modes = _Modes()
+        self._modes = Modes()
         self._stopped: tuple[str, ...] = ()
         """The controllers that play starts."""
         self._stopped_at = 0.0
@@ -118,7 +106,7 @@ class Arm:
     def power_on(self, now: JointState) -> None:
         """Switch the arm on, with its brakes on; one that is on is left alone."""
         self._require_released()
-        if self._modes.robot not in POWERED:
+        if not self._modes.is_powered:
             self._set(now, robot=RobotMode.IDLE)
 
     def release_brakes(self, now: JointState) -> None:
@@ -127,7 +115,7 @@ class Arm:
         Nothing moves until the program is played.
         """
         self._require_released()
-        if self._modes.robot not in POWERED:
+        if not self._modes.is_powered:
             self._set(now, robot=RobotMode.RUNNING)
 
     def stop_protectively(self, reason: str, now: JointState) -> None:
@@ -366,10 +354,7 @@ class Arm:
     ) -> None:
         """Change modes; stop what moves the arm if it may not move any more."""
         old = self._modes
-        new = _Modes(robot or old.robot, safety or old.safety)
-        if new.robot is RobotMode.BACKDRIVE and new.safety not in UNSTOPPED:
-            new = new._replace(robot=RobotMode.RUNNING)
-        self._modes = new
+        self._modes = new = old.changed(robot, safety)
         self._show()
         if not new.may_move and old.may_move:
             self._stop(now)
@@ -388,7 +373,7 @@ class Arm:
 
     def _show_freedrive(self, engaged: bool, now: JointState) -> None:
         """Show whether an arm that may move is guided by hand."""
-        if self._modes.robot in POWERED:
+        if self._modes.is_powered:
             self._set(now, RobotMode.BACKDRIVE if engaged else RobotMode.RUNNING)
 
     def _stop(self, now: JointState) -> None:
@@ -412,26 +397,7 @@ class Arm:
 
     def _obstacle(self) -> str:
         """Return why the arm may not move, and a remedy; empty if it may."""
-        name, (robot, safety) = self.name, self._modes
-        handle = f"robot.arms['{name}'].control_box"
-        if safety is SafetyMode.PROTECTIVE_STOP:
-            reason = self.box.state.protective_stop
-            return (
-                f"the arm '{name}' is in a protective stop; unlock it in the panel or "
-                f"with {handle}.unlock() (it stopped for: {reason})"
-            )
-        if safety not in UNSTOPPED:
-            return (
-                f"the safety mode of the arm '{name}' is {safety.name}; restart it "
-                f"with {handle}.restart_safety()"
-            )
-        if robot not in POWERED:
-            state_of = "powered off" if robot is RobotMode.POWER_OFF else "braked"
-            return (
-                f"the arm '{name}' is {state_of}; power it on and release its brakes "
-                f"with {handle}.release_brakes()"
-            )
-        return ""
+        return self._modes.obstacle(self.name, self.box.state.protective_stop)
 
     def _stop_controllers(self, now: JointState) -> None:
         names = tuple(
