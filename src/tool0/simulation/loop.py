@@ -27,7 +27,7 @@ from tool0.protocol.goals import Goal
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot, ticks_between_snapshots
 from tool0.simulation.clock import Pacer
 from tool0.simulation.executor import Executor
-from tool0.simulation.publisher import Pace, Publisher
+from tool0.simulation.publisher import Publisher
 
 logger = logging.getLogger(__name__)
 
@@ -67,15 +67,15 @@ class Loop:
         self._urgent: deque[_Operation] = deque()
         """Overtakes the mailbox."""
         self._bus = bus
-        self._is_paused = paused
-        self._speed = None if speed is None else _checked_speed(speed)
+        self.is_paused = paused
+        self.speed = None if speed is None else _checked_speed(speed)
         self._pacer = Pacer(core.control_period, speed or 1.0)
         self._publisher = Publisher(core, bus)
         default = ticks_between_snapshots(SNAPSHOT_PERIOD, core.control_period)
         self._default_snapshot_ticks = self._snapshot_ticks = default
         self._owner = threading.RLock()
         self._closing = False
-        self._fault: Exception | None = None
+        self.fault: Exception | None = None
         self._update_running()
         self.steps = 0
         """Ticks since the start; unlike time, a reset does not set it back."""
@@ -196,11 +196,11 @@ class Loop:
             self.check()
             if self._closing:
                 raise ControlError("the simulation was closed")
-            if self._is_paused:
+            if self.is_paused:
                 raise ControlError("the simulation is paused; resume it, or step it")
             if self._thread is not None or not self._owner.acquire(blocking=False):
                 left = (end - self.steps) * self._core.control_period
-                time.sleep(min(POLL_PERIOD, max(left / (self._speed or 1.0), 0.0005)))
+                time.sleep(min(POLL_PERIOD, max(left / (self.speed or 1.0), 0.0005)))
                 continue
             try:
                 while self.steps < end and self._is_running and not until():
@@ -235,26 +235,26 @@ class Loop:
 
     def set_paused(self, paused: bool) -> None:
         """Pause or resume simulated time.  In the thread of the tick."""
-        self._is_paused = paused
+        self.is_paused = paused
         self._update_running()
         self._restart_clock()
 
     def set_speed(self, factor: float) -> None:
         """Run at ``factor`` times real time.  In the thread of the tick."""
-        if self._speed is None:
+        if self.speed is None:
             raise ControlError("this simulation does not run in real time")
-        self._speed = _checked_speed(factor)
+        self.speed = _checked_speed(factor)
         self._restart_clock()
 
     def step(self, ticks: int) -> None:
         """Run ``ticks`` control periods while paused.  In the thread of the tick."""
-        if not self._is_paused:
+        if not self.is_paused:
             raise ControlError("pause the simulation before stepping it")
         self.check()
         end = self.steps + ticks
         while self.steps < end:
             self._drain()
-            if self._closing or self._fault is not None:
+            if self._closing or self.fault is not None:
                 break
             self._tick(end - self.steps)
         self.check()
@@ -263,7 +263,7 @@ class Loop:
         """Reset the core and clear a fault.  In the thread of the tick."""
         self._core.reset(position, keep_time)
         self._executor.supervision.forget()
-        self._fault = None
+        self.fault = None
         self._update_running()
         self._restart_clock()
         self._bus.announce(WasReset(self._core.time, self.steps))
@@ -293,13 +293,13 @@ class Loop:
     def _update_running(self) -> None:
         """Record whether ticks may follow each other; the tick checks only that."""
         self._is_running = not (
-            self._is_paused or self._closing or self._fault is not None
+            self.is_paused or self._closing or self.fault is not None
         )
 
     def check(self) -> None:
         """Raise the reason why the simulation stands still, if it does."""
-        if self._fault is not None:
-            raise self._fault
+        if self.fault is not None:
+            raise self.fault
 
     def _run_forever(self) -> None:
         freeze = None if self._core.engine.stepper is None else FreezeMeter()
@@ -355,12 +355,12 @@ class Loop:
         snapshot, grasp_assist = self._bus.latest, core.grasp_assist
         if grasp_assist is not None and snapshot is not None:
             self._attempt(lambda: grasp_assist.look(snapshot))
-        if snapshot is not None and self._fault is None:
+        if snapshot is not None and self.fault is None:
             self.when_observed(snapshot)
 
     def _attempt(self, action: Callable[[], None]) -> None:
         """Call something outside the tick that uses the engine; it may fail."""
-        if self._fault is not None:
+        if self.fault is not None:
             return
         try:
             action()
@@ -369,7 +369,7 @@ class Loop:
 
     def _fail(self, error: Exception) -> None:
         """Stop ticking until a reset, and publish the reason."""
-        self._fault = error
+        self.fault = error
         self._update_running()
         self._bus.announce(Faulted(str(error), self._core.time))
         self._publish()
@@ -411,7 +411,7 @@ class Loop:
 
     def _restart_clock(self) -> None:
         overruns = self._pacer.overruns
-        self._pacer = Pacer(self._core.control_period, self._speed or 1.0)
+        self._pacer = Pacer(self._core.control_period, self.speed or 1.0)
         self._pacer.overruns = overruns
         self._publisher.restart_meter(overruns)
 
@@ -439,15 +439,7 @@ class Loop:
             self._mailbox.put(_Operation(self._publish, Future(), publishes=False))
 
     def _publish(self, *, with_arms: bool = False) -> None:
-        pace = Pace(
-            self._is_paused,
-            self._thread is not None,
-            self._speed,
-            self._pacer.overruns,
-            self.steps,
-            self._fault,
-        )
-        self._publisher.publish(pace, with_arms=with_arms)
+        self._publisher.publish(self, with_arms=with_arms)
 
 
 def _checked_speed(factor: float) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import NamedTuple, final
+from typing import Protocol, final
 
 from tool0.protocol.bus import Bus, Overran
 from tool0.protocol.state import Snapshot
@@ -13,19 +13,24 @@ from tool0.simulation.core import Core
 logger = logging.getLogger(__name__)
 
 
-class Pace(NamedTuple):
+class Pace(Protocol):
     """How time passes, as the loop has it."""
 
     is_paused: bool
-    is_realtime: bool
     speed: float | None
-    """Requested simulated seconds per wall second; None if it is not limited."""
-    overruns: int
-    """Late ticks since the start."""
-    steps: int
-    """Ticks since the start."""
+    """Requested simulated seconds per wall second; None runs on request."""
     fault: Exception | None
     """Why time stands still."""
+    steps: int
+    """Ticks since the start."""
+
+    @property
+    def is_realtime(self) -> bool:
+        """Whether it keeps pace with the wall clock."""
+
+    @property
+    def overruns(self) -> int:
+        """Late ticks since the start."""
 
 
 @final

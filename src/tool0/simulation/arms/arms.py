@@ -38,7 +38,11 @@ class Arms:
             )
             for name, parts in find_arms(model).items()
         )
-        self._boxes: tuple[ControlBoxState, ...] = ()
+        self.boxes: tuple[ControlBoxState, ...] = ()
+        """The state of each control box: the same tuple until one changes."""
+        self._note_change()
+        for arm in self._arms:
+            arm.box.when_changed = self._note_change
 
     def __iter__(self) -> Iterator[Arm]:
         return iter(self._arms)
@@ -60,14 +64,6 @@ class Arms:
         if name not in names:
             raise ControlError(f"no arm '{name}'{did_you_mean(name, names)}")
         return self._arms[names.index(name)]
-
-    @property
-    def boxes(self) -> tuple[ControlBoxState, ...]:
-        """The state of each control box: the same tuple until one changes."""
-        boxes = tuple(arm.box.state for arm in self._arms)
-        if boxes != self._boxes:
-            self._boxes = boxes
-        return self._boxes
 
     @property
     def is_idle(self) -> bool:
@@ -108,3 +104,6 @@ class Arms:
         """
         for arm in self._arms:
             arm.note_emergency_stop()
+
+    def _note_change(self) -> None:
+        self.boxes = tuple(arm.box.state for arm in self._arms)

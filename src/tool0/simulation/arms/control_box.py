@@ -7,7 +7,7 @@ and programs.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Final, final
 
 from msgspec.structs import replace
@@ -42,6 +42,8 @@ class ControlBox:
         self, name: str, flange: str, model: RobotModel, hardware: RobotHardware
     ) -> None:
         self._flange, self._model, self._hardware = flange, model, hardware
+        self.when_changed: Callable[[], None] = lambda: None
+        """Called after each change of the state."""
         self.state = ControlBoxState(
             arm=name,
             prefix=flange.removesuffix(FLANGE),
@@ -113,6 +115,7 @@ class ControlBox:
         if changed != self.state:
             self.state = changed
             self.is_steady = changed.speed_scaling == _target(changed)
+            self.when_changed()
 
 
 def _target(state: ControlBoxState) -> float:
