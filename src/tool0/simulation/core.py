@@ -255,7 +255,8 @@ class Core:
         self.grip_contacts.forget()
         self.hardware.restart(self.state)
         self.manager.restart(self.state)
-        self.arms.note_restart(self.state)
+        for arm in self.arms:
+            arm.note_restart(self.state)
         for sensor in self._sensors:
             sensor.restart(self._before, self.state, self._forces)
 
@@ -275,8 +276,8 @@ class Core:
         self.hardware.set_stopped(engaged, self.state)
         self.manager.restart(self.state)
         stopped = "the emergency stop was engaged" if engaged else ""
-        self.arms.note_restart(self.state, stopped)
-        self.arms.note_emergency_stop()
+        for arm in self.arms:
+            arm.note_restart(self.state, stopped)
 
     def note_commanded(self, joints: Collection[str]) -> None:
         """Leave ``joints`` out of the drift from now on."""

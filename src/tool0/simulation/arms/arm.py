@@ -150,10 +150,6 @@ class Arm:
         self._require_released()
         self._set(now, RobotMode.POWER_OFF, SafetyMode.NORMAL)
 
-    def note_emergency_stop(self) -> None:
-        """Show the emergency stop of the drives, or the modes from before."""
-        self._show()
-
     # ---- the program that moves it through controllers ------------------------------
 
     def play(self, now: JointState) -> None:
@@ -288,16 +284,18 @@ class Arm:
         if self.controller_to_stop().is_guided == is_freedrive:
             self._stiffen(now)
 
-    def note_restart(self, now: JointState, stopped: str) -> None:
+    def note_restart(self, now: JointState, stopped: str = "") -> None:
         """Note that controllers were restarted: freedrive and force mode have ended.
 
-        ``stopped`` is why no program may go on as if nothing had happened.
+        ``stopped`` is why no program may go on as if nothing had happened.  The modes
+        show the emergency stop of the drives, or are those from before.
         """
         self.motion.note_restart(now.time)
         if self.motion.is_taken:
             self._show_freedrive(False, now)
             if stopped:
                 self._refuse(stopped)
+        self._show()
 
     # ---- samples --------------------------------------------------------------------
 

@@ -89,21 +89,5 @@ class Arms:
         """
         return {arm.name: arm.sample(now, before, after, forces) for arm in self}
 
-    def note_restart(self, now: JointState, stopped: str = "") -> None:
-        """Note that controllers were restarted: freedrive and force mode have ended.
-
-        ``stopped`` is why no program may go on as if nothing had happened.
-        """
-        for arm in self._arms:
-            arm.note_restart(now, stopped)
-
-    def note_emergency_stop(self) -> None:
-        """Follow the emergency stop of the drives, which all arms share.
-
-        Released, every arm has the modes from before.
-        """
-        for arm in self._arms:
-            arm.note_emergency_stop()
-
     def _note_change(self) -> None:
         self.boxes = tuple(arm.box.state for arm in self._arms)
