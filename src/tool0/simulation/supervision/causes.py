@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Final, NamedTuple, final
 
 from tool0.control.arm.stream import SINGULAR
@@ -74,46 +73,34 @@ class Causes:
     def of(self, joint: TrackedJoint, state: JointState) -> str:
         """Return what most likely keeps a joint off the path of a tool."""
         return (
-            self._obstacle((joint,), state)
+            self._obstacle(joint, joint.links, state)
             or self._singularity(state)
-            or self._weakness((joint,), state)
+            or _weakness(joint, state)
             or "no contact: the motion is too fast, or the payload is not as set"
         )
 
-    def known(self, joints: Sequence[TrackedJoint], state: JointState) -> str:
-        """Return what keeps some of ``joints`` from where they are sent, if known.
+    def known(
+        self, joint: TrackedJoint, links: frozenset[str], state: JointState
+    ) -> str:
+        """Return what keeps a joint from where it is sent, if that is known.
 
-        They are in the order from base to flange.
+        ``links`` are those that contacts may stop: with the joint, or others.
         """
-        return self._obstacle(joints, state) or self._weakness(joints, state)
+        return self._obstacle(joint, links, state) or _weakness(joint, state)
 
-    def _obstacle(self, joints: Sequence[TrackedJoint], state: JointState) -> str:
-        """Return what they touch, or the limit that one is at."""
+    def _obstacle(
+        self, joint: TrackedJoint, links: frozenset[str], state: JointState
+    ) -> str:
+        """Return what ``links`` touch, or the limit that the joint is at."""
         self.watch(state.time)
         if 0.0 <= state.time - self._touched_at <= RECENT:
-            touching = external_contacts(joints[0].links, self._touching)
+            touching = external_contacts(links, self._touching)
             if touching:
                 return contacts_text(touching)
-        for joint in joints:
-            position = state.position[joint.number]
-            for limit in (joint.lower, joint.upper):
-                if abs(position - limit) <= _AT_LIMIT:
-                    who = "it" if len(joints) == 1 else f"'{joint.name}'"
-                    return f"no contact: {who} is at its limit of {limit:.4g} rad"
-        return ""
-
-    def _weakness(self, joints: Sequence[TrackedJoint], state: JointState) -> str:
-        """Return which drive gives all that it can."""
-        for joint in joints:
-            if abs(state.effort[joint.number]) >= _FULL * joint.effort:
-                its = (
-                    "its drive" if len(joints) == 1 else f"the drive of '{joint.name}'"
-                )
-                return (
-                    f"no contact: {its} gives all of its {joint.effort:.4g} N·m; the "
-                    "motion is too fast for the load, or the payload is not the one "
-                    "that is set"
-                )
+        position = state.position[joint.number]
+        for limit in (joint.lower, joint.upper):
+            if abs(position - limit) <= _AT_LIMIT:
+                return f"no contact: '{joint.name}' is at its limit of {limit:.4g} rad"
         return ""
 
     def _singularity(self, state: JointState) -> str:
@@ -147,3 +134,13 @@ class Causes:
         position = [state.position[index[joint.name]] for joint in arm.joints]
         posture = ArmChain(model, arm.flange, arm.joints).forward(np.array([position]))
         return float(np.linalg.svd(posture.jacobian[0], compute_uv=False)[-1])
+
+
+def _weakness(joint: TrackedJoint, state: JointState) -> str:
+    """Return that a joint's drive gives all that it can, if it does."""
+    if abs(state.effort[joint.number]) < _FULL * joint.effort:
+        return ""
+    return (
+        f"no contact: the drive of '{joint.name}' gives all of its {joint.effort:.4g} "
+        "N·m; the motion is too fast for the load, or the payload is not as set"
+    )

@@ -10,13 +10,13 @@ same.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from operator import itemgetter, sub
 from typing import Final, NamedTuple, final
 
 from tool0.description.model import RECOVERABLE, Interface
-from tool0.hardware.engine import joint_selector
+from tool0.hardware.engine import JointState, joint_selector
 from tool0.protocol.goals import Goal, GripperResult, Result
 from tool0.protocol.state import contacts_text
 from tool0.sensing.stalls import external_contacts
@@ -103,12 +103,13 @@ class Supervision:
 
     def _cause(self, names: tuple[str, ...]) -> str:
         """Return what is known to keep joints off their path."""
+        core = self._core
         for watch in self._watches:
             joints = [joint for joint in watch.causes.joints if joint.name in names]
-            if joints and (why := watch.causes.known(joints, self._core.state)):
-                return why
-        model = self._core.model
-        return self._touching(model.joint(name).child for name in names)
+            if joints:
+                joint, _ = _furthest(joints, core.wanted_positions(), core.state)
+                return watch.causes.known(joint, joints[0].links, core.state)
+        return self._touching(core.model.joint(name).child for name in names)
 
     def _touching(self, roots: Iterable[str]) -> str:
         """Return what the links from ``roots`` on touch; empty for nothing."""
@@ -193,15 +194,18 @@ class _Watch:
         controller, state = self.arm.motion.controller, self._core.state
         if controller.is_compliant:
             return ""
-        lag = self._lag()
-        if not lag <= SUSPICIOUS * self._least_error:
-            self.causes.watch(state.time)
-            command = self._core.newest_command()
-            wanted = {j.name: command[j.number] for j in self.causes.joints}
-            if reason := self._off_path(wanted):
-                return reason
-        if controller.is_overdue(lag, state.time):
-            joint, error = self._furthest()
+        lag, joints = self._lag(), self.causes.joints
+        is_suspicious = not lag <= SUSPICIOUS * self._least_error
+        is_overdue = controller.is_overdue(lag, state.time)
+        if not (is_suspicious or is_overdue):
+            return ""
+        command = self._core.newest_command()
+        wanted = {joint.name: command[joint.number] for joint in joints}
+        self.causes.watch(state.time)
+        if reason := self._off_path(wanted):
+            return reason
+        if is_overdue:
+            joint, error = _furthest(joints, wanted, state)
             return (
                 f"joint '{joint.name}' is {error:.3f} rad from the end of its path "
                 f"({self._cause(joint)})"
@@ -230,13 +234,16 @@ class _Watch:
                 )
         return ""
 
-    def _furthest(self) -> tuple[TrackedJoint, float]:
-        """Return the joint furthest from its command, and how far it is [rad]."""
-        command, position = self._core.newest_command(), self._core.state.position
-        errors = (
-            abs(command[j.number] - position[j.number]) for j in self.causes.joints
-        )
-        return max(zip(self.causes.joints, errors, strict=True), key=itemgetter(1))
-
     def _cause(self, joint: TrackedJoint) -> str:
         return self.causes.of(joint, self._core.state)
+
+
+def _furthest(
+    joints: Sequence[TrackedJoint], wanted: Mapping[str, float], state: JointState
+) -> tuple[TrackedJoint, float]:
+    """Return the joint furthest from where it is wanted, and how far it is [rad]."""
+    errors = []
+    for joint in joints:
+        here = state.position[joint.number]
+        errors.append((joint, abs(wanted.get(joint.name, here) - here)))
+    return max(errors, key=itemgetter(1))
