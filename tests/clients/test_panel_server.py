@@ -227,9 +227,9 @@ def test_a_slider_moves_the_joint_for_every_page(panel: Panel) -> None:
 
 
 def test_of_a_thousand_slider_events_the_newest_counts(robot: tool0.Robot) -> None:
-    core = type(robot.simulation.core)
+    kind = type(robot.simulation.executor)
     with (
-        patch.object(core, "steer", autospec=True, side_effect=core.steer) as steer,
+        patch.object(kind, "steer", autospec=True, side_effect=kind.steer) as steer,
         Panel(robot) as panel,
         page_at(panel.url) as page,
     ):

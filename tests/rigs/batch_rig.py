@@ -23,8 +23,8 @@ from tool0.motion.gripper import direct_path
 from tool0.protocol.controllers import Role
 from tool0.protocol.state import ObjectState
 from tool0.scene import Box, Scene, SceneObject
-from tool0.simulation.controller_paths import trajectory_points
 from tool0.simulation.core import Core
+from tool0.simulation.paths import trajectory_points
 
 Array = NDArray[np.float64]
 DEVICE = "TOOL0_TEST_DEVICE"
@@ -146,6 +146,7 @@ class Beside:
         found = find_grippers(self.robots[0].description.model)
         geometry = next(iter(found.values())) if gripper is None else found[gripper]
         for i, core in enumerate(self.cores):
+            executor = self.robots[i].simulation.executor
             fastest, strongest = geometry.speed[1], geometry.force[1]
             limits = DriveLimits(
                 gripper=geometry,
@@ -157,9 +158,10 @@ class Beside:
             if status.role is Role.GRIPPER:
                 most = None if force is None else core.hardware.limits[joint].effort
                 target = geometry.position(opening[i])
-                core.command_gripper(status.name, target, most, limits)
+                executor.command_gripper(status.name, target, most, limits)
                 continue
-            setpoint = core.trajectory_controller(status.name).query_state(core.time)
+            controller = executor.trajectory_controller(status.name)
+            setpoint = controller.query_state(core.time)
             path = direct_path(
                 geometry,
                 setpoint.positions[0],
@@ -168,7 +170,7 @@ class Beside:
                 core.control_period,
             )
             goal = TrajectoryGoal(points=trajectory_points(path), joint_names=[joint])
-            core.command_trajectory(status.name, goal, {joint: limits})
+            executor.command_trajectory(status.name, goal, {joint: limits})
 
     def place(self, name: str, positions: Array) -> None:
         self.batch.place(name, positions)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from weakref import WeakKeyDictionary
 
 from skew_robot import build_model
 
@@ -16,8 +17,10 @@ from tool0.protocol.bus import Bus
 from tool0.protocol.goals import Goal
 from tool0.protocol.trajectories import TrajectoryPoint
 from tool0.simulation.core import Core
+from tool0.simulation.executor import Executor
 from tool0.simulation.loop import Loop
 
+_EXECUTORS: WeakKeyDictionary[Core, Executor] = WeakKeyDictionary()
 START = [0.3, -0.2, 0.05, -0.5 * -0.2 + 0.2]
 YAML = """
 arm:
@@ -64,13 +67,18 @@ def switch(core: Core, start: Sequence[str] = (), stop: Sequence[str] = ()) -> N
     core.manager.switch(start, stop, Strictness.STRICT, core.state)
 
 
+def executor(core: Core) -> Executor:
+    """Return the one executor of a core."""
+    return _EXECUTORS.setdefault(core, Executor(core))
+
+
 def build_loop(core: Core, **options: object) -> tuple[Loop, Bus]:
     """Return a loop over ``core`` that runs only when asked, and its bus."""
     bus = Bus()
-    return Loop(core, bus, **options), bus  # type: ignore[arg-type]
+    return Loop(executor(core), bus, **options), bus  # type: ignore[arg-type]
 
 
 def follow(core: Core, positions: Sequence[float], duration: float) -> Goal:
     """Send the arm to ``positions``, and return the goal."""
     point = TrajectoryPoint(positions, time_from_start=duration)
-    return core.follow("arm", TrajectoryGoal(points=[point]))
+    return executor(core).follow("arm", TrajectoryGoal(points=[point]))

@@ -17,6 +17,7 @@ from tool0.kinematics.chain import Array
 if TYPE_CHECKING:
     from tool0.engines.mujoco.copies import ObjectArrays
     from tool0.simulation.core import Core
+    from tool0.simulation.executor import Executor
 
 CPU = "cpu"
 _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")
@@ -54,15 +55,18 @@ class BatchBackend(Protocol):
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object, at rest; ControlError if that is impossible."""
 
-    def core(self, i: int) -> Core:
-        """Return the core of one copy, up to date, for anything.
+    def executor(self, i: int) -> Executor:
+        """Return what moves one copy, whose core is up to date.
 
         Raises:
             ControlError: If this is no CPU.
         """
 
     def observed(self, i: int) -> Core:
-        """Return the core of one copy, up to date, only to read it; as ``core``."""
+        """Return the core of one copy, up to date, only to read it.
+
+        It raises as ``executor``.
+        """
 
     def desired(self, rows: Indices, controller: int, joint: int) -> Array | None:
         """Return the desired positions of a joint [rad | m]; None if only Python can.

@@ -22,8 +22,9 @@ from tool0.motion.gripper import direct_path
 from tool0.motion.path import Path
 from tool0.protocol.controllers import Role, why_not_driven
 from tool0.protocol.trajectories import TrajectoryPoint
-from tool0.simulation.controller_paths import trajectory_points
 from tool0.simulation.core import Core
+from tool0.simulation.executor import Executor
+from tool0.simulation.paths import trajectory_points
 
 
 class ControllerJoints(NamedTuple):
@@ -43,7 +44,7 @@ class Commands:
         """Command ``copies``; all have the controllers of the ``first``."""
         self._model = model
         self._copies = copies
-        self._first = first
+        self._first = Executor(first)
         self._manager = first.manager
         self._limits = first.hardware.limits
         self._joint_names = first.engine.joint_names
@@ -134,7 +135,7 @@ class Commands:
                     for m, time in enumerate(times)
                 ]
                 goal = TrajectoryGoal(points=points, joint_names=part.joints)
-                self._copies.core(i).command_trajectory(part.controller, goal)
+                self._copies.executor(i).command_trajectory(part.controller, goal)
 
     def grip(
         self,
@@ -166,16 +167,16 @@ class Commands:
         if role is Role.GRIPPER:
             effort = self._limits[joint].effort if has_force else None
             for i, target, bound in zip(rows.tolist(), targets, bounds, strict=True):
-                self._copies.core(i).command_gripper(name, target, effort, bound)
+                self._copies.executor(i).command_gripper(name, target, effort, bound)
         elif not self._grip_native(rows, name, openings, bounds):
             for i, end, bound in zip(rows.tolist(), openings, bounds, strict=True):
-                core = self._copies.core(i)
-                controller = core.trajectory_controller(name)
+                executor = self._copies.executor(i)
+                controller = executor.trajectory_controller(name)
                 column = controller.spec.joints.index(joint)
-                here = controller.query_state(core.time).positions[column]
+                here = controller.query_state(executor.core.time).positions[column]
                 points = trajectory_points(self._grip_path(bound, here, end))
                 goal = TrajectoryGoal(points=points, joint_names=[joint])
-                core.command_trajectory(name, goal, {joint: bound})
+                executor.command_trajectory(name, goal, {joint: bound})
 
     def _start_native(
         self,

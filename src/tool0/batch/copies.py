@@ -23,6 +23,7 @@ from tool0.kernel.program import Ended, TickProgram
 from tool0.kinematics.chain import Array
 from tool0.protocol.state import ObjectState
 from tool0.simulation.core import Core
+from tool0.simulation.executor import Executor
 
 MOST_TICKS = 1000
 """Ticks of each copy that the kernel executes in one call: a signal such as Ctrl-C is
@@ -33,13 +34,14 @@ handled between two."""
 class Copies:
     """Cores of one robot, with their state in the kernel's memory.
 
-    While a copy is loaded there, its core is out of date; ``core`` brings it up to
+    While a copy is loaded there, its core is out of date; ``executor`` brings it up to
     date.  Python runs the copies that the kernel cannot, and what it leaves to Python.
     """
 
     def __init__(self, cores: Sequence[Core], threads: int) -> None:
         """Take the cores over; the kernel runs them in so many threads."""
         self._cores = tuple(cores)
+        self._executors = tuple(map(Executor, cores))
         self._engines = [mujoco_engine(core.engine) for core in cores]
         self._views = [joint_views(engine) for engine in self._engines]
         n = len(cores)
@@ -125,12 +127,11 @@ class Copies:
                 addresses[i] = program.law_address(number)
         return bool(self._is_loaded[rows].all())
 
-    def core(self, i: int) -> Core:
-        """Return the core of one copy, up to date, for anything."""
-        core = self.observed(i)
-        core.sync_from_kernel()
+    def executor(self, i: int) -> Executor:
+        """Return what moves one copy, whose core is up to date."""
+        self.observed(i).sync_from_kernel()
         self._unload(i)
-        return core
+        return self._executors[i]
 
     def observed(self, i: int) -> Core:
         """Return the core of one copy with an up-to-date state, only to read it."""

@@ -19,6 +19,7 @@ from tool0.errors import GoalRejectedError
 from tool0.kernel.device import DeviceControl, DeviceState
 from tool0.kinematics.chain import Array
 from tool0.simulation.core import Core
+from tool0.simulation.executor import Executor
 
 
 @final
@@ -118,11 +119,13 @@ class DeviceCopies:
 
     # ---- commands -------------------------------------------------------------------
 
-    def core(self, i: int) -> Core:
+    def executor(self, i: int) -> Executor:
+        """Raise ControlError: the copies have no cores."""
+        raise needs_cpu(f"what moves copy {i}", self._device)
+
+    def observed(self, i: int) -> Core:
         """Raise ControlError: the copies have no cores."""
         raise needs_cpu(f"the core of copy {i}", self._device)
-
-    observed = core
 
     def desired(self, rows: Indices, controller: int, joint: int) -> Array:
         """Return desired positions of a joint [rad | m]: ``BatchBackend.desired``."""

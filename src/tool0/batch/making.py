@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from tool0.description.config import SPAWN_Z, File
+from tool0.description.config import File
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
-from tool0.engines.registry import batch_engine, make_engine
+from tool0.engines.registry import batch_engine
 from tool0.errors import ConfigError
-from tool0.simulation.assembly import Assembly, chosen_scene
-from tool0.simulation.config import ControlConfig
+from tool0.simulation.config import ControlConfig, SimulationConfig
 from tool0.simulation.core import Core
+from tool0.simulation.setup import Setup, chosen_scene
 
 
 def checked_count(n: int) -> int:
@@ -62,12 +63,10 @@ def make_cores(
     dt: float,
 ) -> list[Core]:
     """Return cores at their initial pose, with physics steps of ``dt`` [s]."""
-    name, assembly = batch_engine(), Assembly.of(robot, control)
-    cores = []
-    for scene in scenes:
-        engine = make_engine(name, robot, dt=dt, spawn_z=SPAWN_Z, scene=scene)
-        cores.append(assembly.core(engine, scene))
-    return cores
+    options = SimulationConfig(engine=batch_engine(), dt=dt, scene=scenes[0])
+    setup = Setup.of(robot, control, options)
+    setups = [replace(setup, scene=scene) for scene in scenes]
+    return [each.make_core(each.make_engine()) for each in setups]
 
 
 def _checked_scenes(scenes: list[Scene], n: int) -> list[Scene]:

@@ -109,14 +109,14 @@ def bringup(options: BringupOptions) -> int:
 
 @contextlib.contextmanager
 def quiet_overruns() -> Iterator[None]:
-    """Keep the loop from logging overruns; status line and summary count them."""
-    loop = logging.getLogger("tool0.simulation.loop")
-    level = loop.level
-    loop.setLevel(logging.ERROR)
+    """Keep the simulation from logging overruns; status line and summary count them."""
+    publisher = logging.getLogger("tool0.simulation.publisher")
+    level = publisher.level
+    publisher.setLevel(logging.ERROR)
     try:
         yield
     finally:
-        loop.setLevel(level)
+        publisher.setLevel(level)
 
 
 def _claim(run: RunOptions) -> Claim | None:

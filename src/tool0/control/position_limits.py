@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
+from tool0.control.controller import TrajectorySpec
 from tool0.description.model import Joint, JointType
 from tool0.description.units import ANGLE, LENGTH
-from tool0.errors import GoalRejectedError
+from tool0.errors import GoalRejectedError, did_you_mean
 
 ROUNDING = 1e-6
 """Accepted excess over a limit [rad | m]: limits are printed rounded."""
@@ -44,3 +46,26 @@ def position_range(joint: Joint, start: float | None = None) -> tuple[float, flo
     if start is not None:
         lower, upper = limits.range_from(start)
     return lower - ROUNDING, upper + ROUNDING
+
+
+def check_targets(
+    spec: TrajectorySpec, positions: Mapping[str, float], what: str
+) -> None:
+    """Raise GoalRejectedError unless a controller can move joints to ``positions``.
+
+    ``what`` moves them, in the words of the message.
+    """
+    for name, position in positions.items():
+        if name not in spec.joints:
+            raise GoalRejectedError(
+                f"joint '{name}' is not one of '{spec.name}'"
+                + did_you_mean(name, spec.joints),
+                GoalRejectedError.INVALID_JOINTS,
+            )
+        if not math.isfinite(position):
+            raise GoalRejectedError(
+                f"position {position} for joint '{name}'; it must be finite"
+            )
+    for joint in spec.joint_models:
+        if joint.name in positions:
+            check_position(joint, positions[joint.name], what)

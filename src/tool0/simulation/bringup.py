@@ -5,13 +5,12 @@ from __future__ import annotations
 from tool0.description.camera import default_cameras, merged
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.robot import RobotDescription
-from tool0.description.scene import Scene
-from tool0.engines.registry import make_engine
 from tool0.protocol.bus import Bus
 from tool0.sensing.collisions import CollisionFinder
-from tool0.simulation.assembly import Assembly, Setup, chosen_scene
 from tool0.simulation.config import ControlConfig, SimulationConfig
+from tool0.simulation.executor import Executor
 from tool0.simulation.loop import Loop
+from tool0.simulation.setup import Setup
 from tool0.simulation.simulation import Simulation
 
 
@@ -24,27 +23,19 @@ def start_simulation(
         Tool0Error: If an option or a file is wrong.
     """
     model = description.model
-    scene = chosen_scene(description, simulation.scene)
-    cameras = merged(default_cameras(model), scene.cameras, simulation.cameras)
+    setup = Setup.of(description, control, simulation)
+    cameras = merged(default_cameras(model), setup.scene.cameras, simulation.cameras)
     for camera in cameras.values():
         camera.check_on(model)
-    assembly = Assembly.of(description, control)
-    engine = make_engine(
-        simulation.engine,
-        description,
-        dt=simulation.dt,
-        spawn_z=simulation.spawn_z,
-        scene=scene,
-        options=simulation.engine_options,
-    )
+    engine = setup.make_engine()
     collisions = CollisionFinder(model, engine.world.ground)
     try:
         if not simulation.allow_penetration:
-            _require_pose(collisions, assembly, scene)
-        core = assembly.core(engine, scene, grasp_assist=simulation.grasp_assist)
+            _require_pose(collisions, setup)
+        executor = Executor(setup.make_core(engine))
         bus = Bus()
         loop = Loop(
-            core,
+            executor,
             bus,
             paused=simulation.paused,
             speed=simulation.speed if simulation.realtime else None,
@@ -52,36 +43,36 @@ def start_simulation(
     except BaseException:
         engine.close()
         raise
-    config = assembly.choice.config
     return Simulation(
-        setup=Setup(assembly=assembly, options=simulation, scene=scene),
-        core=core,
+        setup=setup,
+        executor=executor,
         loop=loop,
         bus=bus,
         cameras=cameras,
         ground=engine.world.ground,
         collisions=collisions,
         warnings=(
-            *assembly.choice.findings,
-            *config.lint([joint.name for joint in model.movable_joints]),
+            *setup.choice.findings,
+            *setup.choice.config.lint([joint.name for joint in model.movable_joints]),
         ),
     )
 
 
-def _require_pose(
-    collisions: CollisionFinder, assembly: Assembly, scene: Scene
-) -> None:
+def _require_pose(collisions: CollisionFinder, setup: Setup) -> None:
     """Raise PenetrationError if the initial pose cannot be.
 
     A pose that nobody gave is accepted where it meets no object: it is that of a
     description, of which the engine warns.
     """
-    description = assembly.description
-    model, cell = description.model, description.cell
-    given = assembly.control.initial_pose is not None or (
+    model, cell, objects = (
+        setup.description.model,
+        setup.description.cell,
+        setup.scene.objects,
+    )
+    given = setup.control.initial_pose is not None or (
         cell is not None and any(robot.initial_pose for robot in cell.robots)
     )
-    if not given and not scene.objects:
+    if not given and not objects:
         return
     zeros = {
         joint.name: joint.limits.clamp(0.0)
@@ -89,5 +80,5 @@ def _require_pose(
         if joint.mimic is None
     }
     usual = joint_positions(model, zeros, [0.0] * len(model.movable_joints))
-    position = assembly.position
-    collisions.require_pose(position, usual if given else position, scene.objects)
+    position = setup.position
+    collisions.require_pose(position, usual if given else position, objects)

@@ -15,6 +15,7 @@ from typing import Final, NamedTuple, final
 from msgspec import Struct
 
 from tool0.simulation.core import Core
+from tool0.simulation.loop import Loop
 
 MOST_REQUESTS: Final = 200_000
 """Requests kept: 400 s of a stream at 500 Hz."""
@@ -45,10 +46,9 @@ class Executed(NamedTuple):
 class Journal:
     """Keeps requests in the order of their ends.  Any thread may read them."""
 
-    def __init__(self, core: Core, steps: Callable[[], int]) -> None:
-        """Start empty; ``steps`` returns the ticks since the start of the loop."""
-        self._core = core
-        self._steps = steps
+    def __init__(self, core: Core, loop: Loop) -> None:
+        """Start empty; ``loop`` owns the time of ``core``."""
+        self._core, self._loop = core, loop
         self._lock = threading.Lock()
         self._entries: deque[tuple[Executed, int]] = deque()
         self._n_items = 0
@@ -59,7 +59,7 @@ class Journal:
 
         In the thread of the tick.
         """
-        step, tick, time = self._steps(), self._core.ticks, self._core.time
+        step, tick, time = self._loop.steps, self._core.ticks, self._core.time
 
         def end(error: Exception | None) -> None:
             why = None if error is None else str(error)

@@ -21,12 +21,13 @@ from functools import partial
 from typing import Any, NamedTuple, TypeVar, final
 
 from tool0.errors import ControlError, EngineError
-from tool0.protocol.bus import Bus, Faulted, GoalFinished, Overran, WasReset
+from tool0.protocol.bus import Bus, Faulted, GoalFinished, WasReset
 from tool0.protocol.freeze_meter import FreezeMeter
 from tool0.protocol.goals import Goal
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot, ticks_between_snapshots
-from tool0.simulation.clock import Lag, Pacer, SpeedMeter
-from tool0.simulation.core import Core
+from tool0.simulation.clock import Pacer
+from tool0.simulation.executor import Executor
+from tool0.simulation.publisher import Publisher
 
 logger = logging.getLogger(__name__)
 
@@ -44,11 +45,11 @@ class _Operation(NamedTuple):
 
 @final
 class Loop:
-    """Owns the time of one core."""
+    """Owns the time of one core, whose robot an executor moves."""
 
     def __init__(
         self,
-        core: Core,
+        executor: Executor,
         bus: Bus,
         *,
         paused: bool = False,
@@ -59,38 +60,36 @@ class Loop:
         ``speed`` is in simulated seconds per wall second; None runs only on
         request, as fast as possible.
         """
-        self._core = core
+        self._executor = executor
+        self._core = core = executor.core
         self._mailbox: queue.SimpleQueue[_Operation | None] = queue.SimpleQueue()
         """None wakes the thread of the tick for what is urgent."""
         self._urgent: deque[_Operation] = deque()
         """Overtakes the mailbox."""
         self._bus = bus
-        self._is_paused = paused
-        self._speed = None if speed is None else _checked_speed(speed)
+        self.is_paused = paused
+        self.speed = None if speed is None else _checked_speed(speed)
         self._pacer = Pacer(core.control_period, speed or 1.0)
-        self._meter = SpeedMeter()
-        self._lag = Lag()
+        self._publisher = Publisher(core, bus)
         default = ticks_between_snapshots(SNAPSHOT_PERIOD, core.control_period)
         self._default_snapshot_ticks = self._snapshot_ticks = default
         self._owner = threading.RLock()
         self._closing = False
-        self._fault: Exception | None = None
+        self.fault: Exception | None = None
         self._update_running()
         self.steps = 0
         """Ticks since the start; unlike time, a reset does not set it back."""
-        self.max_drift = 0.0
-        """Largest departure of an uncommanded joint from its initial pose so far."""
         self.when_observed: Callable[[Snapshot], None] = lambda snapshot: None
         """Called after snapshots at the default period, between two ticks."""
         self.when_frozen: Callable[[float], None] = lambda duration: None
         """Called in real time, before the next tick, when the process was frozen: for
         how long [wall s].  Not with an engine in a process of its own, which may be
         late by itself."""
-        core.when_goal_starts = lambda goal: goal.when_finished(
+        executor.when_goal_starts = lambda goal: goal.when_finished(
             lambda done: bus.announce(GoalFinished(done, core.time))
         )
-        self._publish()
         self._thread: threading.Thread | None = None
+        self._publish()
         if speed is not None:
             self._thread = threading.Thread(
                 target=self._run_forever, name="tool0 loop", daemon=True
@@ -110,6 +109,11 @@ class Loop:
     @property
     def overruns(self) -> int:
         return self._pacer.overruns
+
+    @property
+    def max_drift(self) -> float:
+        """Largest departure of an uncommanded joint from its initial pose so far."""
+        return self._publisher.max_drift
 
     @property
     def is_realtime(self) -> bool:
@@ -192,11 +196,11 @@ class Loop:
             self.check()
             if self._closing:
                 raise ControlError("the simulation was closed")
-            if self._is_paused:
+            if self.is_paused:
                 raise ControlError("the simulation is paused; resume it, or step it")
             if self._thread is not None or not self._owner.acquire(blocking=False):
                 left = (end - self.steps) * self._core.control_period
-                time.sleep(min(POLL_PERIOD, max(left / (self._speed or 1.0), 0.0005)))
+                time.sleep(min(POLL_PERIOD, max(left / (self.speed or 1.0), 0.0005)))
                 continue
             try:
                 while self.steps < end and self._is_running and not until():
@@ -231,26 +235,26 @@ class Loop:
 
     def set_paused(self, paused: bool) -> None:
         """Pause or resume simulated time.  In the thread of the tick."""
-        self._is_paused = paused
+        self.is_paused = paused
         self._update_running()
         self._restart_clock()
 
     def set_speed(self, factor: float) -> None:
         """Run at ``factor`` times real time.  In the thread of the tick."""
-        if self._speed is None:
+        if self.speed is None:
             raise ControlError("this simulation does not run in real time")
-        self._speed = _checked_speed(factor)
+        self.speed = _checked_speed(factor)
         self._restart_clock()
 
     def step(self, ticks: int) -> None:
         """Run ``ticks`` control periods while paused.  In the thread of the tick."""
-        if not self._is_paused:
+        if not self.is_paused:
             raise ControlError("pause the simulation before stepping it")
         self.check()
         end = self.steps + ticks
         while self.steps < end:
             self._drain()
-            if self._closing or self._fault is not None:
+            if self._closing or self.fault is not None:
                 break
             self._tick(end - self.steps)
         self.check()
@@ -258,7 +262,8 @@ class Loop:
     def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
         """Reset the core and clear a fault.  In the thread of the tick."""
         self._core.reset(position, keep_time)
-        self._fault = None
+        self._executor.supervision.forget()
+        self.fault = None
         self._update_running()
         self._restart_clock()
         self._bus.announce(WasReset(self._core.time, self.steps))
@@ -288,13 +293,13 @@ class Loop:
     def _update_running(self) -> None:
         """Record whether ticks may follow each other; the tick checks only that."""
         self._is_running = not (
-            self._is_paused or self._closing or self._fault is not None
+            self.is_paused or self._closing or self.fault is not None
         )
 
     def check(self) -> None:
         """Raise the reason why the simulation stands still, if it does."""
-        if self._fault is not None:
-            raise self._fault
+        if self.fault is not None:
+            raise self.fault
 
     def _run_forever(self) -> None:
         freeze = None if self._core.engine.stepper is None else FreezeMeter()
@@ -344,21 +349,18 @@ class Loop:
         if core.ticks % self._default_snapshot_ticks:
             self._publish()
             return
-        if core.control_boxes.has_limits:
-            self._attempt(core.check_safety_limits)
-        if core.arm_motions.has_taken:
-            self._attempt(core.check_motions)
+        self._attempt(self._executor.supervise)
         self._attempt(core.check_contacts)
         self._publish()
         snapshot, grasp_assist = self._bus.latest, core.grasp_assist
         if grasp_assist is not None and snapshot is not None:
             self._attempt(lambda: grasp_assist.look(snapshot))
-        if snapshot is not None and self._fault is None:
+        if snapshot is not None and self.fault is None:
             self.when_observed(snapshot)
 
     def _attempt(self, action: Callable[[], None]) -> None:
         """Call something outside the tick that uses the engine; it may fail."""
-        if self._fault is not None:
+        if self.fault is not None:
             return
         try:
             action()
@@ -367,7 +369,7 @@ class Loop:
 
     def _fail(self, error: Exception) -> None:
         """Stop ticking until a reset, and publish the reason."""
-        self._fault = error
+        self.fault = error
         self._update_running()
         self._bus.announce(Faulted(str(error), self._core.time))
         self._publish()
@@ -409,9 +411,9 @@ class Loop:
 
     def _restart_clock(self) -> None:
         overruns = self._pacer.overruns
-        self._pacer = Pacer(self._core.control_period, self._speed or 1.0)
+        self._pacer = Pacer(self._core.control_period, self.speed or 1.0)
         self._pacer.overruns = overruns
-        self._meter.restart(self._core.time, overruns)
+        self._publisher.restart_meter(overruns)
 
     def snapshot_with_arms(self) -> Snapshot:
         """Publish a snapshot that has what moves each arm, and return it.
@@ -437,65 +439,7 @@ class Loop:
             self._mailbox.put(_Operation(self._publish, Future(), publishes=False))
 
     def _publish(self, *, with_arms: bool = False) -> None:
-        core, meter, overruns = self._core, self._meter, self._pacer.overruns
-        self.max_drift = core.drift(self.max_drift)
-        time = core.time
-        if meter.measure(time, overruns):
-            self._announce_lag()
-        hardware, manager, fault = core.hardware, core.manager, self._fault
-        _, position, velocity, effort = core.state
-        bus = self._bus
-        has_forces = bus.are_forces_due(time)
-        self._bus.publish(
-            Snapshot(  # by position: keywords take ten times as long
-                time,
-                core.ticks,
-                hardware.joint_names,
-                tuple(position),
-                tuple(velocity),
-                tuple(effort),
-                manager.list(),
-                self._is_paused,
-                hardware.is_stopped,
-                meter.factor,
-                overruns,
-                meter.late_ticks,
-                None if fault is None else str(fault),
-                self._speed,
-                manager.setpoints(),
-                {},  # received setpoints: it is this process that computes them
-                core.scene.objects,
-                core.engine.world.object_states(),
-                core.stall_monitor.stalls,
-                core.grip_contacts.gripping,
-                core.control_boxes.states,
-                core.command if self._bus.wants_commands else (),
-                core.arm_samples()
-                if with_arms or (bus.wants_arms and has_forces)
-                else {},
-                core.engine.world.contacts()
-                if bus.wants_contacts and has_forces
-                else (),
-                self.steps,
-            )
-        )
-
-    def _announce_lag(self) -> None:
-        """Publish that the simulation falls behind the wall clock or keeps up again."""
-        if self._thread is None or self._is_paused:
-            return
-        factor, speed = self._meter.factor, self._speed or 1.0
-        if not self._lag.changes(factor / speed):
-            return
-        count = self._meter.late_ticks if self._lag.is_behind else 0
-        self._bus.announce(Overran(count, self._core.time))
-        logger.warning(
-            "the simulation %s: %.2f x real time of %g x, %d late ticks a second",
-            "falls behind" if self._lag.is_behind else "keeps up again",
-            factor,
-            speed,
-            self._meter.late_ticks,
-        )
+        self._publisher.publish(self, with_arms=with_arms)
 
 
 def _checked_speed(factor: float) -> float:

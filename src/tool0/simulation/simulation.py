@@ -30,11 +30,11 @@ from tool0.protocol.state import (
 from tool0.sensing.cameras import Cameras
 from tool0.sensing.collisions import CollisionFinder
 from tool0.sensing.force_torque import ForceTorqueSensors
-from tool0.simulation.assembly import Setup
-from tool0.simulation.core import Core
+from tool0.simulation.executor import Executor
 from tool0.simulation.journal import Journal
 from tool0.simulation.loop import POLL_PERIOD, Loop
 from tool0.simulation.program_runs import ProgramRuns
+from tool0.simulation.setup import Setup
 
 if TYPE_CHECKING:
     from tool0.kinematics.chain import ArmChain
@@ -57,7 +57,7 @@ class Simulation:
         self,
         *,
         setup: Setup,
-        core: Core,
+        executor: Executor,
         loop: Loop,
         bus: Bus,
         ground: float | None = None,
@@ -65,16 +65,17 @@ class Simulation:
         cameras: Mapping[str, Camera],
         warnings: Sequence[Finding] = (),
     ) -> None:
-        description, config = setup.assembly.description, setup.assembly.choice.config
+        description, config = setup.description, setup.choice.config
         self.setup = setup
         """Its start, from which the journal leads to its present state."""
         self.description = description
-        self.core = core
-        """Only for the thread of the tick."""
+        self.executor = executor
+        self.core = core = executor.core
+        """Both only for the thread of the tick."""
         self.engine = core.engine
         self.loop = loop
         self.bus = bus
-        self.poses = setup.assembly.poses
+        self.poses = setup.poses
         self.defined_controllers = config.types
         """The type of each controller of the YAML, loaded or not, in its order."""
         self.parameters = config.parameters()
@@ -107,7 +108,7 @@ class Simulation:
         self.program_runs = ProgramRuns()
         """Only for the thread of the tick."""
         loop.when_observed = self.program_runs.look
-        self.journal = Journal(core, lambda: loop.steps)
+        self.journal = Journal(core, loop)
         """The requests that changed the simulation, since its start."""
         self._services: dict[object, Service] = {}
         self._lock = threading.Lock()

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from toy_robot import make_joint
 
-from tool0.control.arm_path import ArmPath, SplineMotion
+from tool0.control.arm.path import ArmPath, SplineMotion
 from tool0.errors import ControlError
 from tool0.protocol.state import ArmSetpoint
 

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from toy_robot import make_joint
 
-from tool0.control.arm_model import ArmDynamics, Placement
-from tool0.control.arm_stream import (
+from tool0.control.arm.model import ArmDynamics, Placement
+from tool0.control.arm.stream import (
     MAX_ACCELERATION,
     SINGULAR,
     ServoStream,
     SpeedStream,
     damped_inverse,
 )
-from tool0.control.arm_stream import _fastest_before as fastest_before
+from tool0.control.arm.stream import _fastest_before as fastest_before
 from tool0.hardware.engine import JointState
 from tool0.protocol.state import ArmSetpoint
 

@@ -11,18 +11,15 @@ wp = pytest.importorskip("warp", reason="MuJoCo Warp: pip install 'tool0[gpu]'")
 
 import tool0  # noqa: E402
 from tool0.control.trajectory import TrajectoryGoal  # noqa: E402
-from tool0.description.config import SPAWN_Z  # noqa: E402
 from tool0.description.drive_limits import DriveLimits  # noqa: E402
 from tool0.description.loading import load_description  # noqa: E402
 from tool0.description.model import SafetyController  # noqa: E402
 from tool0.description.robot import RobotDescription  # noqa: E402
-from tool0.engines.registry import make_engine  # noqa: E402
 from tool0.hardware.engine import JointState  # noqa: E402
 from tool0.kernel.device import DeviceControl, DeviceState  # noqa: E402
 from tool0.protocol.trajectories import TrajectoryPoint  # noqa: E402
-from tool0.scene import Scene  # noqa: E402
-from tool0.simulation.assembly import Assembly  # noqa: E402
-from tool0.simulation.core import Core  # noqa: E402
+from tool0.simulation.executor import Executor  # noqa: E402
+from tool0.simulation.setup import Setup  # noqa: E402
 
 N = 4
 TICKS = 200
@@ -55,8 +52,8 @@ class Side:
     """Controllers and drives of N robots whose states are prescribed, both ways."""
 
     def __init__(self, robot: RobotDescription) -> None:
-        assembly = Assembly.of(robot, tool0.ControlConfig())
-        self.cores = [self._core(assembly) for _ in range(N)]
+        setup = Setup.of(robot, tool0.ControlConfig(), tool0.SimulationConfig())
+        self.cores = [setup.make_core(setup.make_engine()) for _ in range(N)]
         core = self.cores[0]
         self.names = [s.name for s in core.manager.list() if s.state == "running"]
         self.gripper = robot.model.grippers[0]
@@ -84,19 +81,15 @@ class Side:
         for bounds in core.hardware.table.bounds:
             self.most[bounds.joint] = bounds.effort
 
-    def _core(self, assembly: Assembly) -> Core:
-        engine = make_engine("mujoco", assembly.description, dt=0.001, spawn_z=SPAWN_Z)
-        return assembly.core(engine, Scene())
-
     def command(self, name: str, duration: float, rng: np.random.Generator) -> None:
-        spec = self.cores[0].trajectory_controller(name).spec
+        spec = Executor(self.cores[0]).trajectory_controller(name).spec
         q = self.home[
             :, [self.cores[0].engine.joint_names.index(j) for j in spec.joints]
         ]
         q = q + rng.uniform(0.0, 0.002, q.shape)
         for core, target in zip(self.cores, q.tolist(), strict=True):
             points = [TrajectoryPoint(target, time_from_start=duration)]
-            core.command_trajectory(
+            Executor(core).command_trajectory(
                 name, TrajectoryGoal(points=points, joint_names=spec.joints)
             )
         self._start(name, q, duration)
@@ -109,7 +102,7 @@ class Side:
         q = q + rng.uniform(0.0, 0.002, q.shape)
         for core, target in zip(self.cores, q.tolist(), strict=True):
             points = [TrajectoryPoint(target, time_from_start=duration)]
-            core.command_trajectory(
+            Executor(core).command_trajectory(
                 name,
                 TrajectoryGoal(points=points, joint_names=(joint,)),
                 {joint: limits},

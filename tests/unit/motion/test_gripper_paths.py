@@ -12,7 +12,7 @@ import tool0
 from tool0.control.spline import Motion, Segment
 from tool0.description.loading import assemble
 from tool0.motion.gripper import RAMP_TIME, opening_path
-from tool0.simulation.controller_paths import trajectory_points
+from tool0.simulation.paths import trajectory_points
 
 (GEOMETRY,) = assemble("ur5", "2f85").model.grippers
 RAMP = GEOMETRY.speed[1] * RAMP_TIME / 2.0  # [m]

@@ -20,7 +20,7 @@ from tool0.errors import ControlError
 from tool0.motion.joint import SPACING, plan_cubic, plan_joints
 from tool0.motion.path import Path
 from tool0.protocol.trajectories import JointsMotion
-from tool0.simulation.controller_paths import motion_plan
+from tool0.simulation.paths import motion_plan
 
 pytestmark = pytest.mark.slow
 

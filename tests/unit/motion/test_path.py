@@ -6,7 +6,7 @@ import pytest
 from tool0.control.spline import Motion, Segment
 from tool0.motion.path import Path
 from tool0.protocol.arm_motion import path_request
-from tool0.simulation.controller_paths import motion_plan, trajectory_points
+from tool0.simulation.paths import motion_plan, trajectory_points
 
 RNG = np.random.default_rng(0)
 

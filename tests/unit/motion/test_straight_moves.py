@@ -17,7 +17,7 @@ from tool0.kinematics.inverse import InverseKinematics
 from tool0.motion.line import LinePath
 from tool0.motion.linear import plan_line
 from tool0.motion.path import Path as JointPath
-from tool0.simulation.controller_paths import motion_plan
+from tool0.simulation.paths import motion_plan
 
 pytestmark = pytest.mark.slow
 

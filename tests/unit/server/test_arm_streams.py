@@ -151,7 +151,7 @@ def test_streamed_targets_are_executed_one_by_one(
     client.subscribe()
     client.channel.call(TakeArm(by="test"))
     start = client.until("hold").setpoint.positions
-    controller = robot.simulation.core.arm_motions.find(None)
+    controller = robot.simulation.core.arms.find(None).motion.controller
     aimed: queue.Queue[float] = queue.Queue()
     check = controller.require_positions
 

@@ -181,13 +181,13 @@ def test_only_one_arm_of_a_cell_stops() -> None:
 def test_a_taken_arm_is_given_back(robot: tool0.Robot) -> None:
     box, before = robot.arm.control_box, running(robot)
     simulation = robot.simulation
-    core = simulation.core
+    arm, core = simulation.core.arms.find(None), simulation.core
 
     def take(by: str) -> None:
-        simulation.loop.call(lambda: core.arm_modes.take(None, by, core.state))
+        simulation.loop.call(lambda: arm.take(by, core.state))
 
     def give_back() -> None:
-        simulation.loop.call(lambda: core.arm_modes.release(None, core.state))
+        simulation.loop.call(lambda: arm.give_back(core.state))
 
     take("a program")
     take("another")

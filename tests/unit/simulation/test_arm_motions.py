@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tool0
-from tool0.control.arm_model import Placement
+from tool0.control.arm.model import Placement
 from tool0.description.config import DescriptionConfig
 from tool0.errors import ControlError, RequestError
 from tool0.protocol.arm_motion import ServoJoints, StartForceMode
@@ -155,7 +155,7 @@ def test_a_velocity_of_the_tool_moves_it_straight(robot: tool0.Robot) -> None:
     motion = robot.arm.motion
     motion.take()
     move(robot, DOWN, 2.0)
-    model = robot.simulation.core.arm_motions.specs["arm"].model
+    model = robot.simulation.core.arms.find("arm").motion.spec.model
     lever = np.array([0.05, 0.0, 0.1])
 
     def tcp() -> Placement:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from raises_naming import raises_naming
-from skew_rig import START, build_core, follow, switch
+from skew_rig import START, build_core, executor, follow, switch
 
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.drive_limits import DriveLimits
@@ -49,7 +49,7 @@ def test_drift_leaves_out_what_was_commanded_but_not_what_was_refused() -> None:
     assert core.drift() < 1e-3  # the slide's
     core = build_core(started=("group",))
     with pytest.raises(ControlError):
-        core.command_joints("group", (math.nan, 0.0))
+        executor(core).command_joints("group", (math.nan, 0.0))
     switch(core, stop=("group",))
     core.engine.reset([0.4, -0.2, 0.05, 0.3])  # somebody pushed it
     core.state = core.engine.read()
@@ -62,12 +62,14 @@ HAND = replace(assemble().model.grippers[0], joint="lift")
 GOAL = TrajectoryGoal(points=[TrajectoryPoint([0.0, 0.0], time_from_start=0.5)])
 LIFTING: dict[str, Callable[[Core], object]] = {
     "a trajectory": lambda core: follow(core, [0.0, 0.0], 0.5),
-    "a trajectory without a goal": lambda core: core.command_trajectory("arm", GOAL),
-    "a motion": lambda core: core.move_joints({"lift": 0.1}, 0.5, None),
-    "a motion with a duration": lambda core: core.move_joints_within(
+    "a trajectory without a goal": lambda core: executor(core).command_trajectory(
+        "arm", GOAL
+    ),
+    "a motion": lambda core: executor(core).move_joints({"lift": 0.1}, 0.5, None),
+    "a motion with a duration": lambda core: executor(core).move_joints_within(
         {"lift": 0.1}, 0.5, None
     ),
-    "steering": lambda core: core.steer("arm", {"lift": 0.1}, 0.5),
+    "steering": lambda core: executor(core).steer("arm", {"lift": 0.1}, 0.5),
     "another controller": lambda core: switch(core, ("group",), ("arm",)),
     "nobody": lambda core: switch(core, stop=("arm",)),
     "a reset": lambda core: core.reset({}, keep_time=False),
@@ -78,7 +80,7 @@ LIFTING: dict[str, Callable[[Core], object]] = {
 def bound(core: Core, effort: float) -> DriveLimits:
     """Send a goal that bounds the drive of ``lift``, and return how."""
     bounds = DriveLimits(gripper=HAND, effort=effort)
-    core.follow("arm", GOAL, {"lift": bounds})
+    executor(core).follow("arm", GOAL, {"lift": bounds})
     return bounds
 
 
@@ -108,7 +110,7 @@ def test_whatever_else_moves_the_joint_lifts_the_bounds(
 def test_other_joints_and_refused_goals_leave_the_bounds_alone() -> None:
     core = build_core()
     bounds = bound(core, 1.0)
-    core.move_joints({"bend": 0.1}, 0.5, None)
+    executor(core).move_joints({"bend": 0.1}, 0.5, None)
     with pytest.raises(ControlError):
         follow(core, [math.nan, 0.0], 0.5)
     assert core.hardware.drive_limits == {"lift": bounds}
@@ -117,10 +119,10 @@ def test_other_joints_and_refused_goals_leave_the_bounds_alone() -> None:
 def test_a_command_for_another_kind_of_controller_says_which_it_needs() -> None:
     core = build_core(started=("arm", "slider"))
     with raises_naming(ControlError, "'arm'"):
-        core.command_joints("arm", (0.0, 0.0))
+        executor(core).command_joints("arm", (0.0, 0.0))
     with pytest.raises(ControlError):
-        core.command_gripper("slider", 0.0)
-    core.command_joints("slider", (0.1,))
+        executor(core).command_gripper("slider", 0.0)
+    executor(core).command_joints("slider", (0.1,))
     ticks(core, 1000)
     assert core.state.position[2] == pytest.approx(0.1, abs=1e-3)
 
@@ -183,4 +185,4 @@ def test_cancelling_a_goal_that_ended_does_nothing() -> None:
     goal = follow(core, [0.4, -0.2], 0.1)
     switch(core, stop=("arm",))
     assert goal.status is GoalStatus.PREEMPTED
-    core.cancel(goal)
+    executor(core).cancel(goal)

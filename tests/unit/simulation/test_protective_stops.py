@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from ur5_rig import ARM
+from ur5_rig import ARM, ARM_JOINTS, AWAY
 
 import tool0
+from tool0 import TrajectoryPoint
 from tool0.description.config import DescriptionConfig
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Sphere
@@ -17,6 +18,7 @@ from tool0.description.transform import Pose
 from tool0.errors import ControlError
 from tool0.protocol.arm_motion import ExecutePath, ReturnArm, TakeArm
 from tool0.protocol.control_box_state import ProgramState, SafetyMode
+from tool0.protocol.goals import GoalResult
 from tool0.simulation.config import ControlConfig
 
 INTERFACE = "hardware_interface/PositionJointInterface"
@@ -28,6 +30,7 @@ group:
 """
 OVER_TABLE = Pose(xyz=(0.45, 0.15, 0.2), rpy=(math.pi, 0.0, 0.0))
 IN_TABLE = Pose(xyz=(0.45, 0.15, -0.1), rpy=(math.pi, 0.0, 0.0))
+DRIVE_AT_LIMIT = "no contact: the drive of 'shoulder_pan_joint' gives all of its 150"
 STRONG = (0.0, 0.0, 400.0)
 """[N·m]; the joint at the base has 150."""
 
@@ -102,7 +105,21 @@ def test_a_path_error_stops_the_arm(robot: tool0.Robot) -> None:
     robot.apply_wrench("upper_arm_link", torque=STRONG)
     robot.run(1.0)
     assert "off its path, more than 0.157 rad (no contact" in reason(robot)
-    assert "its drive gives all of its 150 N·m" in reason(robot)
+    assert DRIVE_AT_LIMIT in reason(robot)
+
+
+def test_a_goal_that_fails_names_the_same_cause(robot: tool0.Robot) -> None:
+    arm = robot.controller(ARM)
+    others = dict.fromkeys(ARM_JOINTS, -1.0)
+    goal = arm.follow(
+        [TrajectoryPoint(AWAY, time_from_start=5.0)],
+        path_tolerance={**others, "shoulder_pan_joint": 0.05},
+    )
+    robot.apply_wrench("upper_arm_link", torque=STRONG)
+    goal.wait(5.0)
+    assert isinstance(goal.result, GoalResult)
+    assert "shoulder_pan_joint path error" in goal.result.error_string
+    assert DRIVE_AT_LIMIT in goal.result.error_string
 
 
 def test_a_command_beyond_a_limit_stops_the_arm(tmp_path: Path) -> None:

@@ -22,8 +22,8 @@ from tool0.protocol.controllers import Role, why_not_driven
 from tool0.protocol.goals import GoalStarted
 from tool0.protocol.motion import MoveJoints
 from tool0.protocol.trajectories import FollowTrajectory
-from tool0.simulation.controller_paths import trajectory_points
 from tool0.simulation.handlers.table import answer, handles
+from tool0.simulation.paths import trajectory_points
 from tool0.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -151,11 +151,12 @@ def _controller(simulation: Simulation, chain: ArmChain) -> str:
 
 def _commanded(simulation: Simulation, chain: ArmChain) -> Mapping[str, float]:
     """Return the positions of all joints: the arm's as commanded, if they are."""
-    measured, core = simulation.snapshot.positions, simulation.core
+    measured, executor = simulation.snapshot.positions, simulation.executor
     try:
         name = _controller(simulation, chain)
         state = simulation.loop.call(
-            lambda: core.trajectory_controller(name).setpoint().state(), publishes=False
+            lambda: executor.trajectory_controller(name).setpoint().state(),
+            publishes=False,
         )
     except ControlError:
         return measured
@@ -165,10 +166,10 @@ def _commanded(simulation: Simulation, chain: ArmChain) -> Mapping[str, float]:
 
 def _at_rest(simulation: Simulation, name: str) -> Mapping[str, float]:
     """Return where a controller's joints stand, or raise ControlError."""
-    core = simulation.core
+    executor = simulation.executor
 
     def read() -> Any:
-        controller = core.trajectory_controller(name)
+        controller = executor.trajectory_controller(name)
         state = controller.setpoint().state()
         return state, controller.query_state(state.time + _AFTER_ANY_MOTION)
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-from tool0.control.arm_path import ArmPath
+from tool0.control.arm.path import ArmPath
 from tool0.errors import RequestError
 from tool0.protocol.arm_motion import (
     SILENCE,
@@ -33,30 +32,26 @@ from tool0.simulation.simulation import Simulation
 
 @handles(TakeArm, in_tick=True)
 def _take(simulation: Simulation, request: TakeArm) -> None:
-    simulation.core.take_arm(request.arm, request.by, protected=request.protected)
+    simulation.executor.take_arm(request.arm, request.by, protected=request.protected)
     _forget_stream(simulation, request)
 
 
 @handles(ReturnArm, in_tick=True)
 def _return(simulation: Simulation, request: ReturnArm) -> None:
-    core, by = simulation.core, request.by
-    if by is None or core.control_boxes.find(request.arm).taken_by == by:
-        core.arm_motions.release(request.arm, core.state)
+    if simulation.executor.give_back_arm(request.arm, request.by):
         _forget_stream(simulation, request)
 
 
 def _forget_stream(simulation: Simulation, request: ArmRequest[Any]) -> None:
-    arm = simulation.core.control_boxes.find(request.arm).arm
-    simulation.service(StreamWatch).forget(arm)
+    arm = simulation.core.arms.find(request.arm)
+    simulation.service(StreamWatch).forget(arm.name)
 
 
 def _path(simulation: Simulation, request: ExecutePath) -> ArmPath:
     if (request.after is None) != (request.at is None):
         raise RequestError("execute_path", "'after' and 'at' need each other")
-    core = simulation.core
-    arm = core.control_boxes.find(request.arm).arm
     return ArmPath.of(
-        core.arm_motions.specs[arm].joint_models,
+        simulation.core.arms.find(request.arm).motion.spec.joint_models,
         request.times,
         request.positions,
         request.velocities,
@@ -66,10 +61,8 @@ def _path(simulation: Simulation, request: ExecutePath) -> ArmPath:
 
 @handles(ExecutePath, in_tick=True, prepare=_path)
 def _execute(simulation: Simulation, request: ExecutePath, path: ArmPath) -> int:
-    core = simulation.core
-    arm = core.control_boxes.find(request.arm).arm
-    number = core.arm_motions.execute(
-        arm, path, core.time, after=request.after, at=request.at
+    number = simulation.executor.execute_path(
+        request.arm, path, after=request.after, at=request.at
     )
     _forget_stream(simulation, request)
     return number
@@ -77,9 +70,8 @@ def _execute(simulation: Simulation, request: ExecutePath, path: ArmPath) -> int
 
 @handles(StopArm, in_tick=True)
 def _stop(simulation: Simulation, request: StopArm) -> None:
-    core = simulation.core
-    core.arm_motions.find_to_stop(request.arm).stop_motion(
-        request.deceleration, core.time, along_path=request.along_path
+    simulation.executor.stop_arm(
+        request.arm, request.deceleration, along_path=request.along_path
     )
     _forget_stream(simulation, request)
 
@@ -96,15 +88,15 @@ def _admit(
             is_rest = not any(speeds)
             if timeout is None and not request.duration:
                 timeout = SILENCE
-    arm = simulation.core.control_boxes.find(request.arm).arm
-    simulation.service(StreamWatch).admit(arm, timeout, is_rest=is_rest)
+    arm = simulation.core.arms.find(request.arm)
+    simulation.service(StreamWatch).admit(arm.name, timeout, is_rest=is_rest)
 
 
 @handles(ReadArmMotion)
 def _read(simulation: Simulation, request: ReadArmMotion) -> ArmSample:
     snapshot = simulation.loop.snapshot_with_arms()
-    arm = simulation.core.control_boxes.find(request.arm).arm
-    return filled(snapshot, snapshot.arms[arm])
+    arm = simulation.core.arms.find(request.arm)
+    return filled(snapshot, snapshot.arms[arm.name])
 
 
 handles(ZeroWrench, in_tick=True)(
@@ -114,23 +106,18 @@ handles(ZeroWrench, in_tick=True)(
 
 @handles(ServoJoints, in_tick=True, publishes=False, prepare=_admit)
 def _servo(simulation: Simulation, request: ServoJoints, admitted: None) -> None:
-    core = simulation.core
-    controller = core.arm_motions.find(request.arm)
-    controller.require_positions(request.positions, core.time)
-    controller.servo(core.time).aim(
-        request.positions, lookahead_time=request.lookahead_time, gain=request.gain
+    simulation.executor.servo_joints(
+        request.arm,
+        request.positions,
+        lookahead_time=request.lookahead_time,
+        gain=request.gain,
     )
 
 
 @handles(SpeedJoints, in_tick=True, publishes=False, prepare=_admit)
 def _speed_joints(simulation: Simulation, request: SpeedJoints, admitted: None) -> None:
-    core = simulation.core
-    controller = core.arm_motions.find(request.arm)
-    controller.require_velocities(request.velocities)
-    controller.speed(core.time).aim(
-        request.velocities,
-        request.acceleration,
-        until=core.time + (request.duration or math.inf),
+    simulation.executor.speed_joints(
+        request.arm, request.velocities, request.acceleration, request.duration
     )
 
 
@@ -138,11 +125,11 @@ def _speed_joints(simulation: Simulation, request: SpeedJoints, admitted: None) 
 def _speed_tool(simulation: Simulation, request: SpeedTool, admitted: None) -> None:
     import numpy as np
 
-    core = simulation.core
-    core.arm_motions.find(request.arm).speed(core.time).aim(
+    simulation.executor.speed_tool(
+        request.arm,
         request.twist,
         request.acceleration,
-        until=core.time + (request.duration or math.inf),
+        request.duration,
         lever=np.array(request.tcp[:3]),
     )
 
@@ -151,10 +138,9 @@ def _speed_tool(simulation: Simulation, request: SpeedTool, admitted: None) -> N
 def _start_force_mode(simulation: Simulation, request: StartForceMode) -> None:
     import numpy as np
 
-    from tool0.control.arm_compliance import ComplianceTask, force_damping
+    from tool0.control.arm.compliance import ComplianceTask, force_damping
     from tool0.description.transform_arrays import matrix_of
 
-    core = simulation.core
     task = ComplianceTask(
         frame=matrix_of(request.frame),
         free=np.array(request.selection),
@@ -164,33 +150,31 @@ def _start_force_mode(simulation: Simulation, request: StartForceMode) -> None:
         lever=np.array(request.tcp[:3]),
         damping=force_damping(request.damping, request.gain_scaling),
     )
-    core.arm_motions.comply(request.arm, task, core.state)
+    simulation.executor.comply(request.arm, task)
 
 
 @handles(StartFreedrive, in_tick=True)
 def _start_freedrive(simulation: Simulation, request: StartFreedrive) -> None:
     import numpy as np
 
-    from tool0.control.arm_compliance import FREEDRIVE_DAMPING, ComplianceTask
+    from tool0.control.arm.compliance import FREEDRIVE_DAMPING, ComplianceTask
     from tool0.description.transform_arrays import matrix_of
 
-    core = simulation.core
     task = ComplianceTask(
         frame=matrix_of(request.frame),
         free=np.array(request.axes),
         wrench=np.zeros(6),
         limits=np.full(6, 100.0),
-        lever=np.array(core.control_boxes.find(request.arm).tcp[:3]),
+        lever=np.array(simulation.core.arms.find(request.arm).box.state.tcp[:3]),
         damping=FREEDRIVE_DAMPING,
         is_freedrive=True,
     )
-    core.arm_motions.comply(request.arm, task, core.state)
+    simulation.executor.comply(request.arm, task)
 
 
 def _end(simulation: Simulation, request: EndForceMode | EndFreedrive) -> None:
-    core = simulation.core
     is_freedrive = isinstance(request, EndFreedrive)
-    core.arm_motions.stiffen(request.arm, core.state, is_freedrive=is_freedrive)
+    simulation.executor.stiffen(request.arm, is_freedrive=is_freedrive)
 
 
 handles(EndForceMode, in_tick=True)(_end)

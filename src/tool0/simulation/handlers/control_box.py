@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from tool0.description.payload import Payload
 from tool0.protocol.control_box import (
@@ -27,42 +28,44 @@ from tool0.protocol.control_box import (
 )
 from tool0.protocol.control_box_state import AnalogPin, UrReport
 from tool0.protocol.request import ArmRequest
-from tool0.simulation.arm_modes import ArmModes
+from tool0.simulation.arms.arm import Arm
+from tool0.simulation.arms.control_box import ControlBox
 from tool0.simulation.handlers.table import handles
 from tool0.simulation.simulation import Simulation
 
+
+def _box(simulation: Simulation, request: ArmRequest[Any]) -> ControlBox:
+    return simulation.core.arms.find(request.arm).box
+
+
 handles(ReadIO, in_tick=True, publishes=False)(
-    lambda sim, request: sim.core.control_boxes.find(request.arm)
+    lambda sim, request: _box(sim, request).state
 )
 
 
 @handles(SetIO, in_tick=True)
 def _set_io(simulation: Simulation, request: SetIO) -> None:
-    boxes, arm = simulation.core.control_boxes, request.arm
-    boxes.find(arm)
-    boxes.set_digital(arm, request.digital_outputs, is_input=False)
-    boxes.set_digital(arm, request.digital_inputs, is_input=True)
+    box = _box(simulation, request)
+    box.set_digital(request.digital_outputs, is_input=False)
+    box.set_digital(request.digital_inputs, is_input=True)
     if request.tool_voltage is not None:
-        boxes.set_tool_voltage(arm, request.tool_voltage)
+        box.change(tool_voltage=request.tool_voltage)
 
 
 handles(SetAnalogOutput, in_tick=True)(
-    lambda sim, request: sim.core.control_boxes.set_analog_output(
-        request.arm, request.pin, request.level, request.domain
+    lambda sim, request: _box(sim, request).set_analog_output(
+        request.pin, request.level, request.domain
     )
 )
 handles(SetAnalogInput, in_tick=True)(
-    lambda sim, request: sim.core.control_boxes.set_analog_input(
-        request.arm,
+    lambda sim, request: _box(sim, request).set_analog_input(
         request.pin,
         AnalogPin(request.value, request.domain),
         is_of_tool=request.tool,
     )
 )
 handles(SetSpeedSlider, in_tick=True)(
-    lambda sim, request: sim.core.control_boxes.set_speed_slider(
-        request.arm, request.fraction
-    )
+    lambda sim, request: _box(sim, request).change(speed_slider=request.fraction)
 )
 
 
@@ -75,31 +78,30 @@ def _set_payload(simulation: Simulation, request: SetPayload) -> None:
 
 
 handles(SetTcp, in_tick=True)(
-    lambda sim, request: sim.core.control_boxes.set_tcp(request.arm, request.pose)
+    lambda sim, request: _box(sim, request).change(tcp=request.pose)
 )
 handles(SetSafetyLimits, in_tick=True)(
-    lambda sim, request: sim.core.control_boxes.set_safety_limits(
-        request.arm, request.enabled, request.force
+    lambda sim, request: _box(sim, request).set_safety_limits(
+        request.enabled, request.force
     )
 )
 handles(ReportUr, in_tick=True)(
-    lambda sim, request: sim.core.control_boxes.report_ur(
-        request.arm,
-        UrReport(
+    lambda sim, request: _box(sim, request).change(
+        ur=UrReport(
             program=request.program,
             program_state=request.program_state,
             popup=request.popup,
             clients=request.clients,
             registers=request.registers,
-        ),
+        )
     )
 )
 handles(PauseProgram, in_tick=True)(
-    lambda sim, request: sim.core.arm_modes.pause(request.arm)
+    lambda sim, request: sim.core.arms.find(request.arm).pause()
 )
 handles(StopProtectively, in_tick=True)(
-    lambda sim, request: sim.core.arm_modes.stop_protectively(
-        request.arm, request.reason, sim.core.state
+    lambda sim, request: sim.core.arms.find(request.arm).stop_protectively(
+        request.reason, sim.core.state
     )
 )
 
@@ -107,14 +109,14 @@ handles(StopProtectively, in_tick=True)(
 def _handles_mode(kind: type[ArmRequest[None]], change: Callable[..., None]) -> None:
     """Register a change of an arm's mode as the handler of ``kind``."""
     handles(kind, in_tick=True)(
-        lambda sim, request: change(sim.core.arm_modes, request.arm, sim.core.state)
+        lambda sim, request: change(sim.core.arms.find(request.arm), sim.core.state)
     )
 
 
-_handles_mode(PlayProgram, ArmModes.play)
-_handles_mode(StopProgram, ArmModes.stop)
-_handles_mode(PowerOff, ArmModes.power_off)
-_handles_mode(PowerOn, ArmModes.power_on)
-_handles_mode(ReleaseBrakes, ArmModes.release_brakes)
-_handles_mode(UnlockProtectiveStop, ArmModes.unlock)
-_handles_mode(RestartSafety, ArmModes.restart_safety)
+_handles_mode(PlayProgram, Arm.play)
+_handles_mode(StopProgram, Arm.stop)
+_handles_mode(PowerOff, Arm.power_off)
+_handles_mode(PowerOn, Arm.power_on)
+_handles_mode(ReleaseBrakes, Arm.release_brakes)
+_handles_mode(UnlockProtectiveStop, Arm.unlock)
+_handles_mode(RestartSafety, Arm.restart_safety)

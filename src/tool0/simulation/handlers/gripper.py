@@ -14,9 +14,9 @@ from tool0.protocol.gripper import Grip, ReactivateGripper, ReadGripper
 from tool0.protocol.motion import CommandGripper, GripLimits
 from tool0.protocol.trajectories import FollowTrajectory, TrajectoryPoint
 from tool0.sensing.grasp import judge, wanted_openings
-from tool0.simulation.controller_paths import trajectory_points
 from tool0.simulation.handlers.motion import drive_limits
 from tool0.simulation.handlers.table import answer, handles
+from tool0.simulation.paths import trajectory_points
 from tool0.simulation.simulation import Simulation
 
 SQUEEZED = 0.001

@@ -87,7 +87,9 @@ def _follow(
     if request.grip is not None:
         limits = drive_limits(simulation, request.grip)
         bounds = {limits.gripper.joint: limits}
-    return started(simulation, simulation.core.follow(request.controller, goal, bounds))
+    return started(
+        simulation, simulation.executor.follow(request.controller, goal, bounds)
+    )
 
 
 def _command_goal(simulation: Simulation, request: CommandTrajectory) -> TrajectoryGoal:
@@ -100,12 +102,12 @@ def _command_goal(simulation: Simulation, request: CommandTrajectory) -> Traject
 def _command(
     simulation: Simulation, request: CommandTrajectory, goal: TrajectoryGoal
 ) -> None:
-    simulation.core.command_trajectory(request.controller, goal)
+    simulation.executor.command_trajectory(request.controller, goal)
 
 
 @handles(ScaleTrajectory, in_tick=True)
 def _scale(simulation: Simulation, request: ScaleTrajectory) -> None:
-    simulation.core.scale_trajectory(request.controller, request.factor)
+    simulation.executor.scale_trajectory(request.controller, request.factor)
 
 
 def _import_planner(simulation: Simulation, request: Request[Any]) -> None:
@@ -119,24 +121,25 @@ def _import_planner(simulation: Simulation, request: Request[Any]) -> None:
 def _move(
     simulation: Simulation, request: MoveJoints, prepared: None
 ) -> tuple[GoalStarted, ...]:
-    core, positions, controller = simulation.core, request.positions, request.controller
+    executor, positions = simulation.executor, request.positions
+    controller = request.controller
     goals: tuple[Goal, ...]
     if request.duration is None:
-        goals = core.move_joints(positions, request.speed, controller)
+        goals = executor.move_joints(positions, request.speed, controller)
     else:
-        goals = (core.move_joints_within(positions, request.duration, controller),)
+        goals = (executor.move_joints_within(positions, request.duration, controller),)
     return tuple(started(simulation, goal) for goal in goals)
 
 
 @handles(SteerJoints, in_tick=True, prepare=_import_planner)
 def _steer(simulation: Simulation, request: SteerJoints, prepared: None) -> None:
-    simulation.core.steer(request.controller, request.positions, request.speed)
+    simulation.executor.steer(request.controller, request.positions, request.speed)
 
 
 @handles(CommandGripper, in_tick=True)
 def _command_gripper(simulation: Simulation, request: CommandGripper) -> GoalStarted:
     grip = request.grip
-    goal = simulation.core.command_gripper(
+    goal = simulation.executor.command_gripper(
         request.controller,
         request.position,
         request.max_effort,
@@ -147,7 +150,7 @@ def _command_gripper(simulation: Simulation, request: CommandGripper) -> GoalSta
 
 
 handles(CommandJoints, in_tick=True)(
-    lambda sim, request: sim.core.command_joints(request.controller, request.values)
+    lambda sim, request: sim.executor.command_joints(request.controller, request.values)
 )
 
 
@@ -155,7 +158,7 @@ handles(CommandJoints, in_tick=True)(
 def _cancel(simulation: Simulation, request: CancelGoal) -> None:
     goal = simulation.goals.find(request.goal)
     if not simulation.program_runs.cancel(goal):
-        simulation.core.cancel(goal)
+        simulation.executor.cancel(goal)
 
 
 handles(ReadGoal)(lambda sim, request: sim.goals.find(request.goal).status)
@@ -259,16 +262,16 @@ def _switch(simulation: Simulation, request: SwitchControllers) -> None:
 
 handles(ReadController, in_tick=True, publishes=False)(
     lambda sim, request: (
-        sim.core.trajectory_controller(request.controller).setpoint().state()
+        sim.executor.trajectory_controller(request.controller).setpoint().state()
     )
 )
 
 
 @handles(QueryState, in_tick=True, publishes=False)
 def _query(simulation: Simulation, request: QueryState) -> JointsMotion:
-    core = simulation.core
-    time = core.time if request.time is None else request.time
-    return core.trajectory_controller(request.controller).query_state(time)
+    controller = simulation.executor.trajectory_controller(request.controller)
+    time = simulation.core.time if request.time is None else request.time
+    return controller.query_state(time)
 
 
 @handles(ReadGains, in_tick=True, publishes=False)

@@ -54,7 +54,7 @@ def _context(simulation: Simulation, program: Program) -> RobotContext:
         model=model,
         arm=arm,
         tip=chain.tip,
-        joints=simulation.core.arm_motions.specs[arm].joint_models,
+        joints=simulation.core.arms.find(arm).motion.spec.joint_models,
         positions=snapshot.positions,
         find_pose=lambda name: simulation.poses.find(name).positions,
         gripper=gripper,
@@ -67,20 +67,20 @@ def _planned(simulation: Simulation, context: RobotContext) -> ProgramPlan:
     """Plan a program from where its arm is commanded to be now."""
     from tool0.programs.planning import plan_program
 
-    core, arm = simulation.core, context.arm
-    start = simulation.loop.call(
-        lambda: core.arm_motions.rest(arm, core.state), publishes=False
-    )
+    core = simulation.core
+    motion = core.arms.find(context.arm).motion
+    start = simulation.loop.call(lambda: motion.setpoint(core.state), publishes=False)
     return plan_program(context, start)
 
 
 def _wait_for_return(simulation: Simulation, arm: str) -> None:
     """Wait for an arm that stops in order to be given back, while time passes."""
-    loop, bus, core = simulation.loop, simulation.bus, simulation.core
+    loop, bus = simulation.loop, simulation.bus
+    motion = simulation.core.arms.find(arm).motion
     end = time.monotonic() + _LONGEST_RETURN
     while loop.is_realtime and time.monotonic() < end:
         is_ending = simulation.program_runs.is_ending(arm)
-        if not (is_ending or core.arm_motions.is_returning(arm)):
+        if not (is_ending or motion.is_returning):
             return
         bus.newer_than(bus.latest, POLL_PERIOD)
 
@@ -127,11 +127,11 @@ def _run(simulation: Simulation, request: RunProgram) -> GoalStarted:
             simulation, plan, context, number=number, paused=request.paused
         )
 
-    runs, core = simulation.program_runs, simulation.core
+    runs, executor = simulation.program_runs, simulation.executor
 
     def start() -> GoalStarted:
         run = runs.start(context.arm, make)
-        core.when_goal_starts(run.goal)
+        executor.when_goal_starts(run.goal)
         number = simulation.goals.add(run.goal, -run.status.run)
         return GoalStarted(goal=number, controller=run.goal.controller)
 

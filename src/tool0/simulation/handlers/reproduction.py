@@ -88,9 +88,9 @@ class Reproduction(Struct, frozen=True, kw_only=True):
 def reproduction(simulation: Simulation) -> Reproduction:
     """Return what repeats this simulation, together with its journal."""
     setup = simulation.setup
-    description, options = setup.assembly.description, setup.options
-    model, choice = description.model, setup.assembly.choice
-    placed = zip(model.movable_joints, setup.assembly.position, strict=True)
+    description, options = setup.description, setup.options
+    model, choice = description.model, setup.choice
+    placed = zip(model.movable_joints, setup.position, strict=True)
     return Reproduction(
         versions=current_versions(options.engine),
         platform=current_platform(),

@@ -100,7 +100,7 @@ def _check_pose(simulation: Simulation, request: Reset) -> None:
     """Raise PenetrationError for a pose that cannot be."""
     if not request.position or request.allow_penetration:
         return
-    usual = simulation.setup.assembly.position
+    usual = simulation.setup.position
     position = joint_positions(simulation.description.model, request.position, usual)
     simulation.collisions.require_pose(position, usual, simulation.snapshot.scene)
 
@@ -117,14 +117,14 @@ handles(EmergencyStop, in_tick=True)(
 
 @handles(StopMotions, in_tick=True)
 def _stop_motions(simulation: Simulation, request: StopMotions) -> None:
-    core = simulation.core
+    executor, runs = simulation.executor, simulation.program_runs
     for goal in simulation.goals.active():
-        if not simulation.program_runs.cancel(goal):
-            core.cancel(goal)
-    for arm in core.arm_motions.specs:
-        if not simulation.program_runs.is_ending(arm):
-            core.arm_motions.release(arm, core.state)
-    core.stop_trajectories()
+        if not runs.cancel(goal):
+            executor.cancel(goal)
+    for arm in simulation.core.arms:
+        if not runs.is_ending(arm.name):
+            executor.give_back_arm(arm.name)
+    executor.stop_trajectories()
 
 
 def stop_after_freezes(simulation: Simulation) -> None:

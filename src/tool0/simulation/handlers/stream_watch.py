@@ -12,25 +12,16 @@ import contextlib
 import threading
 import time
 from dataclasses import dataclass
-from typing import Final, final
+from typing import final
 
 from tool0.errors import ControlError, Tool0Error
 from tool0.protocol.arm_motion import EndStream
 from tool0.simulation.handlers.table import answer, handles
 from tool0.simulation.simulation import Simulation
 
-BRAKE: Final = 4.0
-"""Of the leading joint at the end of a stream, at least [rad/s²]; a stream of
-velocities ends as soon as with its own acceleration."""
-
-
-@handles(EndStream, in_tick=True)
-def _end(simulation: Simulation, request: EndStream) -> None:
-    core = simulation.core
-    controller = core.arm_motions.find(request.arm)
-    if controller.mode in {"servo", "speed"}:
-        rate = max(BRAKE, controller.stream_deceleration())
-        controller.stop_motion(rate, core.time, along_path=False)
+handles(EndStream, in_tick=True)(
+    lambda sim, request: sim.executor.end_stream(request.arm)
+)
 
 
 @dataclass(slots=True)

@@ -1,18 +1,16 @@
-"""Joints that are not where they are sent: which, by how much, and why."""
+"""Why joints are not where they are sent: a contact, a limit, too little effort."""
 
 from __future__ import annotations
 
 import math
 from typing import Final, NamedTuple, final
 
-from tool0.control.arm_stream import SINGULAR
-from tool0.control.manager import ControllerManager
-from tool0.description.model import RobotModel
+from tool0.control.arm.stream import SINGULAR
 from tool0.description.parts import ArmParts
-from tool0.hardware.engine import JointState, World
-from tool0.hardware.robot_hardware import RobotHardware
+from tool0.hardware.engine import JointState
 from tool0.protocol.state import Contact, contacts_text
 from tool0.sensing.stalls import LARGEST_LAG, external_contacts
+from tool0.simulation.core import Core
 
 RECENT: Final = 0.1
 """For how long a contact counts as a cause after it has ended [s]: what hits the ground
@@ -35,24 +33,19 @@ class TrackedJoint(NamedTuple):
     """Its limits [rad]."""
     error: float
     """Largest distance from the setpoint [rad]."""
+    effort: float
+    """Largest effort of its drive [N·m]."""
     links: frozenset[str]
     """All that it moves."""
 
 
 @final
-class PathErrors:
-    """Describes the path errors of one arm."""
+class Causes:
+    """Names what keeps the joints of one arm from where they are sent."""
 
-    def __init__(
-        self,
-        arm: ArmParts,
-        model: RobotModel,
-        hardware: RobotHardware,
-        manager: ControllerManager,
-        world: World,
-    ) -> None:
-        self._arm, self._model, self._world = arm, model, world
-        self._hardware, self._manager = hardware, manager
+    def __init__(self, arm: ArmParts, core: Core) -> None:
+        self._arm, self._core = arm, core
+        model, hardware = core.model, core.hardware
         self.joints = tuple(
             TrackedJoint(
                 joint.name,
@@ -60,66 +53,71 @@ class PathErrors:
                 limits.lower,
                 limits.upper,
                 LARGEST_LAG * limits.velocity,
+                limits.effort,
                 frozenset(model.links_from(joint.child)),
             )
             for joint in arm.joints
             if (limits := hardware.limits.get(joint.name)) is not None
         )
-        """The joints with drives."""
+        """The joints with drives, from base to flange."""
         self._touching: tuple[Contact, ...] = ()
         """The last contacts of the arm that were seen, and when [s]:"""
         self._touched_at = -math.inf
 
     def watch(self, time: float) -> None:
-        """Note what touches the arm at ``time`` [s]: it may cause an error."""
-        contacts = self._world.contacts()
+        """Note what touches the arm at ``time`` [s]: it may become a cause."""
+        contacts = self._core.engine.world.contacts()
         if self.joints and external_contacts(self.joints[0].links, contacts):
             self._touching, self._touched_at = contacts, time
 
-    def off_path(self, joint: TrackedJoint, error: float, state: JointState) -> str:
-        """Return that a joint is ``error`` [rad] off its path, and why."""
+    def of(self, joint: TrackedJoint, state: JointState) -> str:
+        """Return what most likely keeps a joint off the path of a tool."""
         return (
-            f"joint '{joint.name}' is {error:.3f} rad off its path, more than "
-            f"{joint.error:.3f} rad ({self._cause(joint, state)})"
+            self._obstacle(joint, joint.links, state)
+            or self._singularity(state)
+            or _weakness(joint, state)
+            or "no contact: the motion is too fast, or the payload is not as set"
         )
 
-    def not_arrived(self, joint: TrackedJoint, error: float, state: JointState) -> str:
-        """Return that a joint has not reached the end of its path, and why."""
-        return (
-            f"joint '{joint.name}' is {error:.3f} rad from the end of its path "
-            f"({self._cause(joint, state)})"
-        )
+    def known(
+        self, joint: TrackedJoint, links: frozenset[str], state: JointState
+    ) -> str:
+        """Return what keeps a joint from where it is sent, if that is known.
 
-    def _cause(self, joint: TrackedJoint, state: JointState) -> str:
-        """Return what most likely keeps a joint off its path."""
+        ``links`` are those that contacts may stop: with the joint, or others.
+        """
+        return self._obstacle(joint, links, state) or _weakness(joint, state)
+
+    def _obstacle(
+        self, joint: TrackedJoint, links: frozenset[str], state: JointState
+    ) -> str:
+        """Return what ``links`` touch, or the limit that the joint is at."""
         self.watch(state.time)
         if 0.0 <= state.time - self._touched_at <= RECENT:
-            touching = external_contacts(joint.links, self._touching)
+            touching = external_contacts(links, self._touching)
             if touching:
                 return contacts_text(touching)
         position = state.position[joint.number]
         for limit in (joint.lower, joint.upper):
             if abs(position - limit) <= _AT_LIMIT:
-                return f"no contact: it is at its limit of {limit:.4g} rad"
+                return f"no contact: '{joint.name}' is at its limit of {limit:.4g} rad"
+        return ""
+
+    def _singularity(self, state: JointState) -> str:
+        """Return that the arm is at one, if it is to move fast."""
         if self._is_wanted_fast() and self._singular_value(state) < SINGULAR:
             return (
                 "no contact: the arm is at a singularity, where its joints would have "
                 "to turn faster than they can"
             )
-        most = self._hardware.limits[joint.name].effort
-        if abs(state.effort[joint.number]) >= _FULL * most:
-            return (
-                f"no contact: its drive gives all of its {most:.4g} N·m; the motion is "
-                "too fast for the load, or the payload is not the one that is set"
-            )
-        return "no contact: the motion is too fast, or the payload is not as set"
+        return ""
 
     def _is_wanted_fast(self) -> bool:
         """Return whether a joint is to turn at more than half of its speed."""
-        limits = self._hardware.limits
+        limits = self._core.hardware.limits
         return any(
             abs(spline.sample(setpoint.time).velocity) > limits[model.name].velocity / 2
-            for setpoint in self._manager.setpoints().values()
+            for setpoint in self._core.manager.setpoints().values()
             for model, spline in zip(
                 setpoint.joint_models, setpoint.splines, strict=True
             )
@@ -132,7 +130,17 @@ class PathErrors:
 
         from tool0.kinematics.chain import ArmChain
 
-        model, arm = self._model, self._arm
-        position = [state.position[self._hardware.index[j.name]] for j in arm.joints]
+        model, arm, index = self._core.model, self._arm, self._core.hardware.index
+        position = [state.position[index[joint.name]] for joint in arm.joints]
         posture = ArmChain(model, arm.flange, arm.joints).forward(np.array([position]))
         return float(np.linalg.svd(posture.jacobian[0], compute_uv=False)[-1])
+
+
+def _weakness(joint: TrackedJoint, state: JointState) -> str:
+    """Return that a joint's drive gives all that it can, if it does."""
+    if abs(state.effort[joint.number]) < _FULL * joint.effort:
+        return ""
+    return (
+        f"no contact: the drive of '{joint.name}' gives all of its {joint.effort:.4g} "
+        "N·m; the motion is too fast for the load, or the payload is not as set"
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, final
 
-from tool0.control.arm_model import ArmDynamics, Placement
+from tool0.control.arm.model import ArmDynamics, Placement
 from tool0.description.model import FLANGE, RobotModel
 from tool0.hardware.engine import JointState
 from tool0.hardware.robot_hardware import RobotHardware

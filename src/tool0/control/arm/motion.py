@@ -11,11 +11,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final, Literal, final
 
-from tool0.control.arm_compliance import Compliance, ComplianceTask
-from tool0.control.arm_model import ArmModel
-from tool0.control.arm_path import CONTINUITY, ArmPath, SplineMotion
-from tool0.control.arm_setpoint import StreamedMotion
-from tool0.control.arm_stream import ServoStream, SpeedStream
+from tool0.control.arm.compliance import Compliance, ComplianceTask
+from tool0.control.arm.model import ArmModel
+from tool0.control.arm.path import CONTINUITY, ArmPath, SplineMotion
+from tool0.control.arm.stream import ServoStream, SpeedStream, StreamedMotion
 from tool0.control.law import TrajectoryLaw
 from tool0.control.spline import JointSpline, Segment, along
 from tool0.control.trajectory import Setpoint

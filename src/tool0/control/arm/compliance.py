@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 import numpy as np
 
-from tool0.control.arm_model import ArmModel, Placement
-from tool0.control.arm_stream import SINGULAR, damped_inverse
+from tool0.control.arm.model import ArmModel, Placement
+from tool0.control.arm.stream import SINGULAR, damped_inverse
 from tool0.hardware.engine import JointSelector, JointState
 from tool0.protocol.state import ArmSetpoint
 

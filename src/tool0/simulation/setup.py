@@ -1,4 +1,4 @@
-"""From a description to a core: the pieces of every bring-up and every copy of one."""
+"""What a simulation is started with; it makes the cores, of a bring-up or a batch."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from tool0.description.poses import PoseStore
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
+from tool0.engines.registry import make_engine
 from tool0.errors import ConfigError, ControlError
 from tool0.hardware.engine import Engine
 from tool0.hardware.robot_hardware import RobotHardware
@@ -26,11 +27,14 @@ from tool0.simulation.core import Core
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Assembly:
-    """What all cores of one robot have in common."""
+class Setup:
+    """Description, options, and what they choose."""
 
     description: RobotDescription
     control: ControlConfig
+    options: SimulationConfig
+    scene: Scene
+    """The objects at the start."""
     choice: ControllerChoice
     """The controllers."""
     poses: PoseStore
@@ -38,28 +42,46 @@ class Assembly:
     """The initial pose [rad | m], shape (n_joints,), in the order of the model."""
 
     @staticmethod
-    def of(description: RobotDescription, control: ControlConfig) -> Assembly:
-        """Choose controllers and initial pose.
+    def of(
+        description: RobotDescription, control: ControlConfig, options: SimulationConfig
+    ) -> Setup:
+        """Choose scene, controllers and initial pose.
 
         Raises:
             Tool0Error: If an option or a file is wrong.
         """
+        scene = chosen_scene(description, options.scene)
         choice = choose_controllers(description, control)
         poses = PoseStore(description)
         position = _initial_position(description.model, poses, control.initial_pose)
-        return Assembly(
+        return Setup(
             description=description,
             control=control,
+            options=options,
+            scene=scene,
             choice=choice,
             poses=poses,
             position=position,
         )
 
-    def core(self, engine: Engine, scene: Scene, *, grasp_assist: bool = False) -> Core:
-        """Return a core at the initial pose, with its controllers running.
+    def make_engine(self) -> Engine:
+        """Return an engine with the robot and the objects.
 
-        ``scene`` is what ``engine`` was made with.
+        Raises:
+            Tool0Error: If an option is wrong.
         """
+        options = self.options
+        return make_engine(
+            options.engine,
+            self.description,
+            dt=options.dt,
+            spawn_z=options.spawn_z,
+            scene=self.scene,
+            options=options.engine_options,
+        )
+
+    def make_core(self, engine: Engine) -> Core:
+        """Return a core at the initial pose, with its controllers running."""
         config, started, stopped, _ = self.choice
         hardware, manager = _hardware(self.description.model, engine, config)
         core = Core(
@@ -68,9 +90,9 @@ class Assembly:
             hardware=hardware,
             manager=manager,
             initial_position=self.position,
-            scene=scene,
+            scene=self.scene,
             control_period=self._control_period(engine.dt),
-            grasp_assist=grasp_assist,
+            grasp_assist=self.options.grasp_assist,
         )
         for name in (*started, *stopped):
             manager.load(name)
@@ -94,17 +116,6 @@ class Assembly:
                 "choose another rate, dt or control_period"
             )
         return steps * dt
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class Setup:
-    """What a simulation was started with."""
-
-    assembly: Assembly
-    options: SimulationConfig
-    scene: Scene
-    """The objects at the start."""
 
 
 def chosen_scene(description: RobotDescription, scene: Scene | File | None) -> Scene:

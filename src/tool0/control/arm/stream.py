@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, final
+from typing import TYPE_CHECKING, Final, Protocol, final
 
-from tool0.control.arm_model import ArmModel
+from tool0.control.arm.model import ArmModel
 from tool0.description.model import Joint
 from tool0.protocol.state import ArmSetpoint
 
@@ -28,6 +28,20 @@ SINGULAR: Final = 0.02
 UR5e is there 2 cm from its reach, or with its fifth joint within 2 degrees of 0."""
 _ROUNDING = 1e-9
 """Rounding of times [s]."""
+
+
+class StreamedMotion(Protocol):
+    """A mode that Python executes tick by tick: it has no law."""
+
+    @property
+    def setpoint(self) -> ArmSetpoint:
+        """The motion at the end of the last tick."""
+
+    def advance(self, time: float, period: float, speed_scaling: float) -> None:
+        """Move the setpoint on by one tick, which starts at ``time`` [s].
+
+        ``speed_scaling`` is the control box's factor, 0 … 1.
+        """
 
 
 @final

@@ -1,0 +1,432 @@
+"""One arm: who may move it, and what does: power, brakes, stops, and its program.
+
+An arm moves if it is powered, its brakes are released, and no stop is on.  A stop
+stops the controllers of that arm only: the brakes hold its joints, and no controller
+can be started that claims them.  What stops on the way goes on when its program is
+played again.  Transitions are immediate: a UR's intermediate modes (booting, powering
+on) do not occur.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import Final, final
+
+from tool0.control.arm.compliance import ComplianceTask
+from tool0.control.arm.motion import ArmMotionController
+from tool0.control.manager import ControllerManager, Strictness
+from tool0.description.model import RobotModel
+from tool0.description.parts import ArmParts
+from tool0.description.payload import Payload
+from tool0.errors import ControlError
+from tool0.hardware.engine import Engine, JointState
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.protocol.control_box_state import (
+    ProgramState,
+    RobotMode,
+    SafetyMode,
+)
+from tool0.protocol.state import ArmSample, Contact
+from tool0.sensing.tool_wrench import ToolWrench
+from tool0.simulation.arms.control_box import ControlBox
+from tool0.simulation.arms.modes import Modes
+from tool0.simulation.arms.motion import ArmMotion
+
+logger = logging.getLogger(__name__)
+
+UNLOCK_AFTER: Final = 5.0
+"""Simulated time from a protective stop until it can be unlocked [s]: dashboard server,
+``unlock protective stop``
+(https://www.universal-robots.com/articles/ur/dashboard-server/dashboard-server-e-series-port-29999/)."""
+_TOO_SOON: Final = (
+    "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of "
+    "protective stop before unlocking"
+)
+
+
+@final
+class Arm:
+    """An arm with its control box.  Only the thread of the tick may use it."""
+
+    def __init__(
+        self,
+        name: str,
+        parts: ArmParts,
+        *,
+        model: RobotModel,
+        engine: Engine,
+        hardware: RobotHardware,
+        manager: ControllerManager,
+    ) -> None:
+        self.name, self.parts = name, parts
+        self.box = ControlBox(name, parts.flange, model, hardware)
+        self.motion = ArmMotion(name, parts, model, hardware, manager)
+        """For a program that has taken the arm."""
+        self._model, self._engine = model, engine
+        self._hardware, self._manager = hardware, manager
+        self._joints = frozenset(joint.name for joint in parts.joints)
+        self._modes = Modes()
+        self._stopped: tuple[str, ...] = ()
+        """The controllers that play starts."""
+        self._stopped_at = 0.0
+        """When the protective stop occurred [s]."""
+        self._resumes = False
+        """Whether the controllers of a taken arm start when it is given back."""
+        self._tool_wrench: ToolWrench | None = None
+        """On the tool, once it was sampled."""
+
+    def require_ready(self) -> None:
+        """Raise ControlError if it may not move, with the reason and the remedy."""
+        if self._hardware.is_stopped:
+            raise ControlError(
+                "the emergency stop is engaged; release it before moving the robot"
+            )
+        if reason := self._obstacle():
+            raise ControlError(reason)
+
+    # ---- the tick -------------------------------------------------------------------
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether ``tick`` has nothing to do."""
+        return self.box.is_steady and not self.motion.is_returning
+
+    def tick(self, state: JointState, period: float) -> None:
+        """Let speed scaling go on for one tick [s]; end a return that is at rest."""
+        self.box.tick(period)
+        if self.motion.has_returned(state.time):
+            self._give_back(state)
+
+    # ---- power and stops ------------------------------------------------------------
+
+    def power_off(self, now: JointState) -> None:
+        """Switch the arm off: its controllers stop, and the brakes hold it."""
+        self._set(now, robot=RobotMode.POWER_OFF)
+
+    def power_on(self, now: JointState) -> None:
+        """Switch the arm on, with its brakes on; one that is on is left alone."""
+        self._require_released()
+        if not self._modes.is_powered:
+            self._set(now, robot=RobotMode.IDLE)
+
+    def release_brakes(self, now: JointState) -> None:
+        """Release the brakes; switch the arm on first, if it is off.
+
+        Nothing moves until the program is played.
+        """
+        self._require_released()
+        if not self._modes.is_powered:
+            self._set(now, robot=RobotMode.RUNNING)
+
+    def stop_protectively(self, reason: str, now: JointState) -> None:
+        """Stop the arm until the stop is unlocked; ``reason`` is for people.
+
+        An arm in a protective stop keeps the first reason.
+        """
+        if self._modes.safety is not SafetyMode.PROTECTIVE_STOP:
+            self._stopped_at = now.time
+            logger.warning("arm '%s': protective stop: %s", self.name, reason)
+            self.box.change(protective_stop=reason)
+            self._set(now, safety=SafetyMode.PROTECTIVE_STOP)
+
+    def unlock(self, now: JointState) -> None:
+        """End a protective stop; the arm holds until its program is played.
+
+        Raises:
+            ControlError: If there is none, or it occurred less than 5 s ago.
+        """
+        if self._modes.safety is not SafetyMode.PROTECTIVE_STOP:
+            raise ControlError(f"the arm '{self.name}' is not in a protective stop")
+        if 0.0 <= now.time - self._stopped_at < UNLOCK_AFTER:
+            raise ControlError(_TOO_SOON)
+        self._set(now, safety=SafetyMode.NORMAL)
+
+    def restart_safety(self, now: JointState) -> None:
+        """Clear what the safety system has stopped; the arm is switched off then.
+
+        Raises:
+            ControlError: If the emergency stop is engaged.
+        """
+        self._require_released()
+        self._set(now, RobotMode.POWER_OFF, SafetyMode.NORMAL)
+
+    # ---- the program that moves it through controllers ------------------------------
+
+    def play(self, now: JointState) -> None:
+        """Let the program run: start the controllers that were stopped with it.
+
+        Raises:
+            ControlError: If the arm may not move.
+        """
+        if self._hardware.is_stopped:
+            raise ControlError(
+                "the emergency stop is engaged; release it before playing the program"
+            )
+        self.require_ready()
+        if not self.box.state.taken_by:
+            self._start_again(now)
+        self.box.change(program=ProgramState.PLAYING)
+
+    def pause(self) -> None:
+        """Pause the program: scaled trajectories slow down to a standstill.
+
+        Raises:
+            ControlError: If it is stopped.
+        """
+        if self.box.state.program is ProgramState.STOPPED:
+            raise ControlError("the program is stopped; play it before pausing it")
+        self.box.change(program=ProgramState.PAUSED)
+
+    def stop(self, now: JointState) -> None:
+        """Stop the program, and with it what moves the arm."""
+        if self.box.state.program is not ProgramState.STOPPED:
+            self._stop(now)
+
+    # ---- a program that takes it from its controllers -------------------------------
+
+    def take(self, by: str, now: JointState, *, protected: bool = False) -> None:
+        """Let a program move the arm, in place of its controllers.
+
+        The arm holds still, and its controllers stop.  If the arm is taken already,
+        the program's name changes, and it may move again after a failed motion.
+        ``protected`` makes a failed motion a protective stop.
+
+        Raises:
+            ControlError: If the arm may not move.
+        """
+        self.require_ready()
+        held = self.motion.desired(now)
+        if not self.box.state.taken_by:
+            self._resumes = self.box.state.program is ProgramState.PLAYING
+            self._stop_controllers(now)
+            self.box.change(program=ProgramState.PLAYING)
+        self.box.change(taken_by=by, motion_failure="")
+        self._block()
+        self.motion.start(held, now)
+        self.motion.is_protected = protected
+
+    def give_back(self, now: JointState) -> None:
+        """Stop the arm, and start its controllers again once it rests.
+
+        An arm that is not taken is left alone.
+        """
+        if self.motion.is_taken and not self.motion.is_returning:
+            self._stiffen(now)
+            if self.motion.start_return(now.time):
+                self._give_back(now)
+
+    def controller_to_move(self) -> ArmMotionController:
+        """Return what moves a taken arm that may move, and whose motion did not fail.
+
+        Raises:
+            ControlError: If the arm is not taken, or may not move.
+        """
+        controller = self.controller_to_stop()
+        if failure := self.box.state.motion_failure:
+            raise ControlError(
+                f"the arm '{self.name}' has stopped: {failure}; take it again with "
+                "`take_arm` before you move it"
+            )
+        return controller
+
+    def controller_to_stop(self) -> ArmMotionController:
+        """Return what moves a taken arm that may move.
+
+        Raises:
+            ControlError: If the arm is not taken, or may not move.
+        """
+        self.require_ready()
+        if not self.motion.is_taken:
+            raise ControlError(
+                f"no program moves the arm '{self.name}'; take it first with `take_arm`"
+            )
+        if self.motion.is_returning:
+            raise ControlError(
+                f"the arm '{self.name}' stops and is given back; take it again first"
+            )
+        return self.motion.controller
+
+    def fail(self, reason: str, now: JointState) -> None:
+        """End the motion of a taken arm: it rests where it is, and pushes no more.
+
+        What comes from its program is refused, with the reason, until the program
+        takes the arm again.
+        """
+        if self.motion.is_protected:
+            self.stop_protectively(reason, now)
+            return
+        logger.warning("arm '%s' stops where it is: %s", self.name, reason)
+        self.motion.rest(now)
+        self._refuse(reason)
+
+    def comply(self, task: ComplianceTask, now: JointState) -> None:
+        """Let a taken arm push with a force, or give way to a hand.
+
+        Raises:
+            ControlError: If the arm is not taken, or may not move.
+        """
+        controller = self.controller_to_move()
+        if controller.is_guided and not task.is_freedrive:
+            raise ControlError(
+                f"the arm '{self.name}' is in freedrive; end that before force mode"
+            )
+        self.motion.comply(task, now)
+        self._show_freedrive(task.is_freedrive, now)
+
+    def stiffen(self, now: JointState, *, is_freedrive: bool) -> None:
+        """End force mode, or freedrive: the arm stops where it is.
+
+        Without it, nothing changes.
+
+        Raises:
+            ControlError: If the arm is not taken, or may not move.
+        """
+        if self.controller_to_stop().is_guided == is_freedrive:
+            self._stiffen(now)
+
+    def note_restart(self, now: JointState, stopped: str = "") -> None:
+        """Note that controllers were restarted: freedrive and force mode have ended.
+
+        ``stopped`` is why no program may go on as if nothing had happened.  The modes
+        show the emergency stop of the drives, or are those from before.
+        """
+        self.motion.note_restart(now.time)
+        if self.motion.is_taken:
+            self._show_freedrive(False, now)
+            if stopped:
+                self._refuse(stopped)
+        self._show()
+
+    # ---- samples --------------------------------------------------------------------
+
+    def sample(
+        self,
+        now: float,
+        before: JointState,
+        after: JointState,
+        forces: tuple[Contact, ...],
+    ) -> ArmSample:
+        """Return what moves the arm ``now`` [s], and the wrench on its tool.
+
+        The last step was from ``before`` to ``after``, with these external ``forces``.
+        """
+        wrench = self._wrench.read(before, after, forces)
+        return self.motion.sample(now, wrench, self.box.state.motion_failure)
+
+    def zero_wrench(self) -> None:
+        """Let the wrench on the tool be that of the last sample from now on."""
+        self._wrench.zero()
+
+    def set_payload(self, payload: Payload | None) -> None:
+        """Take this to be at the flange; None is what the description has."""
+        self.box.set_payload(payload)
+        if self._tool_wrench is not None:
+            self._tool_wrench.subtract(self._known_payload)
+
+    @property
+    def _wrench(self) -> ToolWrench:
+        if self._tool_wrench is None:
+            self._tool_wrench = ToolWrench(self._model, self.parts.flange, self._engine)
+            self._tool_wrench.subtract(self._known_payload)
+        return self._tool_wrench
+
+    @property
+    def _known_payload(self) -> Payload | None:
+        return self._hardware.payloads.get(self.parts.flange)
+
+    # ---- what they have in common ---------------------------------------------------
+
+    def _require_released(self) -> None:
+        """Raise ControlError if the emergency stop holds the arm."""
+        if self._hardware.is_stopped:
+            raise ControlError(
+                "the emergency stop is engaged; release it before powering the arm "
+                f"'{self.name}'"
+            )
+
+    def _set(
+        self,
+        now: JointState,
+        robot: RobotMode | None = None,
+        safety: SafetyMode | None = None,
+    ) -> None:
+        """Change modes; stop what moves the arm if it may not move any more."""
+        old = self._modes
+        self._modes = new = old.changed(robot, safety)
+        self._show()
+        if not new.may_move and old.may_move:
+            self._stop(now)
+        else:
+            self._block()
+
+    def _show(self) -> None:
+        """Show the modes of the arm, or the emergency stop's."""
+        robot, safety = self._modes
+        reason = self.box.state.protective_stop
+        if safety is not SafetyMode.PROTECTIVE_STOP:
+            reason = ""
+        if self._hardware.is_stopped:
+            robot, safety = RobotMode.POWER_OFF, SafetyMode.ROBOT_EMERGENCY_STOP
+        self.box.change(robot_mode=robot, safety_mode=safety, protective_stop=reason)
+
+    def _show_freedrive(self, engaged: bool, now: JointState) -> None:
+        """Show whether an arm that may move is guided by hand."""
+        if self._modes.is_powered:
+            self._set(now, RobotMode.BACKDRIVE if engaged else RobotMode.RUNNING)
+
+    def _stop(self, now: JointState) -> None:
+        """Stop what moves the arm, and its program; then the brakes hold it."""
+        if self.motion.is_taken:
+            self.motion.abort(now)
+        else:
+            self._stop_controllers(now)
+        self._end_program()
+
+    def _end_program(self) -> None:
+        self.box.change(taken_by="", program=ProgramState.STOPPED, motion_failure="")
+        self._block()
+
+    def _block(self) -> None:
+        """Let no controller of an arm start that may not move, or is taken."""
+        reason, taken_by = self._obstacle(), self.box.state.taken_by
+        if taken_by and not reason:
+            reason = f"'{taken_by}' moves the arm '{self.name}'; stop that first"
+        self._manager.block(self._joints, reason)
+
+    def _obstacle(self) -> str:
+        """Return why the arm may not move, and a remedy; empty if it may."""
+        return self._modes.obstacle(self.name, self.box.state.protective_stop)
+
+    def _stop_controllers(self, now: JointState) -> None:
+        names = tuple(
+            status.name
+            for status in self._manager.list()
+            if status.is_running and status.joints & self._joints
+        )
+        self._manager.switch((), names, Strictness.BEST_EFFORT, now)
+        if names:
+            self._stopped = names
+
+    def _start_again(self, now: JointState) -> None:
+        loaded = {status.name for status in self._manager.list()}
+        names = [name for name in self._stopped if name in loaded]
+        self._manager.switch(names, (), Strictness.BEST_EFFORT, now)
+        self._stopped = ()
+
+    def _give_back(self, now: JointState) -> None:
+        """Start the controllers again that ran when the arm was taken."""
+        wanted = self.motion.controller.at_rest(now)
+        self.motion.abort(now)
+        self._end_program()
+        if self._resumes:
+            self._start_again(wanted)
+            self.box.change(program=ProgramState.PLAYING)
+        self.motion.preload_integrals(now)
+
+    def _stiffen(self, now: JointState) -> None:
+        if self.motion.controller.is_compliant:
+            self.motion.rest(now)
+            self._show_freedrive(False, now)
+
+    def _refuse(self, reason: str) -> None:
+        self.box.change(motion_failure=self.box.state.motion_failure or reason)

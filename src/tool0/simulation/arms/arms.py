@@ -1,0 +1,93 @@
+"""All arms of a robot: found by name, and ticked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import final
+
+from tool0.control.manager import ControllerManager
+from tool0.description.model import RobotModel
+from tool0.description.parts import find_arms
+from tool0.errors import ControlError, did_you_mean
+from tool0.hardware.engine import Engine, JointState
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.protocol.control_box_state import ControlBoxState
+from tool0.protocol.state import ArmSample, Contact
+from tool0.simulation.arms.arm import Arm
+
+
+@final
+class Arms:
+    """The arms in the order of the model.  Only the thread of the tick may use them."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        engine: Engine,
+        hardware: RobotHardware,
+        manager: ControllerManager,
+    ) -> None:
+        self._arms = tuple(
+            Arm(
+                name,
+                parts,
+                model=model,
+                engine=engine,
+                hardware=hardware,
+                manager=manager,
+            )
+            for name, parts in find_arms(model).items()
+        )
+        self.boxes: tuple[ControlBoxState, ...] = ()
+        """The state of each control box: the same tuple until one changes."""
+        self._note_change()
+        for arm in self._arms:
+            arm.box.when_changed = self._note_change
+
+    def __iter__(self) -> Iterator[Arm]:
+        return iter(self._arms)
+
+    def find(self, name: str | None) -> Arm:
+        """Return an arm; the only one without a name.
+
+        Raises:
+            ControlError: If there is no such arm, or several and no name.
+        """
+        if name is None and len(self._arms) == 1:
+            return self._arms[0]
+        names = [arm.name for arm in self._arms]
+        if name is None:
+            raise ControlError(
+                "'arm' is needed unless the robot has exactly one, this one has: "
+                f"{', '.join(names) or 'none'}"
+            )
+        if name not in names:
+            raise ControlError(f"no arm '{name}'{did_you_mean(name, names)}")
+        return self._arms[names.index(name)]
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether ``tick`` has nothing to do."""
+        return all(arm.is_idle for arm in self._arms)
+
+    def tick(self, state: JointState, period: float) -> None:
+        """Let speed scaling factors and returning arms go on for one tick [s]."""
+        for arm in self._arms:
+            if not arm.is_idle:
+                arm.tick(state, period)
+
+    def samples(
+        self,
+        now: float,
+        before: JointState,
+        after: JointState,
+        forces: tuple[Contact, ...],
+    ) -> Mapping[str, ArmSample]:
+        """Return what moves each arm ``now`` [s], and the wrench on its tool.
+
+        The last step was from ``before`` to ``after``, with these external ``forces``.
+        """
+        return {arm.name: arm.sample(now, before, after, forces) for arm in self}
+
+    def _note_change(self) -> None:
+        self.boxes = tuple(arm.box.state for arm in self._arms)

@@ -1,0 +1,128 @@
+"""The control box of an arm: requests change its state, and it acts.
+
+The speed slider and a paused program change the factor of scaled trajectories, and a
+payload changes the model of the drives.  Pins are only stored; ``Arm`` has power, stops
+and programs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Final, final
+
+from msgspec.structs import replace
+
+from tool0.description.model import FLANGE, RobotModel
+from tool0.description.payload import Payload
+from tool0.errors import ControlError
+from tool0.hardware.payload import modelled_payload
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.protocol.control_box_state import (
+    AnalogDomain,
+    AnalogPin,
+    ControlBoxState,
+    ProgramState,
+    SafetyLimits,
+)
+
+RAMP: Final = 5.0
+"""Largest change of the speed scaling factor [1/s]: UR's driver adds 0.01 in each cycle
+of 2 ms after a pause (ur_robot_driver, hardware_interface.cpp)."""
+MOST_VOLTAGE: Final = 10.0
+"""Of an analogue pin [V]."""
+CURRENTS: Final = (0.004, 0.020)
+"""Of an analogue pin [A]."""
+
+
+@final
+class ControlBox:
+    """The control box of one arm.  Only the thread of the tick may use it."""
+
+    def __init__(
+        self, name: str, flange: str, model: RobotModel, hardware: RobotHardware
+    ) -> None:
+        self._flange, self._model, self._hardware = flange, model, hardware
+        self.when_changed: Callable[[], None] = lambda: None
+        """Called after each change of the state."""
+        self.state = ControlBoxState(
+            arm=name,
+            prefix=flange.removesuffix(FLANGE),
+            payload=modelled_payload(model, flange),
+        )
+        """The same object until something changes."""
+        self.is_steady = True
+        """Whether the speed scaling factor is not on its way to another value."""
+
+    # ---- the tick -------------------------------------------------------------------
+
+    def tick(self, period: float) -> None:
+        """Move the speed scaling factor towards its value for one tick [s]."""
+        now, target = self.state.speed_scaling, _target(self.state)
+        if now != target:
+            most = RAMP * period
+            factor = min(max(target, now - most), now + most)
+            self._hardware.speed_scaling[self.state.prefix] = factor
+            self.change(speed_scaling=factor)
+
+    # ---- operations -----------------------------------------------------------------
+
+    def set_digital(self, pins: Mapping[int, bool], *, is_input: bool) -> None:
+        """Set digital outputs, or what the inputs measure, by pin 0 … 17."""
+        name = "digital_inputs" if is_input else "digital_outputs"
+        values = list(getattr(self.state, name))
+        for pin, value in pins.items():
+            _check_pin(pin, len(values), name)
+            values[pin] = value
+        self.change(**{name: tuple(values)})
+
+    def set_analog_output(self, pin: int, level: float, domain: AnalogDomain) -> None:
+        """Set an analogue output to a ``level`` of its range, 0 … 1."""
+        pins = list(self.state.analog_outputs)
+        _check_pin(pin, len(pins), "analog_outputs")
+        lowest, highest = CURRENTS
+        value = MOST_VOLTAGE * level
+        if domain is AnalogDomain.CURRENT:
+            value = lowest + (highest - lowest) * level
+        pins[pin] = AnalogPin(value, domain)
+        self.change(analog_outputs=tuple(pins))
+
+    def set_analog_input(self, pin: int, value: AnalogPin, *, is_of_tool: bool) -> None:
+        """Set what an analogue input of the box or of the tool measures."""
+        name = "tool_analog_inputs" if is_of_tool else "analog_inputs"
+        pins = list(getattr(self.state, name))
+        _check_pin(pin, len(pins), name)
+        pins[pin] = value
+        self.change(**{name: tuple(pins)})
+
+    def set_payload(self, payload: Payload | None) -> None:
+        """Take this to be at the flange; None is what the description has."""
+        self._hardware.set_payload(self._flange, payload)
+        known = payload or modelled_payload(self._model, self._flange)
+        self.change(payload=known)
+
+    def set_safety_limits(self, is_enabled: bool | None, force: float | None) -> None:
+        """Choose what stops the arm by itself; None does not change."""
+        old = self.state.safety_limits
+        limits = SafetyLimits(
+            is_enabled=old.is_enabled if is_enabled is None else is_enabled,
+            force=old.force if force is None else force,
+        )
+        self.change(safety_limits=limits)
+
+    def change(self, **changes: Any) -> None:
+        """Replace fields of the state."""
+        changed = replace(self.state, **changes)
+        if changed != self.state:
+            self.state = changed
+            self.is_steady = changed.speed_scaling == _target(changed)
+            self.when_changed()
+
+
+def _target(state: ControlBoxState) -> float:
+    """Return the value that the speed scaling factor approaches."""
+    return 0.0 if state.program is ProgramState.PAUSED else state.speed_slider
+
+
+def _check_pin(pin: int, count: int, name: str) -> None:
+    if not 0 <= pin < count:
+        raise ControlError(f"{name} has pins 0 … {count - 1}, got {pin}")

@@ -1,0 +1,61 @@
+"""The modes of an arm, and why it may not move."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, final
+
+from tool0.protocol.control_box_state import (
+    POWERED,
+    UNSTOPPED,
+    RobotMode,
+    SafetyMode,
+)
+
+
+@final
+class Modes(NamedTuple):
+    """The modes of an arm, whether or not the emergency stop hides them."""
+
+    robot: RobotMode = RobotMode.RUNNING
+    safety: SafetyMode = SafetyMode.NORMAL
+
+    @property
+    def is_powered(self) -> bool:
+        """Whether it is powered, with its brakes released."""
+        return self.robot in POWERED
+
+    @property
+    def may_move(self) -> bool:
+        """Whether it is powered, its brakes are released, and no stop is on."""
+        return self.is_powered and self.safety in UNSTOPPED
+
+    def changed(self, robot: RobotMode | None, safety: SafetyMode | None) -> Modes:
+        """Return them with other modes; None does not change one."""
+        new = Modes(robot or self.robot, safety or self.safety)
+        if new.robot is RobotMode.BACKDRIVE and new.safety not in UNSTOPPED:
+            return new._replace(robot=RobotMode.RUNNING)
+        return new
+
+    def obstacle(self, arm: str, stopped_for: str) -> str:
+        """Return why the arm may not move, and a remedy; empty if it may.
+
+        ``stopped_for`` is the reason of its protective stop, if it is in one.
+        """
+        handle = f"robot.arms['{arm}'].control_box"
+        if self.safety is SafetyMode.PROTECTIVE_STOP:
+            return (
+                f"the arm '{arm}' is in a protective stop; unlock it in the panel or "
+                f"with {handle}.unlock() (it stopped for: {stopped_for})"
+            )
+        if self.safety not in UNSTOPPED:
+            return (
+                f"the safety mode of the arm '{arm}' is {self.safety.name}; restart it "
+                f"with {handle}.restart_safety()"
+            )
+        if not self.is_powered:
+            is_off = self.robot is RobotMode.POWER_OFF
+            return (
+                f"the arm '{arm}' is {'powered off' if is_off else 'braked'}; power it "
+                f"on and release its brakes with {handle}.release_brakes()"
+            )
+        return ""

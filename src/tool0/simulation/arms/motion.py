@@ -1,0 +1,246 @@
+"""The motion of an arm that a program has taken from its controllers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Final, final
+
+from tool0.control.arm.compliance import ComplianceTask
+from tool0.control.arm.motion import ArmMotionController, ArmMotionSpec
+from tool0.control.arm.path import ArmPath
+from tool0.control.controller import TrajectoryFollower
+from tool0.control.manager import ControllerManager
+from tool0.description.model import FLANGE, Interface, RobotModel
+from tool0.description.parts import ArmParts
+from tool0.hardware.engine import JointState
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.protocol.state import ArmSample, Wrench
+from tool0.simulation.arms.mechanics import ArmMechanics
+
+RETURN_BRAKE: Final = 4.0
+"""Change of a path's speed when its arm is given back while it moves [1/s²]: a path at
+full speed ends within 0.25 s."""
+RETURN_DECELERATION: Final = 4.0
+"""Of any other motion then, at least [rad/s²]: a stream of velocities ends as soon as
+with its own acceleration."""
+SETTLING: Final = 0.1
+"""From when the setpoint of an arm rests until the arm does [s]: its servos lag by some
+20 ms."""
+STIFFENING: Final = 10.0
+"""Deceleration when force mode or freedrive ends while the arm moves, or a motion fails
+[rad/s²]."""
+
+
+@final
+class ArmMotion:
+    """What moves an arm that a program has taken.
+
+    Only the thread of the tick may use it.  It is an ArmMotionController, which exists
+    until the arm is given back.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        parts: ArmParts,
+        model: RobotModel,
+        hardware: RobotHardware,
+        manager: ControllerManager,
+    ) -> None:
+        self._manager, self._hardware = manager, hardware
+        limits, prefix = hardware.limits, parts.flange.removesuffix(FLANGE)
+        self.spec = ArmMotionSpec(
+            name=f"{prefix}arm_motion",
+            joint_models=tuple(
+                replace(joint, limits=limits.get(joint.name, joint.limits))
+                for joint in parts.joints
+            ),
+            speed_scaling=partial(hardware.speed_scaling.__getitem__, prefix),
+            model=ArmMechanics(model, name, hardware),
+        )
+        self.is_taken = False
+        """Whether a program has taken the arm."""
+        self.is_protected = False
+        """Whether a failed motion is a protective stop."""
+        self._rests_at: float | None = None
+        """From when an arm rests that is given back then [s]; None for any other."""
+        self._n_paths = 0
+        """How many paths it was given."""
+
+    @property
+    def controller(self) -> ArmMotionController:
+        """What moves the taken arm."""
+        running = self._manager.running(self.spec.name)
+        assert isinstance(running, ArmMotionController)  # it has this spec
+        return running
+
+    # ---- from start to end ----------------------------------------------------------
+
+    def start(self, held: tuple[float, ...] | None, now: JointState) -> None:
+        """Hold still, at ``held`` [rad] if the arm is near that; end a return."""
+        if self.is_returning:
+            self._rests_at = None
+            if self.controller.motion(now.time).is_at_rest:
+                self.controller.hold(now.time)
+        if not self.is_taken:
+            self.is_taken = True
+            self._manager.start_own(self.spec, now)
+            if held is not None:
+                self.controller.rest_at(held, now.time)
+
+    @property
+    def is_returning(self) -> bool:
+        """Whether the arm stops in order to be given back."""
+        return self._rests_at is not None
+
+    def start_return(self, now: float) -> bool:
+        """Stop in order to be given back; return whether the arm rests already."""
+        controller = self.controller
+        on_path = controller.mode == "path"
+        if controller.motion(now).is_at_rest and not on_path:
+            return True
+        rate = max(RETURN_DECELERATION, controller.stream_deceleration())
+        rate = RETURN_BRAKE if on_path else rate
+        controller.stop_motion(rate, now, along_path=on_path)
+        self._rests_at = math.inf
+        return False
+
+    def has_returned(self, now: float) -> bool:
+        """Return whether a returning arm has come to rest, in each tick."""
+        if self._rests_at is None or not self.controller.is_done(now):
+            return False
+        if now >= self._rests_at:
+            return True
+        self._rests_at = min(self._rests_at, now + SETTLING)
+        return False
+
+    def note_restart(self, now: float) -> None:
+        """Note that the controller was restarted: a returning arm rests."""
+        if self.is_returning:
+            self._rests_at = now
+
+    def abort(self, now: JointState) -> None:
+        """End at once: the brakes stop the arm."""
+        self.is_taken, self._rests_at = False, None
+        self._manager.stop_own(self.spec.name, now)
+
+    # ---- while it is taken ----------------------------------------------------------
+
+    def execute(
+        self,
+        path: ArmPath,
+        now: float,
+        *,
+        after: int | None = None,
+        at: float | None = None,
+    ) -> int:
+        """Let the arm follow a path; return the path's number.
+
+        It starts ``now`` [s], or replaces path ``after`` from that one's time ``at``
+        [s] on.
+
+        Raises:
+            ControlError: If it is not possible; the arm's motion then continues.
+        """
+        controller, number = self.controller, self._n_paths + 1
+        if after is None or at is None:
+            controller.execute(path, number, now)
+        else:
+            controller.replace(path, number, after=after, at=at, now=now)
+        self._n_paths = number
+        return number
+
+    def comply(self, task: ComplianceTask, now: JointState) -> None:
+        """Push with a force, or give way to a hand."""
+        law = self.controller.start_compliance(task, now)
+        self._manager.drive_efforts(self.spec.name, law, now)
+
+    def rest(self, now: JointState) -> None:
+        """Ramp to rest from the measured motion, with servos that have no past."""
+        self._manager.drive_efforts(self.spec.name, None, now)
+        self.controller.end_compliance(now, STIFFENING)
+
+    # ---- where it is ----------------------------------------------------------------
+
+    def setpoint(self, now: JointState) -> tuple[float, ...]:
+        """Return where an arm that rests is commanded to be, or is [rad]."""
+        if self.is_taken:
+            return tuple(self.controller.motion(now.time).positions)
+        index = self._hardware.index
+        measured = tuple(now.position[index[name]] for name in self.spec.joints)
+        return self.desired(now) or measured
+
+    def sample(self, now: float, wrench: Wrench, failure: str) -> ArmSample:
+        """Return what moves the arm ``now`` [s].
+
+        ``wrench`` is that on its tool, ``failure`` why its motion failed, if it did.
+        """
+        joints = self.spec.joints
+        if not self.is_taken:
+            last = self._n_paths
+            return ArmSample(
+                "free", None, last, 0.0, True, False, wrench, joint_names=joints
+            )
+        controller = self.controller
+        number, time = controller.progress(now)
+        return ArmSample(
+            controller.mode,
+            controller.unknown_setpoint(now),
+            number,
+            time,
+            not failure and controller.is_done(now),
+            controller.is_in_force_mode,
+            wrench,
+            failure,
+            joints,
+        )
+
+    # ---- controllers that move it before and after ----------------------------------
+
+    def desired(self, now: JointState) -> tuple[float, ...] | None:
+        """Return where a controller wants the arm to rest [rad], if one does.
+
+        A controller of efforts that has just started lets the arm sag until its
+        integral carries it.  To hold where the arm is then would lower it a little
+        more whenever it is taken.
+        """
+        joints = self.spec.joints
+        for controller in self._followers():
+            names = controller.spec.joints
+            if not set(names).issuperset(joints):
+                continue
+            desired = controller.query_state(now.time)
+            order = [names.index(joint) for joint in joints]
+            if not any(desired.velocities[k] for k in order):
+                return tuple(desired.positions[k] for k in order)
+        return None
+
+    def preload_integrals(self, now: JointState) -> None:
+        """Let controllers of efforts start with those that hold the arm now.
+
+        With an integral of 0 the arm would sag until it has built up.
+        """
+        hardware, claimed = self._hardware, self._hardware.claimed
+        for controller in self._followers():
+            if not controller.pid:
+                continue
+            for k, name in enumerate(controller.spec.joints):
+                if (
+                    name in self.spec.joints
+                    and claimed.get(name) is Interface.EFFORT
+                    and not hardware.compensates_gravity(name)
+                ):
+                    effort = now.effort[hardware.index[name]]
+                    controller.pid.set_contribution(k, effort)
+
+    def _followers(self) -> Iterator[TrajectoryFollower]:
+        """Return the running trajectory controllers of its joints."""
+        joints = set(self.spec.joints)
+        for status in self._manager.list():
+            if status.is_running and status.joints & joints:
+                controller = self._manager.running(status.name)
+                if isinstance(controller, TrajectoryFollower):
+                    yield controller

@@ -1,0 +1,416 @@
+"""The executor of motion: every motion of the robot starts, goes on and ends here.
+
+Joints are moved by a running controller, or by an arm's own motion controller once a
+program has taken the arm.  Clients, handlers and programs ask the executor only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, final
+
+from tool0.control.arm.compliance import ComplianceTask
+from tool0.control.arm.path import ArmPath
+from tool0.control.controller import (
+    CommandTaker,
+    Controller,
+    GripperDriver,
+    SpeedScalable,
+    TrajectoryFollower,
+)
+from tool0.control.position_limits import check_targets
+from tool0.control.trajectory import TrajectoryGoal
+from tool0.description.drive_limits import DriveLimits
+from tool0.errors import ControlError
+from tool0.motion.joint import plan_cubic, plan_joints
+from tool0.motion.path import Path
+from tool0.protocol.controllers import KIND_OF, Role, why_not_driven
+from tool0.protocol.goals import Goal
+from tool0.simulation.core import Core
+from tool0.simulation.paths import motion_plan, trajectory_points
+from tool0.simulation.supervision.supervision import Supervision
+
+if TYPE_CHECKING:
+    from tool0.kinematics.chain import Array
+
+STREAM_BRAKE = 4.0
+"""Deceleration of the leading joint where a stream ends, at least [rad/s²]; a stream of
+velocities ends as soon as with its own acceleration."""
+
+
+@final
+class Executor:
+    """Moves the robot of a core.  Only the thread of the tick may use it."""
+
+    def __init__(self, core: Core) -> None:
+        self.core = core
+        self.supervision = Supervision(core)
+        self.when_goal_starts: Callable[[Goal], None] = lambda goal: None
+        self._manager = core.manager
+
+    # ---- goals of trajectory controllers --------------------------------------------
+
+    def follow(
+        self,
+        controller: str,
+        goal: TrajectoryGoal,
+        bounds: Mapping[str, DriveLimits] | None = None,
+    ) -> Goal:
+        """Start a trajectory goal; ``bounds`` hold until a joint's next goal."""
+        trajectory = self._follower(controller)
+        accepted = trajectory.follow(goal, self.core.time)
+        self._note_command(controller, goal.joint_names, bounds)
+        return self._started(accepted)
+
+    def command_trajectory(
+        self,
+        controller: str,
+        goal: TrajectoryGoal,
+        bounds: Mapping[str, DriveLimits] | None = None,
+    ) -> None:
+        """Follow a trajectory without a goal, as ROS's topic does.
+
+        ``bounds`` are as for ``follow``.
+        """
+        trajectory = self._follower(controller)
+        trajectory.command(goal, self.core.time)
+        self._note_command(controller, goal.joint_names, bounds)
+
+    def scale_trajectory(self, controller: str, factor: float) -> None:
+        """Scale the speed of a controller's trajectories by ``factor``."""
+        running = self._manager.running(controller)
+        if not isinstance(running, SpeedScalable):
+            raise ControlError(
+                f"the speed of '{controller}' cannot be scaled: only trajectory "
+                "controllers of ROS 2 scale theirs"
+            )
+        running.scale_speed(factor)
+
+    def move_joints(
+        self, positions: Mapping[str, float], speed: float, controller: str | None
+    ) -> tuple[Goal, ...]:
+        """Start smooth motions of every controller concerned at one instant, or none.
+
+        Without a ``controller``, the joints are moved by those that claim them.
+        """
+        moves: Mapping[str, Mapping[str, float]]
+        if controller is None:
+            moves = self._joints_by_controller(positions)
+        else:
+            moves = {controller: positions}
+        planned = []
+        for name, targets in moves.items():
+            trajectory = self._follower(name)
+            path = self._planned(trajectory, targets, speed)
+            planned.append((trajectory, motion_plan(path)))
+        for name, targets in moves.items():
+            self._note_command(name, targets)
+        return tuple(
+            self._started(trajectory.follow(plan, self.core.time))
+            for trajectory, plan in planned
+        )
+
+    def move_joints_within(
+        self, positions: Mapping[str, float], duration: float, controller: str | None
+    ) -> Goal:
+        """Start a motion of one controller that takes ``duration`` simulated seconds.
+
+        It is a cubic that ends at rest; the controller's other joints keep their
+        setpoints.
+        """
+        if controller is None:
+            moves = self._joints_by_controller(positions)
+            if len(moves) != 1:
+                raise ControlError(
+                    f"no single controller claims {', '.join(positions)}; "
+                    "move them one after another"
+                )
+            controller = next(iter(moves))
+        trajectory = self._follower(controller)
+        check_targets(trajectory.spec, positions, "the motion")
+        start = trajectory.query_state(self.core.time)
+        targets = [
+            positions.get(joint.name, q)
+            for joint, q in zip(
+                trajectory.spec.joint_models, start.positions, strict=True
+            )
+        ]
+        period = self.core.control_period
+        path = plan_cubic(
+            trajectory.spec.joint_models, start, targets, max(duration, period)
+        )
+        goal = TrajectoryGoal(
+            points=trajectory_points(path), joint_names=path.joint_names
+        )
+        return self.follow(controller, goal)
+
+    def steer(
+        self, controller: str, positions: Mapping[str, float], speed: float
+    ) -> None:
+        """Replace a controller's motion by a smooth one, without a goal."""
+        trajectory = self._follower(controller)
+        path = self._planned(trajectory, positions, speed)
+        trajectory.command(motion_plan(path), self.core.time)
+        self._note_command(controller, positions)
+
+    def trajectory_controller(self, name: str) -> TrajectoryFollower:
+        """Return a running trajectory controller, or raise ControlError."""
+        controller = self._manager.running(name)
+        if not isinstance(controller, TrajectoryFollower):
+            raise _wrong_role(name, controller, Role.TRAJECTORY)
+        return controller
+
+    # ---- other controllers ----------------------------------------------------------
+
+    def command_gripper(
+        self,
+        controller: str,
+        position: float,
+        max_effort: float | None = None,
+        bounds: DriveLimits | None = None,
+        *,
+        max_velocity: float | None = None,
+    ) -> Goal:
+        """Start a gripper goal in joint units: [rad | m] and [N·m | N].
+
+        Without ``bounds``, they are the controller's for ``max_effort`` and
+        ``max_velocity``.
+        """
+        gripper = self._drivable(controller)
+        if not isinstance(gripper, GripperDriver):
+            raise _wrong_role(controller, gripper, Role.GRIPPER)
+        bounds = bounds or gripper.limits(max_effort, max_velocity)
+        goal = gripper.drive(position, max_effort, self.core.time, bounds)
+        joint = gripper.joint.name
+        self._note_command(controller, (joint,), {joint: bounds})
+        return self._started(goal)
+
+    def command_joints(self, controller: str, values: tuple[float, ...]) -> None:
+        """Set the setpoints of a forwarding controller, in its joints' order."""
+        forward = self._drivable(controller)
+        if not isinstance(forward, CommandTaker):
+            raise _wrong_role(controller, forward, Role.COMMAND)
+        forward.command_joints(values)
+        self._note_command(controller)
+        self._manager.release_brakes(controller, self.core.state)
+
+    # ---- arms that a program has taken ----------------------------------------------
+
+    def take_arm(self, arm: str | None, by: str, *, protected: bool = False) -> None:
+        """Let a program move an arm in place of its controllers: ``Arm.take``."""
+        found = self.core.arms.find(arm)
+        found.take(by, self.core.state, protected=protected)
+        self._note_command(found.motion.spec.name)
+
+    def give_back_arm(self, arm: str | None, by: str | None = None) -> bool:
+        """Stop an arm, and start its controllers again once it rests.
+
+        An arm that something else than ``by`` has taken is left alone; returns whether
+        it was not.
+        """
+        found = self.core.arms.find(arm)
+        if by is not None and found.box.state.taken_by != by:
+            return False
+        found.give_back(self.core.state)
+        return True
+
+    def execute_path(
+        self,
+        arm: str | None,
+        path: ArmPath,
+        *,
+        after: int | None = None,
+        at: float | None = None,
+    ) -> int:
+        """Let an arm follow a path, from now on or as the rest of another one.
+
+        Returns the path's number: see ``ArmMotion.execute``.
+        """
+        found = self.core.arms.find(arm)
+        found.controller_to_move()
+        return found.motion.execute(path, self.core.time, after=after, at=at)
+
+    def servo_joints(
+        self,
+        arm: str | None,
+        positions: Sequence[float],
+        *,
+        lookahead_time: float,
+        gain: float,
+    ) -> None:
+        """Follow a target of a stream, ``positions`` [rad]: see ``ServoStream``."""
+        now, controller = self.core.time, self.core.arms.find(arm).controller_to_move()
+        controller.require_positions(positions, now)
+        controller.servo(now).aim(positions, lookahead_time=lookahead_time, gain=gain)
+
+    def speed_joints(
+        self,
+        arm: str | None,
+        velocities: Sequence[float],
+        acceleration: float,
+        duration: float | None,
+    ) -> None:
+        """Move with ``velocities`` [rad/s] for ``duration`` [s], or until told."""
+        now, controller = self.core.time, self.core.arms.find(arm).controller_to_move()
+        controller.require_velocities(velocities)
+        until = now + (duration or math.inf)
+        controller.speed(now).aim(velocities, acceleration, until=until)
+
+    def speed_tool(
+        self,
+        arm: str | None,
+        twist: Sequence[float],
+        acceleration: float,
+        duration: float | None,
+        lever: Array,
+    ) -> None:
+        """Move the point ``lever`` of the flange with a twist, as ``speed_joints``."""
+        now, controller = self.core.time, self.core.arms.find(arm).controller_to_move()
+        until = now + (duration or math.inf)
+        controller.speed(now).aim(twist, acceleration, until=until, lever=lever)
+
+    def comply(self, arm: str | None, task: ComplianceTask) -> None:
+        """Let an arm push with a force, or give way to a hand: ``Arm.comply``."""
+        self.core.arms.find(arm).comply(task, self.core.state)
+
+    def stiffen(self, arm: str | None, *, is_freedrive: bool) -> None:
+        """End force mode, or freedrive: ``Arm.stiffen``."""
+        self.core.arms.find(arm).stiffen(self.core.state, is_freedrive=is_freedrive)
+
+    # ---- stops ----------------------------------------------------------------------
+
+    def cancel(self, goal: Goal) -> None:
+        """Stop the motion of an active goal; one that has ended is left alone."""
+        if goal.status.is_terminal:
+            return
+        controller = self._manager.running(goal.controller)
+        if isinstance(controller, TrajectoryFollower | GripperDriver):
+            controller.cancel(goal, self.core.time)
+        if isinstance(controller, GripperDriver):
+            bounds = controller.limits(None, None)
+            if bounds is not None:
+                self.core.hardware.set_drive_limits(controller.joint.name, bounds)
+
+    def stop_trajectories(self) -> None:
+        """Stop the trajectory controllers that move a joint."""
+        for status in self._manager.list():
+            if not status.is_running:
+                continue
+            controller = self._manager.running(status.name)
+            if not isinstance(controller, TrajectoryFollower):
+                continue
+            now = controller.query_state(self.core.time)
+            is_there = tuple(now.positions) == controller.setpoint().target()
+            if any(now.velocities) or not is_there:
+                controller.command(TrajectoryGoal(points=()), self.core.time)
+
+    def stop_arm(
+        self, arm: str | None, deceleration: float, *, along_path: bool
+    ) -> None:
+        """Ramp a taken arm to rest: see ``ArmMotionController.stop_motion``."""
+        controller = self.core.arms.find(arm).controller_to_stop()
+        controller.stop_motion(deceleration, self.core.time, along_path=along_path)
+
+    def end_stream(self, arm: str | None) -> None:
+        """Ramp a taken arm to rest if a stream moves it."""
+        controller = self.core.arms.find(arm).controller_to_move()
+        if controller.mode in {"servo", "speed"}:
+            rate = max(STREAM_BRAKE, controller.stream_deceleration())
+            controller.stop_motion(rate, self.core.time, along_path=False)
+
+    def supervise(self) -> None:
+        """Stop the arms whose motion fails, between two ticks."""
+        for arm, reason, is_beyond_limits in self.supervision.failures():
+            self.core.sync_from_kernel()
+            stop = arm.stop_protectively if is_beyond_limits else arm.fail
+            stop(reason, self.core.state)
+
+    # ---- what they have in common ---------------------------------------------------
+
+    def _joints_by_controller(
+        self, positions: Mapping[str, float]
+    ) -> Mapping[str, Mapping[str, float]]:
+        """Return the positions of each running trajectory controller's joints.
+
+        Raises:
+            ControlError: If no such controller drives a joint.
+        """
+        owners = {
+            joint: status.name
+            for status in self._manager.list()
+            if status.is_running and status.role is Role.TRAJECTORY
+            for joint in status.joints
+        }
+        found: dict[str, dict[str, float]] = {}
+        for joint, position in positions.items():
+            if joint not in owners:
+                raise ControlError(why_not_driven(self._manager.list(), [joint]))
+            found.setdefault(owners[joint], {})[joint] = position
+        return found
+
+    def _planned(
+        self,
+        controller: TrajectoryFollower,
+        positions: Mapping[str, float],
+        speed: float,
+    ) -> Path:
+        """Return a smooth motion from a controller's setpoint to ``positions``.
+
+        Its other joints continue their motion, or stay.  ``speed`` is a fraction of
+        each joint's largest velocity.
+        """
+        joints = controller.spec.joint_models
+        what = f"a motion of '{controller.spec.name}'"
+        check_targets(controller.spec, positions, what)
+        ends = controller.setpoint().target()
+        # The present end of a joint that is left out may be beyond its limits.
+        targets = [
+            positions.get(joint.name, joint.limits.clamp(end))
+            for joint, end in zip(joints, ends, strict=True)
+        ]
+        start = controller.query_state(self.core.time)
+        return plan_joints(joints, start, targets, speed=speed)
+
+    def _drivable(self, name: str) -> Controller:
+        """Return a controller that may move joints now."""
+        if self.core.hardware.is_stopped:
+            raise ControlError(
+                "the emergency stop is engaged; release it before moving the robot"
+            )
+        return self._manager.running(name)
+
+    def _follower(self, name: str) -> TrajectoryFollower:
+        """Return a trajectory controller that may move joints now."""
+        self._drivable(name)
+        return self.trajectory_controller(name)
+
+    def _note_command(
+        self,
+        controller: str,
+        joints: Collection[str] | None = None,
+        bounds: Mapping[str, DriveLimits | None] | None = None,
+    ) -> None:
+        """Record a command; limit the drives it moves, and lift the limits of others.
+
+        ``joints`` are those that the goal names; None for all of the controller.
+        """
+        for _, claimed in self._manager.status(controller).claimed:
+            self.core.note_commanded(claimed)
+            for joint in claimed:
+                if joints is None or joint in joints:
+                    bound = (bounds or {}).get(joint)
+                    self.core.hardware.set_drive_limits(joint, bound)
+
+    def _started(self, goal: Goal) -> Goal:
+        goal.explain = partial(self.supervision.explained, goal)
+        self.when_goal_starts(goal)
+        return goal
+
+
+def _wrong_role(name: str, controller: Controller, wanted: Role) -> ControlError:
+    return ControlError(
+        f"controller '{name}' is a {type(controller).__name__}; "
+        f"this needs a {KIND_OF[wanted]}"
+    )

@@ -1,0 +1,109 @@
+"""How hard an arm pushes on what it touches: the force that stops a UR.
+
+A UR derives it from the currents of its joints; here the engine's contacts have it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final, final
+
+from tool0.description.model import RobotModel
+from tool0.description.parts import ArmParts
+from tool0.hardware.engine import World
+from tool0.hardware.payload import modelled_payload
+from tool0.protocol.control_box_state import ControlBoxState
+from tool0.protocol.state import Contact, contacts_text
+from tool0.sensing.stalls import external_contacts
+
+DETECTION_TIME: Final = 0.1
+"""Time constant of the low-pass filter of contact forces [s]: an impact is no clamping.
+25 N above the limit are detected after 0.2 s; a UR's force limit has a trueness of 25 N
+and a detection time of 250 ms (user manual of the UR5/CB3, 5.1)."""
+_NEGLIGIBLE: Final = 0.1
+"""[N]"""
+
+
+@final
+@dataclass(slots=True)
+class _Body:
+    """Links that move as one, or the whole tool."""
+
+    name: str
+    links: frozenset[str]
+    force: list[float] = field(default_factory=lambda: [0.0] * 3)
+    """Filtered force that it exerts [N]."""
+
+
+@final
+class ContactForces:
+    """The filtered forces on the bodies of one arm, the tool last."""
+
+    def __init__(self, arm: ArmParts, model: RobotModel, world: World) -> None:
+        self._world = world
+        moved = [frozenset(model.links_from(joint.child)) for joint in arm.joints]
+        further = [*moved[1:], frozenset[str]()]
+        names = [*(joint.child for joint in arm.joints[:-1]), arm.flange]
+        self._tool_mass = modelled_payload(model, arm.flange).mass
+        self._links = moved[0]
+        """All but the base."""
+        self._bodies = [
+            _Body(name, links - rest)
+            for name, links, rest in zip(names, moved, further, strict=True)
+        ]
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget forces, as after a reset."""
+        self._last = -math.inf
+        """When forces were filtered [s]."""
+        self._is_loaded = False
+        """Whether a filtered force is not zero."""
+        for body in self._bodies:
+            body.force = [0.0] * 3
+
+    def excess(self, time: float, box: ControlBoxState) -> str:
+        """Filter the forces at ``time`` [s]; return which one is too large, if any.
+
+        It takes 1 µs unless the arm touches something.
+        """
+        passed, self._last = time - self._last, time
+        if not (self._is_loaded or self._world.is_touched(self._links)):
+            return ""
+        share = 1.0 - math.exp(-passed / DETECTION_TIME) if passed >= 0.0 else 1.0
+        touching, largest = self._world.contacts(), box.safety_limits.force
+        carried = box.payload.mass - self._tool_mass
+        self._is_loaded = False
+        for body in self._bodies:
+            force, filtered = _exerted(body.links, touching), body.force
+            if body is self._bodies[-1] and any(force):  # it carries the payload
+                for k, g in enumerate(self._world.gravity):
+                    force[k] += carried * g
+            for k in range(3):
+                filtered[k] += share * (force[k] - filtered[k])
+            strength = math.hypot(*filtered)
+            self._is_loaded |= strength > _NEGLIGIBLE
+            if not strength <= largest:
+                why = contacts_text(external_contacts(body.links, touching))
+                return (
+                    f"contact force of {strength:.0f} N at '{body.name}', more than "
+                    f"{largest:.0f} N ({why})"
+                )
+        return ""
+
+
+def _exerted(links: frozenset[str], touching: Sequence[Contact]) -> list[float]:
+    """Return the resultant force that ``links`` exert on everything else [N].
+
+    What they grip cancels, but for its weight, inertia and own contacts.
+    """
+    total = [0.0, 0.0, 0.0]
+    for contact in touching:
+        is_first = contact.first in links
+        if is_first != (contact.second in links):
+            sign = 1.0 if is_first else -1.0
+            for k in range(3):
+                total[k] += sign * contact.force[k]
+    return total

@@ -1,0 +1,249 @@
+"""One supervision of all motions: path errors, arrival, contact forces, limits.
+
+Arms are looked at every 8 ms of simulated time: those whose safety limits are enabled,
+and those that a program moves, in every mode but those that give way (force mode,
+freedrive).  Nothing is computed in the tick, and nothing depends on who reads.  The
+controllers of ROS have tolerances of their own; what explains their violations is the
+same.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from operator import itemgetter, sub
+from typing import Final, NamedTuple, final
+
+from tool0.description.model import RECOVERABLE, Interface
+from tool0.hardware.engine import JointState, joint_selector
+from tool0.protocol.goals import Goal, GripperResult, Result
+from tool0.protocol.state import contacts_text
+from tool0.sensing.stalls import external_contacts
+from tool0.simulation.arms.arm import Arm
+from tool0.simulation.core import Core
+from tool0.simulation.supervision.causes import Causes, TrackedJoint
+from tool0.simulation.supervision.contact_forces import ContactForces
+
+CHECK_PERIOD: Final = 0.1
+"""Simulated time between complete checks of the joints [s]: that in which a UR detects
+a joint beyond its limit (user manual of the UR5/CB3, 5.1)."""
+LIMIT_MARGIN: Final = RECOVERABLE
+"""Distance beyond a joint's limit that is tolerated [rad]: from there, an arm may rest,
+and be moved back.  (The trueness of a UR's joint positions is 0.02 rad.)"""
+SUSPICIOUS: Final = 0.5
+"""Part of the largest lag from which contacts are read: an engine may record them only
+after the first call."""
+
+
+class Failure(NamedTuple):
+    """An arm that must stop."""
+
+    arm: Arm
+    reason: str
+    is_beyond_limits: bool
+    """Whether one of its safety limits is exceeded, rather than its motion failed."""
+
+
+@final
+class Supervision:
+    """Finds what fails, and explains it.  Only the thread of the tick may use it."""
+
+    def __init__(self, core: Core) -> None:
+        self._core = core
+        self._watches = tuple(_Watch(arm, core) for arm in core.arms)
+
+    def failures(self) -> list[Failure]:
+        """Return the arms to stop; in the order of the model.
+
+        It takes 2 µs for an arm that is watched, unless something is wrong, or the arm
+        touches something.
+        """
+        found = []
+        for watch in self._watches:
+            if reason := watch.excess():
+                found.append(Failure(watch.arm, reason, is_beyond_limits=True))
+            elif reason := watch.lost():
+                found.append(Failure(watch.arm, reason, is_beyond_limits=False))
+        return found
+
+    def forget(self) -> None:
+        """Forget forces, as after a reset."""
+        for watch in self._watches:
+            watch.forget()
+
+    # ---- outcomes of goals ----------------------------------------------------------
+
+    def explained(self, goal: Goal, result: Result) -> Result:
+        """Return an outcome with the reason why the joints stopped, if it is known."""
+        if isinstance(result, GripperResult):
+            return self._with_grip(goal, result) if result.stalled else result
+        if not result.is_violation:
+            return result
+        why = self._cause(self._core.manager.spec(goal.controller).joints)
+        if not why:
+            return result
+        return replace(result, error_string=f"{result.error_string}; {why}")
+
+    def gripper_obstacle(self, joint: str) -> str:
+        """Return what stops the gripper that ``joint`` drives."""
+        touching = self._touching((self._core.model.joint(joint).parent,))
+        return touching or "no contact: its stop, or the load"
+
+    def _with_grip(self, goal: Goal, result: GripperResult) -> GripperResult:
+        """Return the outcome of a stalled gripper, with what stopped it."""
+        (joint,) = self._core.manager.spec(goal.controller).joints
+        holds = any(
+            gripper.joint == joint and gripper.name in self._core.grip_contacts.gripping
+            for gripper in self._core.model.grippers
+        )
+        why = self.gripper_obstacle(joint)
+        text = f"stopped by what it holds ({why})" if holds else f"blocked ({why})"
+        return replace(result, holds=holds, error_string=text)
+
+    def _cause(self, names: tuple[str, ...]) -> str:
+        """Return what is known to keep joints off their path."""
+        core = self._core
+        for watch in self._watches:
+            joints = [joint for joint in watch.causes.joints if joint.name in names]
+            if joints:
+                joint, _ = _furthest(joints, core.wanted_positions(), core.state)
+                return watch.causes.known(joint, joints[0].links, core.state)
+        return self._touching(core.model.joint(name).child for name in names)
+
+    def _touching(self, roots: Iterable[str]) -> str:
+        """Return what the links from ``roots`` on touch; empty for nothing."""
+        core = self._core
+        links = {link for root in roots for link in core.model.links_from(root)}
+        contacts = core.engine.world.contacts()
+        return contacts_text(external_contacts(frozenset(links), contacts))
+
+
+@final
+class _Watch:
+    """Watches one arm."""
+
+    def __init__(self, arm: Arm, core: Core) -> None:
+        self.arm, self._core = arm, core
+        self.causes = Causes(arm.parts, core)
+        self._forces = ContactForces(arm.parts, core.model, core.engine.world)
+        joints = self.causes.joints
+        self._select = joint_selector([joint.number for joint in joints])
+        self._least_error = min((joint.error for joint in joints), default=math.inf)
+        self._running: object = None
+        """The running controllers when the claims were looked up."""
+        self._is_servoed = False
+        """Whether servos drive all joints to positions."""
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget forces, as after a reset."""
+        self._checked = -math.inf
+        """When all joints were checked [s]."""
+        self._forces.forget()
+
+    # ---- safety limits --------------------------------------------------------------
+
+    def excess(self) -> str:
+        """Return which enabled safety limit is exceeded; empty if none is."""
+        box, state = self.arm.box.state, self._core.state
+        if not (box.safety_limits.is_enabled and box.may_move):
+            return ""
+        if reason := self._forces.excess(state.time, box):
+            return reason
+        is_due = not 0.0 <= state.time - self._checked < CHECK_PERIOD
+        if is_due or (self._are_servoed() and not self._lag() <= self._least_error):
+            self._checked = state.time
+            wanted = self._core.wanted_positions()
+            return self._beyond_limit(wanted) or self._off_path(wanted)
+        return ""
+
+    def _are_servoed(self) -> bool:
+        """Return whether servos drive all joints to positions.
+
+        By efforts or velocities, setpoints are not commands, and only checked at times.
+        """
+        running, hardware = self._core.manager.running_controllers, self._core.hardware
+        if running is not self._running:
+            claimed, self._running = hardware.claimed, running
+            self._is_servoed = all(
+                claimed.get(joint.name) is Interface.POSITION
+                for joint in self.causes.joints
+            )
+        return self._is_servoed
+
+    def _beyond_limit(self, wanted: Mapping[str, float]) -> str:
+        """Return which joint is sent beyond a limit; empty if none is."""
+        for joint in self.causes.joints:
+            if (target := wanted.get(joint.name)) is None:
+                continue
+            beyond = max(joint.lower - target, target - joint.upper)
+            if not beyond <= LIMIT_MARGIN:
+                return (
+                    f"joint '{joint.name}' is commanded to {target:.4g} rad; its "
+                    f"limits are [{joint.lower:.4g}, {joint.upper:.4g}] rad"
+                )
+        return ""
+
+    # ---- the motion of a program ----------------------------------------------------
+
+    def lost(self) -> str:
+        """Return why the motion of a taken arm has failed; empty if it has not."""
+        if not self.arm.motion.is_taken or self.arm.box.state.motion_failure:
+            return ""
+        controller, state = self.arm.motion.controller, self._core.state
+        if controller.is_compliant:
+            return ""
+        lag, joints = self._lag(), self.causes.joints
+        is_suspicious = not lag <= SUSPICIOUS * self._least_error
+        is_overdue = controller.is_overdue(lag, state.time)
+        if not (is_suspicious or is_overdue):
+            return ""
+        command = self._core.newest_command()
+        wanted = {joint.name: command[joint.number] for joint in joints}
+        self.causes.watch(state.time)
+        if reason := self._off_path(wanted):
+            return reason
+        if is_overdue:
+            joint, error = _furthest(joints, wanted, state)
+            return (
+                f"joint '{joint.name}' is {error:.3f} rad from the end of its path "
+                f"({self._cause(joint)})"
+            )
+        return ""
+
+    # ---- both -----------------------------------------------------------------------
+
+    def _lag(self) -> float:
+        """Return the largest distance of a joint from its command [rad]."""
+        core = self._core
+        commands = self._select(core.newest_command())
+        errors = map(sub, commands, self._select(core.state.position))
+        return max(map(abs, errors), default=0.0)
+
+    def _off_path(self, wanted: Mapping[str, float]) -> str:
+        """Return which joint is too far from where it is sent [rad], and why."""
+        position = self._core.state.position
+        for joint in self.causes.joints:
+            here = position[joint.number]
+            error = abs(wanted.get(joint.name, here) - here)
+            if not error <= joint.error:
+                return (
+                    f"joint '{joint.name}' is {error:.3f} rad off its path, more than "
+                    f"{joint.error:.3f} rad ({self._cause(joint)})"
+                )
+        return ""
+
+    def _cause(self, joint: TrackedJoint) -> str:
+        return self.causes.of(joint, self._core.state)
+
+
+def _furthest(
+    joints: Sequence[TrackedJoint], wanted: Mapping[str, float], state: JointState
+) -> tuple[TrackedJoint, float]:
+    """Return the joint furthest from where it is wanted, and how far it is [rad]."""
+    errors = []
+    for joint in joints:
+        here = state.position[joint.number]
+        errors.append((joint, abs(wanted.get(joint.name, here) - here)))
+    return max(errors, key=itemgetter(1))
