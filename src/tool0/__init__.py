@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from tool0.description.payload import Payload
     from tool0.description.posture import Branch, Solution
     from tool0.description.robot import RobotDescription
+    from tool0.description.scene_state import Contact, ObjectState
     from tool0.description.transform import Pose, Transform
     from tool0.errors import (
         ClaimError,
@@ -109,13 +110,7 @@ if TYPE_CHECKING:
     from tool0.protocol.recordings import RecordingStatus
     from tool0.protocol.robot import SimulationInfo
     from tool0.protocol.sensors import CameraImage, WrenchReading
-    from tool0.protocol.state import (
-        ArmSample,
-        Contact,
-        JointSetpoint,
-        ObjectState,
-        Snapshot,
-    )
+    from tool0.protocol.state import ArmSample, JointSetpoint, Snapshot
     from tool0.protocol.trajectories import (
         JointsMotion,
         TrajectoryPoint,
@@ -288,7 +283,7 @@ _HOMES = {
     "Collision": "tool0.protocol.objects",
     "CommentStep": "tool0.protocol.program",
     "ConfigError": "tool0.errors",
-    "Contact": "tool0.protocol.state",
+    "Contact": "tool0.description.scene_state",
     "ControlBox": "tool0.api.control_box",
     "ControlBoxState": "tool0.protocol.control_box_state",
     "ControlConfig": "tool0.simulation.config",
@@ -330,7 +325,7 @@ _HOMES = {
     "MoveLinearStep": "tool0.protocol.program",
     "NamedPose": "tool0.description.named_pose",
     "NotOfferedError": "tool0.errors",
-    "ObjectState": "tool0.protocol.state",
+    "ObjectState": "tool0.description.scene_state",
     "Overran": "tool0.protocol.bus",
     "Panel": "tool0.panel.server",
     "ParallelGripper": "tool0.description.model",

@@ -9,10 +9,10 @@ from ur5_rig import ARM, AWAY, HOME, point
 
 import tool0
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, Transform
 from tool0.errors import EngineError, ModelError
-from tool0.protocol.state import ObjectState
 
 AT = (0.6, 0.1, 0.5)
 """In the air, in the robot's root, and clear of it [m]."""

@@ -9,9 +9,9 @@ from ur5_rig import ARM_JOINTS
 
 import tool0
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import Contact
 from tool0.description.shapes import Box, Sphere
 from tool0.description.transform import Pose
-from tool0.protocol.state import Contact
 
 EDGE = 0.04  # [m]
 GROUND = -0.1  # [m], in the robot's root

@@ -12,11 +12,11 @@ from ur5_rig import ARM, ARM_JOINTS, AWAY, HOME, point
 
 import tool0
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Box, Geometry, Mesh, Sphere
 from tool0.description.transform import Pose
 from tool0.errors import ConfigError, ControlError, EngineError, ModelError
 from tool0.protocol.goals import GoalStatus
-from tool0.protocol.state import ObjectState
 
 EDGE = 0.04  # [m]
 GROUND = -0.1  # [m], in the robot's root

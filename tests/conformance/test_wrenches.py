@@ -12,10 +12,10 @@ from ur5_rig import HOME
 
 import tool0
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose
 from tool0.errors import EngineError, RequestError
-from tool0.protocol.state import ObjectState
 
 MASS, EDGE = 2.0, 0.3  # [kg, m]
 INERTIA = MASS * EDGE * EDGE / 6.0

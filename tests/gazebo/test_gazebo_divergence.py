@@ -10,11 +10,11 @@ from in_gazebo import BringUp
 
 import tool0
 from tool0.description.scene import SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose
 from tool0.engines.gazebo.engine import GazeboEngine
 from tool0.errors import DivergenceError
-from tool0.protocol.state import ObjectState
 
 CUBE = SceneObject(
     name="cube",

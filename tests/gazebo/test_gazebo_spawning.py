@@ -12,10 +12,10 @@ from in_gazebo import BringUp, gz
 
 import tool0
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Box, Geometry, Mesh
 from tool0.description.transform import Pose
 from tool0.errors import EngineError
-from tool0.protocol.state import ObjectState
 
 TABLE = SceneObject(
     name="table", geometry=Box(size=(0.4, 0.4, 0.04)), pose=Pose(xyz=(2.0, 0.0, 0.5))

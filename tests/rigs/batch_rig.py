@@ -19,9 +19,9 @@ import tool0
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.parts import find_grippers
+from tool0.description.scene_state import ObjectState
 from tool0.motion.gripper import direct_path
 from tool0.protocol.controllers import Role
-from tool0.protocol.state import ObjectState
 from tool0.scene import Box, Scene, SceneObject
 from tool0.simulation.core import Core
 from tool0.simulation.paths import trajectory_points

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Box, Mesh, Solid
 from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.protocol.state import ObjectState
 
 REST = [0.0, 0.0, 0.0, 0.2]
 """Position of the skew robot's joints."""

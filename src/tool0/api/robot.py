@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from tool0.control.config import ControllerConfig
     from tool0.description.named_pose import NamedPose
     from tool0.description.robot import RobotDescription
+    from tool0.description.scene_state import Contact
     from tool0.description.transform import Transform
     from tool0.hardware.engine import Engine
     from tool0.protocol.bus import Subscription
@@ -65,7 +66,7 @@ if TYPE_CHECKING:
     from tool0.protocol.objects import Collision
     from tool0.protocol.program import Program
     from tool0.protocol.recordings import RecordingStatus
-    from tool0.protocol.state import Contact, Snapshot
+    from tool0.protocol.state import Snapshot
     from tool0.simulation.simulation import Simulation
 
 

@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import final, overload
 
 from tool0.description.scene import DEFAULT_FRICTION, SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import RGBA, Solid, mesh
 from tool0.description.transform import Transform, from_quaternion
 from tool0.errors import ControlError, RequestError, did_you_mean
 from tool0.protocol.channel import Channel
 from tool0.protocol.objects import AddObject, PlaceObject, RemoveObject, shape_of
 from tool0.protocol.request import checked_value
-from tool0.protocol.state import ObjectState, Snapshot
+from tool0.protocol.state import Snapshot
 
 
 @final

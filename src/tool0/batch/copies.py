@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
 from tool0.description.drive_limits import DriveLimits
+from tool0.description.scene_state import ObjectState
 from tool0.engines.mujoco.copies import (
     ObjectArrays,
     joint_views,
@@ -21,7 +22,6 @@ from tool0.kernel import library
 from tool0.kernel.many import Addresses, BatchKernel, StartResult
 from tool0.kernel.program import Ended, TickProgram
 from tool0.kinematics.chain import Array
-from tool0.protocol.state import ObjectState
 from tool0.simulation.core import Core
 from tool0.simulation.executor import Executor
 

@@ -34,7 +34,7 @@ from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
     from tool0.description.scene import SceneObject
-    from tool0.protocol.state import ObjectState
+    from tool0.description.scene_state import ObjectState
 
 Name = Annotated[str, Option(is_positional=True, metavar="OBJECT")]
 Place = Annotated[tuple[Metres, Metres, Metres], Option(metavar="X Y Z")]

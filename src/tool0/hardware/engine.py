@@ -8,9 +8,9 @@ from operator import itemgetter
 from typing import NamedTuple, Protocol, final, overload
 
 from tool0.description.scene import SceneObject
+from tool0.description.scene_state import Contact, ObjectState
 from tool0.description.transform import Vector3
 from tool0.errors import ConfigError, DivergenceError, EngineError, did_you_mean
-from tool0.protocol.state import Contact, ObjectState
 
 
 class JointState(NamedTuple):

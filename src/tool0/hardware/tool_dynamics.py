@@ -25,6 +25,7 @@ from tool0.description.flat_frames import (
     rotate_back,
 )
 from tool0.description.model import JointType, RobotModel
+from tool0.description.scene_state import Contact, Wrench
 from tool0.description.transform import Vector3
 from tool0.description.transform_arrays import turn_z_to
 from tool0.hardware.bodies import (
@@ -37,7 +38,6 @@ from tool0.hardware.bodies import (
     moving_bodies,
     total_inertia,
 )
-from tool0.protocol.state import Contact, Wrench
 
 _ZERO: Vector3 = (0.0, 0.0, 0.0)
 

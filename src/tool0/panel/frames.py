@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from msgspec import UnsetType, structs
 
-from tool0.protocol.state import Contact
+from tool0.description.scene_state import Contact
 from tool0.protocol.state_message import StateMask, StateMessage, state_message
 
 if TYPE_CHECKING:

@@ -10,6 +10,7 @@ from typing import Annotated, final
 from msgspec import Meta, Struct, structs
 
 from tool0.description.scene import DEFAULT_FRICTION, LONGEST_MODEL, SceneObject
+from tool0.description.scene_state import Contact
 from tool0.description.shapes import (
     Box,
     Compound,
@@ -31,7 +32,6 @@ from tool0.protocol.request import (
     Request,
     Vector3,
 )
-from tool0.protocol.state import Contact
 
 
 @final

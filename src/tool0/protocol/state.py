@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol, final
 
 from msgspec import UNSET, Struct, UnsetType, field
 
 from tool0.description.scene import SceneObject
+from tool0.description.scene_state import Contact, ObjectState, Wrench, contacts_text
 from tool0.protocol.control_box_state import ControlBoxState
 from tool0.protocol.controllers import ControllerStatus
 from tool0.protocol.trajectories import TrajectoryState
@@ -212,49 +212,8 @@ class ArmSetpoint(NamedTuple):
         return ArmSetpoint(tuple(positions), zeros, zeros)
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class ObjectState:
-    """Pose and velocity of a scene object, in the robot's root."""
-
-    name: str
-    """Name of the object."""
-    position: tuple[float, float, float]
-    """Position of its origin [m]."""
-    quat_wxyz: tuple[float, float, float, float]
-    """Orientation, a unit quaternion."""
-    linear: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Velocity of its origin [m/s]."""
-    angular: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Angular velocity [rad/s]."""
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """The resultant of all contact points between two links or objects.
-
-    Links and objects have their own names, also links that are fixed to others; the
-    engine's own ground is ``ground``.  Vectors are in the axes of the robot's root.
-    """
-
-    first: str
-    """A link or an object."""
-    second: str
-    """The touched body."""
-    point: tuple[float, float, float]
-    """Mean of the contact points, weighted by their normal forces, in the root [m]."""
-    force: tuple[float, float, float]
-    """Force that ``first`` exerts on ``second`` [N]."""
-    torque: tuple[float, float, float]
-    """Torque that ``first`` exerts on ``second``, about ``point`` [N·m]."""
-
-
 Six = tuple[float, float, float, float, float, float]
 """Of an arm's joints from base to flange, or a wrench: force above torque."""
-
-Wrench = Six
-"""Force [N] and torque [N·m]."""
 
 
 class Stall(NamedTuple):
@@ -275,11 +234,6 @@ class Stall(NamedTuple):
         if self.lag is not None:
             does = f"is {self.lag:.3f} from its setpoint"
         return f"joint '{self.joint}' {does} and does not move ({touching})"
-
-
-def contacts_text(contacts: Sequence[tuple[str, str]]) -> str:
-    """Return pairs of names as text."""
-    return ", ".join(f"'{link}' touches '{other}'" for link, other in contacts)
 
 
 MIN_SNAPSHOT_RATE, MAX_SNAPSHOT_RATE = 0.001, 500.0

@@ -8,20 +8,12 @@ from typing import Any, Final, Literal, final
 from msgspec import UNSET, Struct, UnsetType, structs
 
 from tool0.description.scene import SceneObject
+from tool0.description.scene_state import Contact, ObjectState, Wrench
 from tool0.protocol.control_box_state import ControlBoxState
 from tool0.protocol.controllers import ControllerStatus
 from tool0.protocol.objects import ObjectInfo, info_of, object_of
 from tool0.protocol.request import Quaternion, Vector3
-from tool0.protocol.state import (
-    ArmSample,
-    ArmSetpoint,
-    Contact,
-    JointSetpoint,
-    ObjectState,
-    Snapshot,
-    Stall,
-    Wrench,
-)
+from tool0.protocol.state import ArmSample, ArmSetpoint, JointSetpoint, Snapshot, Stall
 
 StateField = Literal[
     "joint_names",

@@ -10,10 +10,11 @@ from typing import Any, Final, final
 import msgspec
 
 from tool0.description.model import RobotModel
+from tool0.description.scene_state import Contact
 from tool0.protocol.bus import Event, GoalFinished, Subscription, WasReset
 from tool0.protocol.codec import outcome_of
 from tool0.protocol.notifications import Notification, Severity, changes, described
-from tool0.protocol.state import Contact, Snapshot
+from tool0.protocol.state import Snapshot
 from tool0.recording.cdr import encode_text
 from tool0.recording.frames import stamp
 from tool0.recording.mcap_file import McapFile

@@ -12,9 +12,9 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from tool0.description.scene_state import Contact
 from tool0.errors import RecordingError
 from tool0.protocol.objects import ObjectInfo
-from tool0.protocol.state import Contact
 from tool0.recording.cdr import JointStates, Wrenches, decode_text
 from tool0.recording.columns import columns_of
 from tool0.recording.contents import (

@@ -12,14 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.description.scene import SceneObject
-from tool0.protocol.state import (
-    ArmSample,
-    Contact,
-    JointSetpoint,
-    MotionMode,
-    ObjectState,
-    Snapshot,
-)
+from tool0.description.scene_state import Contact, ObjectState
+from tool0.protocol.state import ArmSample, JointSetpoint, MotionMode, Snapshot
 from tool0.recording.robot import RecordedRobot
 
 Array = NDArray[np.float64]

@@ -17,10 +17,11 @@ from tool0.description.forward_kinematics import joint_positions
 from tool0.description.grasp_frames import pad_links
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.scene import SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.transform import Transform, from_quaternion, to_transform
 from tool0.errors import ControlError, ModelError, PenetrationError
 from tool0.protocol.objects import Collision
-from tool0.protocol.state import ObjectState, Snapshot
+from tool0.protocol.state import Snapshot
 from tool0.sensing.grip_contacts import finger_links
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ from typing import final
 
 from tool0.description.grasp_frames import pad_links
 from tool0.description.model import ParallelGripper, RobotModel
+from tool0.description.scene_state import Contact
 from tool0.description.transform import Vector3
 from tool0.errors import ControlError
 from tool0.hardware.engine import JointState
-from tool0.protocol.state import Contact
 from tool0.sensing.grasp import PUSH
 
 PERIOD = 0.04

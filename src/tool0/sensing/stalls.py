@@ -9,10 +9,11 @@ from operator import ge
 from typing import final
 
 from tool0.description.model import JointLimits, RobotModel
+from tool0.description.scene_state import Contact
 from tool0.hardware.engine import JointState, joint_selector
 from tool0.hardware.limits import PUSHING
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.protocol.state import Contact, Stall
+from tool0.protocol.state import Stall
 
 logger = logging.getLogger(__name__)
 

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import final
 
+from tool0.description.scene_state import Contact
 from tool0.description.transform import Vector3
 from tool0.hardware.engine import World, Wrench
-from tool0.protocol.state import Contact
 
 _ZERO: Wrench = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 _ROUNDING = 1e-9

@@ -12,12 +12,13 @@ from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import Interface, RobotModel
 from tool0.description.payload import Payload
 from tool0.description.scene import Scene
+from tool0.description.scene_state import Contact
 from tool0.errors import ConfigError
 from tool0.hardware.engine import Engine, JointState, joint_selector
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.kernel import Kernel
 from tool0.kernel.program import Ended, TickProgram
-from tool0.protocol.state import ArmSample, Contact
+from tool0.protocol.state import ArmSample
 from tool0.sensing.force_torque import ForceTorqueSensor
 from tool0.sensing.grasp import GraspAssist
 from tool0.sensing.grip_contacts import GripContacts

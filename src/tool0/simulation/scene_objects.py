@@ -8,9 +8,9 @@ from typing import final
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.errors import ControlError
 from tool0.hardware.engine import Engine
-from tool0.protocol.state import ObjectState
 from tool0.simulation.applied_wrenches import AppliedWrenches
 
 

@@ -25,12 +25,12 @@ from tool0.description.model import (
     Visual,
 )
 from tool0.description.scene import SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Box, Compound, Cylinder, Mesh, Sphere
 from tool0.description.transform import Pose, Transform, to_pose, to_transform
 from tool0.engines.mujoco.gl import PACKAGES as GL_PACKAGES
 from tool0.engines.mujoco.rendering import Renderer, with_readable_visuals
 from tool0.errors import RenderError
-from tool0.protocol.state import ObjectState
 
 pytestmark = pytest.mark.slow
 

@@ -12,10 +12,10 @@ from objects_rig import EDGE, FAR, REST, cube, engine_with, run, state_of
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Mesh
 from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.protocol.state import ObjectState
 
 LINK = "cap"
 WEIGHT = 0.1 * 9.81  # [N]

@@ -14,6 +14,7 @@ import tool0
 from tool0.description.loading import assemble
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import SceneObject
+from tool0.description.scene_state import Contact, ObjectState
 from tool0.description.transform import Vector3
 from tool0.engines import registry
 from tool0.engines.registry import (
@@ -26,7 +27,6 @@ from tool0.engines.registry import (
 )
 from tool0.errors import ConfigError, EngineError, EngineUnavailableError
 from tool0.hardware.engine import Engine, JointState, Wrench
-from tool0.protocol.state import Contact, ObjectState
 
 
 @final

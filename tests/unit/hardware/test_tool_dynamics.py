@@ -8,10 +8,10 @@ import pytest
 
 from tool0.description.loading import assemble
 from tool0.description.model import RobotModel
+from tool0.description.scene_state import Contact
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import ModelError
 from tool0.hardware.tool_dynamics import ToolDynamics
-from tool0.protocol.state import Contact
 
 
 def joint_wrench(engine: MujocoEngine, link: str) -> np.ndarray:

@@ -9,11 +9,11 @@ from skew_rig import build_core, build_loop
 
 import tool0
 from tool0.description.scene import SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose
 from tool0.errors import ControlError
 from tool0.protocol.bus import WasReset
-from tool0.protocol.state import ObjectState
 
 HERE = (5.0, 0.0, 1.0)
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)

@@ -19,6 +19,7 @@ import numpy as np
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import Contact, ObjectState
 from tool0.description.transform import Pose, Vector3, pose_matrix
 from tool0.engines.gazebo.connection import (
     ANSWER_TIMEOUT,
@@ -49,7 +50,6 @@ from tool0.hardware.engine import (
     find_object,
     immovable,
 )
-from tool0.protocol.state import Contact, ObjectState
 
 logger = logging.getLogger(__name__)
 

@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tool0.description.scene_state import ObjectState
 from tool0.description.transform_arrays import Array, rotated_by
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.engines.mujoco.objects import ObjectStates
 from tool0.hardware.engine import Engine
-from tool0.protocol.state import ObjectState
 
 
 class ObjectArrays(NamedTuple):

@@ -18,6 +18,7 @@ import numpy as np
 
 from tool0.description.model import Collision, RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import (
     Compound,
     Cylinder,
@@ -43,7 +44,6 @@ from tool0.engines.mujoco.model import (
 )
 from tool0.errors import ModelError
 from tool0.hardware.engine import RecordedObjects
-from tool0.protocol.state import ObjectState
 
 OBJECT_SOLREF = (0.004, 1.0)
 """Time constant of contacts between objects, ground and links [s]: a fifth of

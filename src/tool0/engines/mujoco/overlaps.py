@@ -13,11 +13,11 @@ import mujoco
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.transform import Transform, from_arrays
 from tool0.engines.mujoco.model import build_spec
 from tool0.engines.mujoco.objects import compile_with_scene, free_joint_name
 from tool0.engines.mujoco.world import geom_owners
-from tool0.protocol.state import ObjectState
 
 NEAR = 0.001
 """Shapes nearer to each other than this are found, too [m]: what touches in one step of

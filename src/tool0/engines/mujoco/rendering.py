@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 from tool0.description.camera import Camera
 from tool0.description.model import Link, RobotModel, Visual
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Mesh
 from tool0.description.transform import Transform, from_arrays
 from tool0.engines.mujoco.gl import make_context
 from tool0.engines.mujoco.model import MESH_SUFFIXES, build_spec
 from tool0.engines.mujoco.objects import compile_with_scene, free_joint_name
-from tool0.protocol.state import ObjectState
 
 logger = logging.getLogger(__name__)
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from tool0.description.flat_frames import rotate
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import Contact, ObjectState
 from tool0.description.transform import Quaternion, Vector3
 from tool0.engines.mujoco.model import MIMIC_SOLIMP, MIMIC_SOLREF
 from tool0.engines.mujoco.objects import (
@@ -33,7 +34,6 @@ from tool0.hardware.engine import (
     find_object,
     immovable,
 )
-from tool0.protocol.state import Contact, ObjectState
 
 logger = logging.getLogger(__name__)
 

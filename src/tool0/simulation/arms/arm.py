@@ -18,6 +18,7 @@ from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.model import RobotModel
 from tool0.description.parts import ArmParts
 from tool0.description.payload import Payload
+from tool0.description.scene_state import Contact
 from tool0.errors import ControlError
 from tool0.hardware.engine import Engine, JointState
 from tool0.hardware.robot_hardware import RobotHardware
@@ -26,7 +27,7 @@ from tool0.protocol.control_box_state import (
     RobotMode,
     SafetyMode,
 )
-from tool0.protocol.state import ArmSample, Contact
+from tool0.protocol.state import ArmSample
 from tool0.sensing.tool_wrench import ToolWrench
 from tool0.simulation.arms.control_box import ControlBox
 from tool0.simulation.arms.modes import Modes

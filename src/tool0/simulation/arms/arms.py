@@ -8,11 +8,12 @@ from typing import final
 from tool0.control.manager import ControllerManager
 from tool0.description.model import RobotModel
 from tool0.description.parts import find_arms
+from tool0.description.scene_state import Contact
 from tool0.errors import ControlError, did_you_mean
 from tool0.hardware.engine import Engine, JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.protocol.control_box_state import ControlBoxState
-from tool0.protocol.state import ArmSample, Contact
+from tool0.protocol.state import ArmSample
 from tool0.simulation.arms.arm import Arm
 
 

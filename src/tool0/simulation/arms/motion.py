@@ -15,9 +15,10 @@ from tool0.control.controller import TrajectoryFollower
 from tool0.control.manager import ControllerManager
 from tool0.description.model import FLANGE, Interface, RobotModel
 from tool0.description.parts import ArmParts
+from tool0.description.scene_state import Wrench
 from tool0.hardware.engine import JointState
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.protocol.state import ArmSample, Wrench
+from tool0.protocol.state import ArmSample
 from tool0.simulation.arms.mechanics import ArmMechanics
 
 RETURN_BRAKE: Final = 4.0

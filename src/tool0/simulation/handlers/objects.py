@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from tool0.description.rigid_model import read_rigid_model
 from tool0.description.scene import PALETTE, STILL_RGBA, SceneObject
+from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import (
     placed_geometries,
 )
@@ -25,7 +26,6 @@ from tool0.protocol.objects import (
     SpawnedModel,
     solid_of,
 )
-from tool0.protocol.state import ObjectState
 from tool0.simulation.applied_wrenches import AppliedWrench
 from tool0.simulation.handlers.table import handles
 from tool0.simulation.pull_springs import PullSpring

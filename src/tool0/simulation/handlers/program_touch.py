@@ -10,9 +10,9 @@ from tool0.protocol.program import UntilStep
 from tool0.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
+    from tool0.description.scene_state import Contact
     from tool0.kinematics.chain import Array
     from tool0.programs.robot_context import RobotContext
-    from tool0.protocol.state import Contact
 
 CONTACT_FORCE: Final = 1.0
 """Against the direction, above that at the start, which is a contact [N]."""

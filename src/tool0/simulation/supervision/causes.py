@@ -7,8 +7,8 @@ from typing import Final, NamedTuple, final
 
 from tool0.control.arm.stream import SINGULAR
 from tool0.description.parts import ArmParts
+from tool0.description.scene_state import Contact, contacts_text
 from tool0.hardware.engine import JointState
-from tool0.protocol.state import Contact, contacts_text
 from tool0.sensing.stalls import LARGEST_LAG, external_contacts
 from tool0.simulation.core import Core
 

@@ -16,9 +16,9 @@ from operator import itemgetter, sub
 from typing import Final, NamedTuple, final
 
 from tool0.description.model import RECOVERABLE, Interface
+from tool0.description.scene_state import contacts_text
 from tool0.hardware.engine import JointState, joint_selector
 from tool0.protocol.goals import Goal, GripperResult, Result
-from tool0.protocol.state import contacts_text
 from tool0.sensing.stalls import external_contacts
 from tool0.simulation.arms.arm import Arm
 from tool0.simulation.core import Core
