@@ -109,6 +109,10 @@ class Page:
 
 @contextmanager
 def page_at(url: str, **options: Any) -> Iterator[Page]:
-    """Connect as a page at ``url`` would."""
-    with connect(socket_url(url), compression=None, **options) as socket:
+    """Connect as a page at ``url`` would.
+
+    In the end nobody reads any more, so the farewell may not be heard: do not wait.
+    """
+    options = {"compression": None, "close_timeout": 0.5, **options}
+    with connect(socket_url(url), **options) as socket:
         yield Page(socket)

@@ -12,12 +12,10 @@ import pytest
 from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
-SINGLE: Final = (
-    "tests/conformance/",
-    "tests/test_examples.py",
-    "tests/test_tutorial.py",
-)
-"""Here little that is costly is shared by the tests of a file: each goes anywhere."""
+SINGLE: Final = ("tests/test_examples.py", "tests/test_tutorial.py")
+"""Here nothing that is costly is shared by the tests of a file: each goes anywhere."""
+BY_ENGINE: Final = "tests/conformance/"
+"""Here the tests of a file with one engine share a robot."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -38,4 +36,8 @@ class _ByFile(LoadScopeScheduling):
     """The largest files first and whole, at last what fills the gaps at the end."""
 
     def _split_scope(self, nodeid: str) -> str:
-        return nodeid if nodeid.startswith(SINGLE) else nodeid.partition("::")[0]
+        file, _, test = nodeid.partition("::")
+        if file in SINGLE:
+            return nodeid
+        is_in_gazebo = file.startswith(BY_ENGINE) and "[gazebo" in test
+        return f"{file}, gazebo" if is_in_gazebo else file
