@@ -246,7 +246,7 @@ class Warning:
             warnings.warn("as Python 3.10 does", DeprecationWarning)
 
 sys.meta_path.insert(0, Warning())
-from tool0.description.robot import load_description
+from tool0.description.loading import load_description
 from tool0.description.config import DescriptionConfig
 print(len(load_description(DescriptionConfig()).model.joints) > 6)
 """

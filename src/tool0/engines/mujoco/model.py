@@ -40,7 +40,7 @@ GRIP_SOLREF = (0.002, 1.0)
 """Time constant [s] and damping ratio of pad contact: critically damped, two steps."""
 GRIP_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 """Impedance of pad contact.  With an elliptic cone and impratio 100 these hold a
-45 mm, 0.1 kg cube under shaking that MuJoCo's defaults drop (docs/architecture.md)."""
+45 mm, 0.1 kg cube under shaking that MuJoCo's defaults drop (description/README.md)."""
 SPINNING, ROLLING = 0.005, 0.0001
 """Friction about and across the normal [m]; MuJoCo's defaults."""
 GRIP_CONDIM = 4
