@@ -10,6 +10,7 @@ BIN  := $(VENV)/bin
 RUN  := $(VENV)/.stamp-run
 DEV  := $(VENV)/.stamp-dev
 PAGE := src/tool0/panel/static/.stamp
+CHECKED_PAGE := $(VENV)/.stamp-page-checked
 WEB  := $(BIN)/python tools/web.py
 BROWSER := $(VENV)/.stamp-browser
 KERNEL  := src/tool0/kernel/_kernel.so
@@ -52,9 +53,10 @@ setup: $(RUN) $(PAGE) $(KERNEL)
 dev: $(DEV)
 
 # First what uses one processor, side by side, then the tests of Python, which use all:
-# each command shows its output when it ends, and pytest its progress.
+# each command shows its output when it ends, and pytest its progress.  The page is
+# checked again only when its sources have changed.
 check: $(DEV)
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync=line lint unit-web
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync=line lint-python $(CHECKED_PAGE)
 	@$(MAKE) --no-print-directory unit-python
 
 lint: lint-python lint-web
@@ -68,6 +70,10 @@ lint-python: $(DEV)
 
 lint-web: $(DEV)
 	$(WEB) run check:static
+
+$(CHECKED_PAGE): $(PAGE) | $(DEV)
+	@$(MAKE) --no-print-directory lint-web unit-web
+	@touch $@
 
 # A warning is an error: a broken link, a page in no table of contents, a bad docstring.
 docs: $(DEV)

@@ -18,6 +18,8 @@ from tool0.hardware.engine import JointState
 from tool0.kernel import library
 from tool0.simulation.core import Core
 
+pytestmark = pytest.mark.slow
+
 Array = NDArray[np.float64]
 POSITION = "hardware_interface/PositionJointInterface"
 CONTROLLERS = """

@@ -16,6 +16,8 @@ from served import serving
 import tool0
 from tool0.cli import FAILED, OK, main
 
+pytestmark = pytest.mark.slow
+
 ELBOW = "elbow_joint"
 
 

@@ -6,6 +6,8 @@ import pytest
 
 from tool0.cli import FAILED, OK, main
 
+pytestmark = pytest.mark.slow
+
 Capture = pytest.CaptureFixture[str]
 LAUNCH = "src/tool0_gazebo/launch/bringup.launch"
 

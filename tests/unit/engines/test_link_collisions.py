@@ -17,6 +17,8 @@ from tool0.engines.mujoco.link_collisions import (
     disabled_collisions,
 )
 
+pytestmark = pytest.mark.slow
+
 CELL = Path(__file__).parents[2] / "data/description/two_robots.urdf.xacro"
 OTHER_SEED = 7
 N_OTHER = 2000

@@ -34,6 +34,8 @@ from tool0.lint.packages import PackageIndex
 from tool0.simulation.config import ControlConfig
 from tool0.simulation.controllers import choose_controllers
 
+pytestmark = pytest.mark.slow
+
 LAUNCH = PurePosixPath(BRINGUP, "launch")
 CELL = ("left=ur5e+2f85@0,0.4,0", "right=ur3e@0,-0.4,0")
 ABSENT = ("ros_gz_sim", "robotiq_controllers")

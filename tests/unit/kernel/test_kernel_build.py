@@ -34,6 +34,8 @@ from tool0.kernel.build import (
     source_digest,
 )
 
+pytestmark = pytest.mark.slow
+
 LIBM = """\
 #include <math.h>
 #include "export.h"

@@ -14,6 +14,8 @@ from tool0.kernel import library
 from tool0.kernel.build import LIBRARY, build, source_digest
 from tool0.kernel.library import COMPILE_COMMAND, VARIABLE, kernel_status, load
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:

@@ -5,7 +5,11 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 from tool0.control.ros1.lint import OF_TOOL0
+
+pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[3]
 COMPOSED = {"duplicate-link", "duplicate-joint"}

@@ -26,6 +26,8 @@ from tool0.protocol.socket_channel import SocketChannel
 from tool0.protocol.state import ArmSample
 from tool0.protocol.subscriptions import Subscribe
 
+pytestmark = pytest.mark.slow
+
 LONG = 30.0  # [wall s]; only a failing test waits so long
 
 

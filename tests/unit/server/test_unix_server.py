@@ -26,6 +26,8 @@ from tool0.server.lines import MAX_LINE
 from tool0.server.server import Server
 from tool0.server.session import MAX_BACKLOG
 
+pytestmark = pytest.mark.slow
+
 ARM = "eff_joint_traj_controller"
 LONG = 30.0  # [wall s]; only a failing test waits so long
 

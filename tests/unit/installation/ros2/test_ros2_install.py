@@ -22,6 +22,8 @@ from tool0.installation.ros2.install import (
 )
 from tool0.installation.ros2.installation import current_link, find_own, own_folder
 
+pytestmark = pytest.mark.slow
+
 BASE = """
 echo "$@" >> "$LOG"
 if [ "$2" = venv ]; then

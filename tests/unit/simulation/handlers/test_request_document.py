@@ -1,8 +1,11 @@
 """docs/requests.md is what tools/request_docs.py makes of the contract."""
 
+import pytest
 from tools.request_docs import DOCUMENT, document
 
 from tool0.protocol.methods import contract
+
+pytestmark = pytest.mark.slow
 
 
 def test_the_document_is_generated_from_the_contract_as_it_is() -> None:

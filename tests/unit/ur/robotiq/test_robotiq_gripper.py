@@ -15,6 +15,8 @@ from tool0.description.shapes import Box
 from tool0.description.transform import Pose
 from tool0.ur.robotiq.registers import Activation, Fault, ObjectStatus
 
+pytestmark = pytest.mark.slow
+
 CUBE = SceneObject(
     name="cube",
     geometry=Box(size=(EDGE, EDGE, EDGE)),

@@ -20,6 +20,8 @@ from tool0.description.shapes import Box
 from tool0.description.transform import Pose
 from tool0.protocol.control_box import SetIO
 
+pytestmark = pytest.mark.slow
+
 READY = (0.0, -1.2, 1.9, -2.2708, -1.5708, 0.0)  # [rad]
 HOME = f"""
 movej({list(READY)}, a=3, v=3)
