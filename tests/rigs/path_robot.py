@@ -2,7 +2,6 @@
 
 import threading
 import time
-from functools import partial
 from typing import Final, final
 
 import tool0
@@ -18,14 +17,6 @@ from tool0.protocol.trajectories import FollowTrajectory
 
 PERIOD: Final = 0.008  # [s]
 REASON: Final = "this robot only follows joint paths"
-STATUS: Final = partial(
-    ControllerStatus,
-    name="paths",
-    type="joint_trajectory_controller/JointTrajectoryController",
-    role=Role.TRAJECTORY,
-    state="active",
-    is_running=True,
-)
 
 
 @final
@@ -72,6 +63,14 @@ class PathRobot:
         done = min(1.0, (now - self._since) / self._duration)
         ways = zip(self._start, self._end, strict=True)
         names = tuple(joint.name for joint in self._joints)
+        controller = ControllerStatus(
+            name="paths",
+            type="joint_trajectory_controller/JointTrajectoryController",
+            role=Role.TRAJECTORY,
+            state="active",
+            is_running=True,
+            claimed=(("position", names),),
+        )
         return Snapshot(
             time=now,
             tick=int(now / PERIOD),
@@ -79,7 +78,7 @@ class PathRobot:
             position=tuple(a + done * (b - a) for a, b in ways),
             velocity=self._zeros,
             effort=self._zeros,
-            controllers=(STATUS(claimed=(("position", names),)),),
+            controllers=(controller,),
         )
 
     def _run(self) -> None:
