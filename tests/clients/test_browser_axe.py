@@ -33,7 +33,7 @@ def violations(tab: Tab) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("width", "theme"), zip(WIDTHS, ("dark", "light", "dark"), strict=True)
+    ("width", "theme"), list(zip(WIDTHS, ("dark", "light", "dark"), strict=True))
 )
 def test_axe_finds_nothing(
     browser: Browser, panel: Panel, width: str, theme: str

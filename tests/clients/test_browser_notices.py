@@ -22,7 +22,7 @@ def cell() -> Iterator[tool0.Robot]:
 
 
 def test_no_banner_moves_a_control(
-    open_tab: OpenTab, panel: Panel, robot: tool0.Robot
+    panel: Panel, robot: tool0.Robot, open_tab: OpenTab
 ) -> None:
     """Otherwise another button would come to lie under the pointer."""
     tab = open_tab(panel.url)
