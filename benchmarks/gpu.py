@@ -1,6 +1,6 @@
 """Physics steps of batches on a GPU, beside those of a batch on the CPU.
 
-Run it on a machine with an NVIDIA GPU and ``pip install 'tool0[gpu]'``::
+Run it on a machine with an NVIDIA GPU and ``pip install '.[gpu]'``::
 
     python benchmarks/gpu.py                                # cuda, 1024, 4096, 8192
     python benchmarks/gpu.py --device warp:cpu --copies 4 16  # without a GPU, slowly

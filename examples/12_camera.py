@@ -1,6 +1,6 @@
 """Cameras: the wrist's image, the position of a pixel, and a video of a motion.
 
-The video needs an extra: `pip install "tool0[video]"`.
+The video needs an extra: `pip install '.[video]'`.
 """
 
 from pathlib import Path

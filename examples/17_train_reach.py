@@ -1,4 +1,4 @@
-"""Train a linear policy to reach, with an evolution strategy: needs tool0[gym].
+"""Train a linear policy to reach, with an evolution strategy: `pip install '.[gym]'`.
 
 The cross-entropy method: try 24 policies at once, each on the same two goals, and draw
 the next ones around the best.

@@ -213,6 +213,6 @@ def test_an_example_runs_and_is_short(example: Path, tmp_path: Path) -> None:
 def test_the_video_of_an_example_needs_an_extra_and_says_so(tmp_path: Path) -> None:
     require_gl()
     (camera,) = (path for path in EXAMPLES if path.stem.endswith("_camera"))
-    assert "tool0[video]" in (ast.get_docstring(ast.parse(camera.read_text())) or "")
+    assert "'.[video]'" in (ast.get_docstring(ast.parse(camera.read_text())) or "")
     printed = run(camera, tmp_path, "-c", WITHOUT_VIDEO)
-    assert re.search(r"^no video: .*pip install 'tool0\[video\]'", printed, re.M)
+    assert re.search(r"^no video: .*pip install '\.\[video\]'", printed, re.M)

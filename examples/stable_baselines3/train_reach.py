@@ -1,6 +1,6 @@
 """Train PPO of Stable-Baselines3 on a vector environment, and print its progress.
 
-pip install 'tool0[gym]' stable-baselines3
+pip install '.[gym]' stable-baselines3
 python train_reach.py
 """
 

@@ -50,6 +50,7 @@ if TYPE_CHECKING:
         GymUnavailableError,
         LimitsError,
         ModelError,
+        NoSuchPartError,
         NotOfferedError,
         PenetrationError,
         ProgramError,
@@ -189,6 +190,7 @@ __all__ = [
     "MoveJointStep",
     "MoveLinearStep",
     "NamedPose",
+    "NoSuchPartError",
     "NotOfferedError",
     "ObjectState",
     "Overran",
@@ -324,6 +326,7 @@ _HOMES = {
     "MoveJointStep": "tool0.protocol.program",
     "MoveLinearStep": "tool0.protocol.program",
     "NamedPose": "tool0.description.named_pose",
+    "NoSuchPartError": "tool0.errors",
     "NotOfferedError": "tool0.errors",
     "ObjectState": "tool0.description.scene_state",
     "Overran": "tool0.protocol.bus",
@@ -399,7 +402,14 @@ _HOMES = {
 }
 
 
+__version__: str
+
+
 def __getattr__(name: str) -> object:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("tool0")
     if name not in _HOMES:
         raise AttributeError(f"module 'tool0' has no attribute '{name}'")
     from importlib import import_module

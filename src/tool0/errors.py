@@ -31,6 +31,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
+_CANDIDATES = 8
+"""Similar names whose characters are compared one by one."""
 _MOST_NAMES = 500
 _LONGEST_NAME = 100
 """Bounds on the search for similar names, whose time grows with both."""
@@ -128,6 +130,12 @@ class ClaimError(ControlError):
     """Two controllers want one joint."""
 
 
+class NoSuchPartError(ControlError, KeyError):
+    """A robot, gripper or camera that the robot does not have."""
+
+    __str__ = Exception.__str__  # a KeyError shows its message in quotes
+
+
 class NotOfferedError(ControlError):
     """A request that this robot does not offer; another one may."""
 
@@ -185,6 +193,8 @@ def nearest_name(name: str, valid: Collection[str], cutoff: float = 0.6) -> str 
     """Return the valid name most similar to ``name``, or None.
 
     A name that differs only by a prefix comes first: ``tool0`` suggests ``left_tool0``.
+    Otherwise it is the one with the fewest different characters, in either case:
+    ``UR6`` suggests ``ur5``, not ``ur16e``.
 
     Args:
         name: The unknown name.
@@ -201,8 +211,12 @@ def nearest_name(name: str, valid: Collection[str], cutoff: float = 0.6) -> str 
     ]
     if len(prefixed) == 1:
         return prefixed[0]
-    close = difflib.get_close_matches(name, names, n=1, cutoff=cutoff)
-    return close[0] if close else None
+    folded = {item.lower(): item for item in names}
+    close = difflib.get_close_matches(
+        name.lower(), folded, n=_CANDIDATES, cutoff=cutoff
+    )
+    nearest = min(close, key=lambda item: _edits(name.lower(), item), default=None)
+    return None if nearest is None else folded[nearest]
 
 
 def is_typo(written: str, meant: str | None) -> bool:
@@ -210,17 +224,21 @@ def is_typo(written: str, meant: str | None) -> bool:
 
     Upper and lower case count as equal.
     """
-    import difflib
-
     if meant is None or max(len(written), len(meant)) > _LONGEST_NAME:
         return False
-    pair = difflib.SequenceMatcher(None, written.lower(), meant.lower(), autojunk=False)
-    edits = sum(
+    return _edits(written.lower(), meant.lower()) <= min(2, len(meant) // 3)
+
+
+def _edits(written: str, meant: str) -> int:
+    """Return how many characters differ."""
+    import difflib
+
+    pair = difflib.SequenceMatcher(None, written, meant, autojunk=False)
+    return sum(
         max(i2 - i1, j2 - j1)
         for tag, i1, i2, j1, j2 in pair.get_opcodes()
         if tag != "equal"
     )
-    return edits <= min(2, len(meant) // 3)
 
 
 def did_you_mean(name: str, valid: Collection[str]) -> str:

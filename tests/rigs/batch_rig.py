@@ -248,14 +248,14 @@ def has_warp() -> bool:
 
 
 needs_warp = pytest.mark.skipif(
-    not has_warp(), reason="MuJoCo Warp is not installed: pip install 'tool0[gpu]'"
+    not has_warp(), reason="MuJoCo Warp is not installed: pip install '.[gpu]'"
 )
 
 
 def device_under_test() -> str:
     """Return the device to simulate on, or skip visibly: compiling takes minutes."""
     if not has_warp():
-        pytest.skip("MuJoCo Warp is not installed: pip install 'tool0[gpu]'")
+        pytest.skip("MuJoCo Warp is not installed: pip install '.[gpu]'")
     if not (device := os.environ.get(DEVICE)):
         pytest.skip(f"set {DEVICE}=cuda, or warp:cpu; it compiles for minutes at first")
     return device

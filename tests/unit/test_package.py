@@ -3,12 +3,15 @@
 import re
 from pathlib import Path
 
+import tool0
+
 ROOT = Path(__file__).parent.parent.parent
 
 
 def test_every_file_has_the_version_of_the_package() -> None:
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     (version,) = re.findall(r'^version = "(.*?)"', project, re.MULTILINE)
+    assert tool0.__version__ == version
     manifests = list((ROOT / "src/tool0/ros_packages").glob("*/package.xml"))
     assert len(manifests) >= 2
     for path in manifests:

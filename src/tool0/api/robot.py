@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, final
 
 from tool0.api.controller import ControllerHandle, GoalHandle
 from tool0.api.gripper import Gripper
+from tool0.api.parts import Parts
 from tool0.api.scene import SceneHandle
 from tool0.api.sensors import CameraHandle, ForceTorque
 from tool0.description.model import JointLimits
@@ -608,10 +609,10 @@ class Robot(AbstractContextManager["Robot"]):
     @cached_property
     def _grippers(self) -> Mapping[str, Gripper]:
         model = self.description.model
-        return {
-            name: Gripper(name, geometry, model, self.channel)
-            for name, geometry in find_grippers(model).items()
-        }
+        found = find_grippers(model).items()
+        return Parts(
+            "gripper", {name: Gripper(name, g, model, self.channel) for name, g in found}
+        )
 
     @property
     def gripper(self) -> Gripper:
@@ -631,7 +632,7 @@ class Robot(AbstractContextManager["Robot"]):
         from tool0.api.arm import Arm  # numpy, only when needed
 
         infos = self.channel.call(ListArms())
-        return {info.name: Arm(info, self.channel) for info in infos}
+        return Parts("arm", {info.name: Arm(info, self.channel) for info in infos})
 
     @property
     def arm(self) -> Arm:
@@ -665,7 +666,8 @@ class Robot(AbstractContextManager["Robot"]):
     @cached_property
     def _cameras(self) -> Mapping[str, CameraHandle]:
         cameras = self.channel.call(ListCameras())
-        return {item.name: CameraHandle(item, self.channel) for item in cameras}
+        handles = {item.name: CameraHandle(item, self.channel) for item in cameras}
+        return Parts("camera", handles)
 
     def camera(self, name: str) -> CameraHandle:
         """Return a camera; its ``image()`` takes a picture.

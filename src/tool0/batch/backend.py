@@ -134,6 +134,6 @@ def checked_device(device: str, threads: int | None) -> str:
                 raise
             raise EngineUnavailableError(
                 f"device '{device}' needs MuJoCo Warp, which is not installed: "
-                "pip install 'tool0[gpu]'"
+                "pip install '.[gpu]'"
             ) from None
     return device

@@ -11,10 +11,10 @@ from tool0.cli.edge import flush, interruptible, report
 COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "bringup": ("bringup", "bring up a robot in simulation, with its controllers"),
     "view": ("panel", "show a robot in a web page without physics, and pose it"),
-    "record": ("recording", "record a running bringup to an MCAP file"),
+    "record": ("recording", "record a running bringup, or demonstrations"),
     "log": ("recording", "print what happened in a recording"),
-    "export": ("recording", "write a recording as CSV or Parquet"),
-    "replay": ("replay", "show a recording in a web page, with a time line"),
+    "export": ("recording", "write a recording as a table, a video or a data set"),
+    "replay": ("replay", "show a recording in a web page, or simulate it again"),
     "demo": ("demo", "run a complete task: pick a cube, or hand it over"),
     "collect": ("collect", "collect episodes of a task, with processes or Ray"),
     "describe": (
@@ -46,7 +46,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
         "explain",
         "show what a launch file does, and where its arguments are used",
     ),
-    "workspace": ("workspace", "write the robot as catkin packages for Noetic"),
+    "workspace": ("workspace", "write ROS packages for a robot into a workspace"),
     "doctor": ("installing", "show what this machine can run, and what is missing"),
 }
 """Command → its module in this package, and a summary.
@@ -86,9 +86,9 @@ def _carry_out(arguments: list[str]) -> int:
         print(_help())
         return OK
     if command in ("-V", "--version"):
-        from importlib.metadata import version
+        import tool0
 
-        print(f"tool0 {version('tool0')}")
+        print(f"tool0 {tool0.__version__}")
         return OK
     if command not in COMMANDS:
         from tool0.errors import did_you_mean
@@ -124,6 +124,7 @@ def _help() -> str:
             *rows,
             "",
             "`tool0 COMMAND --help` explains a command.  The commands from controllers",
-            "to estop need a running bringup; --name selects one of several.",
+            "to estop, and record, need a running bringup; --name selects one of",
+            "several.",
         ]
     )

@@ -233,7 +233,7 @@ def _run(
         reported = snapshot.fault
         if simulation.realtime or snapshot.is_paused or snapshot.fault is not None:
             stop.wait(min(_POLL_PERIOD, max(left / simulation.speed, 0.001)))
-        elif not _advance(robot, min(_RUN_PERIOD, left)):
+        elif not _advance(robot, min(max(_RUN_PERIOD, robot.control_period), left)):
             break
 
 

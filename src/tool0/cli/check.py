@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from tool0.cli.parameters import Option
+from tool0.cli.text import counted
 
 if TYPE_CHECKING:
     from tool0.lint.check import CheckReport
@@ -47,16 +48,15 @@ def _text(report: CheckReport) -> str:
         if finding.remedy:
             lines.append(f"    {finding.remedy}")
     lines += [f"note: {note}" for note in report.notes]
-    n_files = len(report.files)
     lines.append(
         f"{_count(report.n_errors, 'error')}, {_count(report.n_warnings, 'warning')} "
-        f"in {_count(n_files, 'file')}"
+        f"in {_count(len(report.files), 'file')}"
     )
     return "\n".join(lines)
 
 
 def _count(number: int, what: str) -> str:
-    return f"{number or 'no'} {what}" + ("" if number == 1 else "s")
+    return counted(number, what) if number else f"no {what}s"
 
 
 def _json(report: CheckReport) -> str:

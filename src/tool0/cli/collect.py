@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TextIO, final
 
 from tool0.cli.parameters import Option, assignments
-from tool0.cli.text import ProgressBar
+from tool0.cli.text import ProgressBar, counted
 
 if TYPE_CHECKING:
     from tool0.collect import Progress
@@ -80,8 +80,8 @@ def collect(
         print(json.dumps(found))
     elif summary == "text":
         print(
-            f"{manifest.folder}: {manifest.n_episodes} episodes, "
-            f"{manifest.n_succeeded} succeeded, {manifest.n_frames} frames, "
+            f"{manifest.folder}: {counted(manifest.n_episodes, 'episode')}, "
+            f"{manifest.n_succeeded} succeeded, {counted(manifest.n_frames, 'frame')}, "
             f"{manifest.n_bytes / 1e6:.1f} MB"
         )
 

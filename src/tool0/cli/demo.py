@@ -62,7 +62,7 @@ class DemoArguments:
     report: Path | None = None
     """Also write the report to this file, as JSON."""
     video: Path | None = None
-    """Write an MP4 file; needs tool0[video]."""
+    """Write an MP4 file; needs `pip install '.[video]'`."""
     camera: str = "scene"
     """The camera of the video: scene or wrist."""
     format: Literal["text", "json"] = "text"

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final, final
 
 from tool0.cli.connection import Bringup
 from tool0.cli.stop_signal import StopSignal
+from tool0.cli.text import counted
 from tool0.errors import ControlError, Tool0Error
 
 if TYPE_CHECKING:
@@ -124,7 +125,7 @@ class _Session:
 def _described(status: EpisodesStatus | None) -> str:
     if status is None:
         return "no folder"
-    text = f"{status.episodes} episodes, {status.succeeded} succeeded"
+    text = f"{counted(status.episodes, 'episode')}, {status.succeeded} succeeded"
     if status.is_recording:
         seconds = int(status.duration)
         text += f"; recording episode {status.episodes}: {seconds} s"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 from tool0.cli import GOAL_FAILED, INTERRUPTED, OK
 from tool0.cli.connection import DEFAULT, Bringup
 from tool0.cli.parameters import Option
-from tool0.cli.text import columns
+from tool0.cli.text import columns, counted
 
 if TYPE_CHECKING:
     from tool0.api.programs import ProgramHandle
@@ -109,7 +109,7 @@ def show(*, bringup: Bringup = DEFAULT) -> None:
     """List the programs that were saved with the robot."""
     with bringup.connect() as robot:
         saved = robot.programs.list()
-    rows = [(item.name, item.error or f"{item.n_steps} steps") for item in saved]
+    rows = [(item.name, item.error or counted(item.n_steps, "step")) for item in saved]
     print(columns([("name", "content"), *rows]), end="")
 
 

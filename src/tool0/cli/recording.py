@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal, final
 from tool0.cli.connection import DEFAULT, Bringup
 from tool0.cli.parameters import Option
 from tool0.cli.stop_signal import StopSignal
+from tool0.cli.text import counted
 from tool0.errors import ConfigError, RecordingError
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ def _described(status: RecordingStatus) -> str:
     if status.files > 1:
         text += f" in {status.files} files"
     if status.dropped:
-        text += f", {status.dropped} snapshots dropped"
+        text += f", {counted(status.dropped, 'snapshot')} dropped"
     return text
 
 
@@ -182,7 +183,7 @@ class VideoOptions:
             end=self.end,
             when_written=show,
         )
-        print(f"{chr(13) if is_terminal else ''}{target}: {n_images} images")
+        print(f"{chr(13) if is_terminal else ''}{target}: {counted(n_images, 'image')}")
 
 
 def export(
@@ -224,7 +225,7 @@ def export(
             width=video.width,
             height=video.height,
         )
-        print(f"{folder}: {found.n_episodes} episodes, {found.n_frames} frames")
+        print(f"{folder}: {counted(found.n_episodes, 'episode')}, {counted(found.n_frames, 'frame')}")
         return
     from tool0.recording.reading import open_recording
     from tool0.recording.tables import write_csv, write_parquet
@@ -241,4 +242,4 @@ def export(
         return
     write = write_csv if format == "csv" else write_parquet
     write(recording, target)
-    print(f"{target}: {len(recording)} rows")
+    print(f"{target}: {counted(len(recording), 'row')}")

@@ -31,6 +31,11 @@ def columns(rows: Sequence[Sequence[str]]) -> str:
     return "".join(f"{line.rstrip()}\n" for line in lines)
 
 
+def counted(number: int, what: str) -> str:
+    """Return ``1 file`` or ``3 files``."""
+    return f"{number} {what}" + ("" if number == 1 else "s")
+
+
 def grasp_text(state: GraspState) -> str:
     """Return a gripper's state as text, with Robotiq's number for it."""
     opening = f"{1e3 * state.opening:.1f} mm"
@@ -68,9 +73,9 @@ def greeting(
     description, simulation, run = robot.description, options.simulation, options.run
     name = description.title
     pace = "real time" if simulation.realtime else "as fast as possible"
-    n_joints = len(description.model.transmissions)
+    joints = counted(len(description.model.transmissions), "driven joint")
     lines = [
-        f"{name} is up in {robot.engine.name}: {n_joints} driven joints, {pace}"
+        f"{name} is up in {robot.engine.name}: {joints}, {pace}"
         f"{', paused' if simulation.paused else ''}",
         *columns(
             [(f"  {row.name}", row.state, row.type) for row in robot.controllers()]
@@ -209,12 +214,11 @@ class ProgressBar:
 
 def summary_line(summary: dict[str, Any]) -> str:
     """Return the run in one line."""
-    n_warnings = len(summary["warnings"])
     return (
         f"{summary['sim_time']:.3f} s simulated in {summary['wall_time']:.2f} s "
         f"({summary['real_time_factor']:.2f} x real time), {summary['steps']} steps, "
         f"{summary['overruns']} overruns, max drift {summary['max_drift']:.2e} rad, "
-        f"{n_warnings} {'warning' if n_warnings == 1 else 'warnings'}"
+        f"{counted(len(summary['warnings']), 'warning')}"
     )
 
 

@@ -143,7 +143,7 @@ class RayWorkers:
         if not actor.is_ready:
             raise CollectError(
                 "a worker did not start; every machine of the cluster needs "
-                f"tool0[ray]:\n{trouble}"
+                f"pip install '.[ray]':\n{trouble}"
             )
         self._actors[self._actors.index(actor)] = self._started()
         return lost([chunk for _, chunk in actor.chunks], trouble)
@@ -242,7 +242,7 @@ def _require_ray() -> None:
     A process that has imported it cannot start ``own_cluster`` any more.
     """
     if importlib.util.find_spec("ray") is None:
-        raise ConfigError("Ray is not installed; run pip install 'tool0[ray]'")
+        raise ConfigError("Ray is not installed; run pip install '.[ray]'")
 
 
 def _reach(address: str) -> None:

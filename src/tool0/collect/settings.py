@@ -72,7 +72,7 @@ def require_extra() -> None:
         if importlib.util.find_spec(name) is None:
             raise ConfigError(
                 f"a data set needs {name}, which is not installed; run "
-                "pip install 'tool0[collect]'"
+                "pip install '.[collect]'"
             )
 
 

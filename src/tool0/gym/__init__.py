@@ -17,7 +17,7 @@ try:
 except ImportError:
     raise GymUnavailableError(
         "tool0.gym needs Gymnasium, which is not installed; run "
-        "pip install 'tool0[gym]'"
+        "pip install '.[gym]'"
     ) from None
 
 from tool0.gym.expert import Expert, expert

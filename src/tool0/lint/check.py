@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ParamSpec, TypeVar, final
 
+from tool0.description.config import File
 from tool0.description.finding import Finding
 from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint import launch_file
@@ -56,16 +57,18 @@ class CheckReport:
         return len(self.findings) - self.n_errors
 
 
-def check(paths: Iterable[Path]) -> CheckReport:
+def check(paths: File | Iterable[File]) -> CheckReport:
     """Check files and folders, each file within bounds of time and memory.
 
     Args:
-        paths: URDF, xacro, YAML and launch files, packages, or folders with them.
+        paths: URDF, xacro, YAML and launch files, packages, or folders with them; one
+            path, or several.
 
     Raises:
         ConfigError: If a path does not exist, or its kind is not supported.
     """
-    return _Check(list(paths)).report()
+    several = (paths,) if isinstance(paths, str | Path) else paths
+    return _Check([Path(path) for path in several]).report()
 
 
 @final

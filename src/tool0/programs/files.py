@@ -17,6 +17,7 @@ from tool0.description.yaml_tree import YamlEntry, read_verbatim_text, text_of
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
 from tool0.protocol.program import Program, Step, StepPath
 from tool0.protocol.programs import ProgramProblem
+from tool0.protocol.request import problem_text
 
 _PLACE: Final = re.compile(r"^(?P<what>.*?)(?: - at `\$(?P<path>.*)`)?$", re.DOTALL)
 _PART: Final = re.compile(r"\.(\w+)|\[(\d+)\]")
@@ -109,8 +110,8 @@ def _note_lines(
 
 def _explained(error: msgspec.ValidationError, root: YamlEntry) -> ConfigError:
     """Return the error at the line of the entry that it is about."""
-    found = _PLACE.match(str(error))
-    what, path = str(error), ""
+    what, path = problem_text(error), ""
+    found = _PLACE.match(what)
     if found is not None:
         what, path = found["what"], found["path"] or ""
     entry = root

@@ -25,7 +25,7 @@ from tool0.errors import (
 )
 from tool0.protocol.goals import GoalResult, GripperResult, Result
 from tool0.protocol.methods import methods
-from tool0.protocol.request import Request, method_name, plain, response_type
+from tool0.protocol.request import Request, method_name, plain, problem_text, response_type
 from tool0.protocol.sensors import CameraImage, Picture, image_of, picture_of
 from tool0.protocol.state import Snapshot
 from tool0.protocol.state_message import (
@@ -372,4 +372,4 @@ def _explained(
         if field not in valid:
             near = did_you_mean(field[:_SHOWN], valid) if suggests else ""
             return RequestError(method, f"no field '{field[:_SHOWN]}'{near}")
-    return RequestError(method, str(error))
+    return RequestError(method, problem_text(error))

@@ -115,7 +115,12 @@ def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
     try:
         return msgspec.convert(plain(value), kind)
     except (ValueError, TypeError, OverflowError, RecursionError) as error:
-        raise RequestError(method, f"'{name}': {error}") from None
+        raise RequestError(method, f"'{name}': {problem_text(error)}") from None
+
+
+def problem_text(error: Exception) -> str:
+    """Return the text about a wrong value in Python's and YAML's words, not JSON's."""
+    return str(error).replace("`object", "`mapping").replace("`array", "`list")
 
 
 def plain(value: Any, key: object = None) -> Any:

@@ -84,8 +84,11 @@ def _floats(name: str, values: Iterable[object]) -> tuple[float, ...]:
     try:
         return tuple(map(float, values))  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
+        hint = ""
+        if isinstance(values, int | float):
+            hint = f"; for a time, write time_from_start={values}"
         raise GoalRejectedError(
-            f"{name} of a trajectory point must be numbers, got {values!r:.80}"
+            f"{name} of a trajectory point must be numbers, got {values!r:.80}{hint}"
         ) from None
 
 

@@ -37,7 +37,7 @@ def missing_extra(library: str) -> RecordingError:
     """Return the error for a library of the extra ``record`` that is not installed."""
     return RecordingError(
         f"recordings need {library}, which is not installed: "
-        "pip install 'tool0[record]'"
+        "pip install '.[record]'"
     )
 
 

@@ -133,7 +133,7 @@ def _encoder() -> str:
     except ImportError as error:
         raise RenderError(
             f"a video needs PyAV, which cannot be imported ({error}); "
-            "run `pip install 'tool0[video]'`"
+            "run `pip install '.[video]'`"
         ) from error
     for name in _ENCODERS:
         if name in codecs_available:

@@ -220,6 +220,15 @@ def test_a_wrong_value_is_an_error_of_ours(
             lambda r: tool0.TrajectoryPoint([0.0], time_from_start=10**400),
             "time_from_start of a trajectory point must be numbers",
         ),
+        (
+            lambda r: tool0.TrajectoryPoint([0.0], 1.0),
+            "velocities of a trajectory point must be numbers, got 1.0; for a time, "
+            "write time_from_start=1.0",
+        ),
+        (lambda r: r.move_joints([1]), "'positions': Expected `mapping`, got `list`"),
+        (lambda r: r.arms["left"], "no arm 'left'; valid: arm"),
+        (lambda r: r.grippers["griper"], "no gripper 'griper'; did you mean 'gripper'"),
+        (lambda r: r.cameras["wirst"], "no camera 'wirst'; did you mean 'wrist'?"),
     ],
 )
 def test_the_message_names_the_parameter(

@@ -39,7 +39,7 @@ def test_an_unknown_device_is_refused() -> None:
 
 @pytest.mark.skipif(has_warp(), reason="MuJoCo Warp is installed")
 def test_a_gpu_needs_mujoco_warp() -> None:
-    match = r"'cuda' needs MuJoCo Warp, .*pip install 'tool0\[gpu\]'"
+    match = r"'cuda' needs MuJoCo Warp, .*pip install '\.\[gpu\]'"
     with pytest.raises(tool0.EngineUnavailableError, match=match):
         tool0.Batch(1, device="cuda")
 

@@ -7,6 +7,7 @@ from importlib import import_module
 
 import pytest
 
+import tool0
 from tool0.cli import COMMANDS, FAILED, OK, main
 from tool0.cli.options import READERS
 from tool0.cli.parameters import parameters_of
@@ -45,7 +46,7 @@ def test_help_imports_nothing_heavy(arguments: str) -> None:
 
 def test_version_is_the_package_s(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--version"]) == OK
-    assert capsys.readouterr().out.startswith("tool0 0.")
+    assert capsys.readouterr().out == f"tool0 {tool0.__version__}\n"
 
 
 def test_an_unknown_command_names_the_nearest(

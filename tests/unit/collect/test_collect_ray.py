@@ -114,5 +114,5 @@ def test_without_ray_it_is_told_what_installs_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "ray", None)
-    with raises_naming(ConfigError, "tool0[ray]"):
+    with raises_naming(ConfigError, "'.[ray]'"):
         collect(WALK, 3, tmp_path / "walk", ray="local", policy=Homeward)

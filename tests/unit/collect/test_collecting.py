@@ -267,7 +267,7 @@ def test_what_is_not_installed_is_named(
     module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, module, None)
-    with raises_naming(ConfigError, module, "tool0[collect]"):
+    with raises_naming(ConfigError, module, "'.[collect]'"):
         collected(tmp_path / "walk")
 
 

@@ -21,4 +21,4 @@ def test_the_message_names_the_extra() -> None:
     done = subprocess.run(
         [sys.executable, "-c", CODE], capture_output=True, text=True, check=True
     )
-    assert "pip install 'tool0[gym]'" in done.stdout
+    assert "pip install '.[gym]'" in done.stdout

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-wp = pytest.importorskip("warp", reason="MuJoCo Warp: pip install 'tool0[gpu]'")
+wp = pytest.importorskip("warp", reason="MuJoCo Warp: pip install '.[gpu]'")
 
 import tool0  # noqa: E402
 from tool0.control.trajectory import TrajectoryGoal  # noqa: E402

@@ -244,7 +244,7 @@ def test_an_export_names_the_extra_that_is_missing(
     from tool0.errors import ConfigError
 
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(ConfigError, match=r"pip install 'tool0\[collect\]'"):
+    with pytest.raises(ConfigError, match=r"pip install '\.\[collect\]'"):
         export_lerobot(folder, tmp_path / "none")
     assert not (tmp_path / "none").exists()
 

@@ -127,7 +127,7 @@ def test_without_pyav_it_is_told_what_brings_it(
     monkeypatch.setitem(sys.modules, "av.codec", None)
     with pytest.raises(RenderError) as caught:
         require_encoder(tmp_path / "a.mp4")
-    assert "tool0[video]" in str(caught.value)
+    assert "'.[video]'" in str(caught.value)
     assert not any(tmp_path.iterdir())
 
 

@@ -112,7 +112,7 @@ def parser() -> Lark:
         from lark import Lark
     except ImportError as error:
         raise ConfigError(
-            "URScript needs the package lark; install it with: pip install 'tool0[ur]'"
+            "URScript needs the package lark; install it with: pip install '.[ur]'"
         ) from error
     from tool0.ur.urscript.layout import Layout
     from tool0.ur.urscript.trees import Trees
