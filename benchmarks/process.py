@@ -12,7 +12,7 @@ from subprocess import DEVNULL, Popen, check_output
 ROUNDS = 9
 BRINGUP = [
     *(sys.executable, "-m", "tool0", "bringup", "--headless", "--duration", "0"),
-    *("--no-realtime", "--summary", "none", "--name", "benchmark"),
+    *("--no-realtime", "--no-summary", "--name", "benchmark"),
 ]
 IMPORT = [sys.executable, "-c", "import mujoco"]
 IMPORT_TOOL0 = [sys.executable, "-c", "import tool0"]

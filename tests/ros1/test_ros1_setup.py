@@ -244,7 +244,7 @@ def test_beside_a_sourced_ros_there_is_nothing_to_do(tmp_path: Path) -> None:
     answer = tool0(environment, "install", "--rviz")
     assert answer.returncode == OK, answer.stderr
     assert answer.stdout.startswith("nothing to do: ROS noetic")
-    answer = tool0(environment, "status", "--format", "json")
+    answer = tool0(environment, "status", "--json")
     assert answer.returncode == OK, answer.stderr
     found = json.loads(answer.stdout)
     assert (found["version"], found["source"]) == ("1.17.4", "ROS noetic")
@@ -314,7 +314,7 @@ def test_without_rospy_the_status_says_what_to_do(
 ) -> None:
     monkeypatch.setattr("tool0.installation.ros1.library.DEBIAN", Path("/nowhere"))
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    assert main(["ros1", "status", "--format", "json"]) == 1
+    assert main(["ros1", "status", "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
     assert found["can_run"] is False
     assert "tool0 ros1 install" in found["remedies"][0]

@@ -611,7 +611,8 @@ class Robot(AbstractContextManager["Robot"]):
         model = self.description.model
         found = find_grippers(model).items()
         return Parts(
-            "gripper", {name: Gripper(name, g, model, self.channel) for name, g in found}
+            "gripper",
+            {name: Gripper(name, g, model, self.channel) for name, g in found},
         )
 
     @property

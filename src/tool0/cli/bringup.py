@@ -14,9 +14,9 @@ from tool0.cli import options
 from tool0.cli.options import BringupOptions, RunOptions
 from tool0.cli.text import (
     StatusLine,
-    finite,
     greeting,
     panel_line,
+    print_json,
     summary_line,
     ur_lines,
 )
@@ -49,8 +49,8 @@ def bringup(options: BringupOptions) -> int:
     """
     from tool0.cli.stop_signal import StopSignal
 
-    # With --summary json, standard output holds one JSON object and nothing else.
-    is_json = options.run.summary == "json"
+    # With --json, standard output holds one JSON object and nothing else.
+    is_json = options.run.as_json
     console = sys.stderr if is_json else sys.stdout
     with contextlib.ExitStack() as exits:
         exits.enter_context(quiet_overruns())
@@ -262,9 +262,7 @@ def _advance(robot: Robot, duration: float) -> bool:
 
 
 def _summarize(robot: Robot, run: RunOptions) -> None:
-    if run.summary == "json":
-        import json
-
-        print(json.dumps(finite(robot.summary()), allow_nan=False), flush=True)
-    elif run.summary == "text":
+    if run.as_json:
+        print_json(robot.summary())
+    elif run.summary:
         print(summary_line(robot.summary()), flush=True)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
-from tool0.cli.parameters import Option
+from tool0.cli.parameters import AsJson, Option
 from tool0.cli.text import counted
 
 if TYPE_CHECKING:
     from tool0.lint.check import CheckReport
-
-Format = Literal["text", "json"]
 
 CLEAN = 0
 FOUND = 1
@@ -19,7 +17,7 @@ FOUND = 1
 
 def check(
     paths: Annotated[tuple[Path, ...], Option(is_positional=True, metavar="PATH ...")],
-    format: Format = "text",  # the option's name
+    as_json: AsJson = False,
     strict: bool = False,
 ) -> int:
     """Find mistakes in URDF, xacro, ros_control YAML, launch files and workspaces.
@@ -28,13 +26,13 @@ def check(
 
     Args:
         paths: Files, or folders, which are searched recursively.
-        format: Output format.
+        as_json: Print one JSON object.
         strict: Count warnings as errors.
     """
     from tool0.lint.check import check as look_into
 
     report = look_into(paths)
-    print(_json(report) if format == "json" else _text(report))
+    print(_json(report) if as_json else _text(report))
     is_bad = report.n_errors or (strict and report.findings)
     return FOUND if is_bad else CLEAN
 

@@ -8,8 +8,9 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TextIO, final
 
-from tool0.cli.parameters import Option, assignments
-from tool0.cli.text import ProgressBar, counted
+from tool0.cli.parameters import AsJson, Option, assignments
+from tool0.cli.text import ProgressBar, counted, print_json
+from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
     from tool0.collect import Progress
@@ -30,7 +31,8 @@ def collect(
     seed: int = 0,
     format: Literal["parquet", "lerobot"] = "parquet",  # the option's name
     copies: int = 8,
-    summary: Literal["text", "json", "none"] = "text",
+    summary: bool = True,
+    as_json: AsJson = False,
 ) -> None:
     """Collect episodes of a task into a folder; the same command again continues.
 
@@ -49,8 +51,11 @@ def collect(
         seed: Base of the seeds of the episodes.
         format: Columns and further files.
         copies: Simulations of a worker that take turns.
-        summary: What to print at the end.
+        summary: Report at the end.
+        as_json: Print the report as one JSON object.
     """
+    if as_json and not summary:
+        raise ConfigError("--json and --no-summary exclude each other")
     from tool0.collect import collect as carry_out
 
     start = time.monotonic()
@@ -76,9 +81,9 @@ def collect(
         "bytes": manifest.n_bytes,
         "seconds": round(time.monotonic() - start, 3),
     }
-    if summary == "json":
-        print(json.dumps(found))
-    elif summary == "text":
+    if as_json:
+        print_json(found)
+    elif summary:
         print(
             f"{manifest.folder}: {counted(manifest.n_episodes, 'episode')}, "
             f"{manifest.n_succeeded} succeeded, {counted(manifest.n_frames, 'frame')}, "

@@ -78,10 +78,34 @@ def chosen_gripper(robot: Robot, name: str | None) -> Gripper:
     return robot.grippers[gripper]
 
 
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """How a goal ended, for the command that started it."""
+
+    status: int
+    """The exit status."""
+    result: Result
+    """The result of the goal."""
+    was_canceled: bool = False
+    """Whether a signal or the timeout ended it."""
+
+    def as_json(self) -> dict[str, object]:
+        """Return it as ``--json`` prints it."""
+        from msgspec import to_builtins
+
+        return {**to_builtins(self.result), "canceled": self.was_canceled}
+
+    def __str__(self) -> str:
+        """Return it as a line of text."""
+        text = _described(self.result)
+        return f"canceled: {text}" if self.was_canceled else text
+
+
 def wait_for_goal(
     robot: Robot, start: Callable[[], GoalHandle], timeout: float | None
-) -> int:
-    """Start a goal, wait for it, print its outcome, and return the exit status.
+) -> Outcome:
+    """Start a goal, wait for it, and return its outcome.
 
     Ctrl-C and SIGTERM cancel the goal: the robot stops as it does for a ROS client.
     The handlers are installed before the goal starts, so that no signal is missed.
@@ -105,10 +129,11 @@ def wait_for_goal(
                 if not stop.is_set and time.monotonic() < end:
                     continue
             goal.cancel()
-            print(f"canceled: {_described(goal.wait(_CANCEL_TIMEOUT))}")
-            return INTERRUPTED if stop.is_set else GOAL_FAILED
-    print(_described(result))
-    return OK if result.status is GoalStatus.SUCCEEDED else GOAL_FAILED
+            result = goal.wait(_CANCEL_TIMEOUT)
+            status = INTERRUPTED if stop.is_set else GOAL_FAILED
+            return Outcome(status=status, result=result, was_canceled=True)
+    has_succeeded = result.status is GoalStatus.SUCCEEDED
+    return Outcome(status=OK if has_succeeded else GOAL_FAILED, result=result)
 
 
 def _described(result: Result) -> str:

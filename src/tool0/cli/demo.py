@@ -8,12 +8,13 @@ import select
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TextIO, final
+from typing import TYPE_CHECKING, TextIO, final
 
 from tool0.cli import GOAL_FAILED, OK, options
 from tool0.cli.bringup import quiet_overruns
 from tool0.cli.options import PanelOptions
-from tool0.cli.text import ProgressBar, finite, panel_line
+from tool0.cli.parameters import AsJson
+from tool0.cli.text import ProgressBar, finite, panel_line, print_json
 from tool0.description.config import DescriptionConfig
 from tool0.description.units import Metres
 from tool0.errors import ConfigError
@@ -65,8 +66,8 @@ class DemoArguments:
     """Write an MP4 file; needs `pip install '.[video]'`."""
     camera: str = "scene"
     """The camera of the video: scene or wrist."""
-    format: Literal["text", "json"] = "text"
-    """Output format."""
+    as_json: AsJson = False
+    """Print the report as one JSON object."""
 
     def __post_init__(self) -> None:
         if self.n < 1:
@@ -215,7 +216,7 @@ def _play(robot: Robot, what: Demo, arguments: DemoArguments) -> DemoReport:
         arguments.n,
         seed=arguments.seed,
         on_snapshot=on_snapshot,
-        on_pick=_print_pick if arguments.format == "text" else lambda pick: None,
+        on_pick=(lambda pick: None) if arguments.as_json else _print_pick,
     )
     if arguments.video is None:
         return report
@@ -229,8 +230,8 @@ def _print_pick(pick: PickReport) -> None:
 
 
 def _print_report(report: DemoReport, arguments: DemoArguments) -> None:
-    if arguments.format == "json":
-        print(json.dumps(finite(report.to_json()), allow_nan=False), flush=True)
+    if arguments.as_json:
+        print_json(report.to_json())
     else:
         print(report.to_text(), flush=True)
     if arguments.report is not None:

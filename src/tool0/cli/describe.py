@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from tool0.cli import options
-from tool0.cli.parameters import Option
-from tool0.cli.text import columns
+from tool0.cli.parameters import AsJson, Option
+from tool0.cli.text import columns, json_text
 from tool0.description.config import DescriptionConfig
 from tool0.errors import ConfigError
 
@@ -29,6 +29,7 @@ def describe(
     output: Path | None = None,
     *,
     gripper_action: bool = False,
+    as_json: AsJson = False,
 ) -> None:
     """Write the robot as a tree, a table of joints, URDF or MJCF, or its controllers.
 
@@ -41,10 +42,17 @@ def describe(
         form: What to write.
         output: File to write; standard output if not given.
         gripper_action: In ``controllers``, give grippers a GripperActionController.
+        as_json: Write tree, table or sources as one JSON object.
     """
     from tool0.description.loading import load_description
 
-    text = _render(load_description(description), form, gripper_action=gripper_action)
+    if as_json and form not in ("tree", "table", "sources"):
+        raise ConfigError(f"--json is for tree, table and sources, not for {form}")
+    robot = load_description(description)
+    if as_json:
+        text = json_text(plain_sources(robot) if form == "sources" else plain(robot))
+    else:
+        text = _render(robot, form, gripper_action=gripper_action)
     if output is None:
         if form in ("urdf", "mjcf"):
             encoding = sys.stdout.encoding
@@ -124,6 +132,40 @@ def sources(description: RobotDescription) -> str:
         return f"{description.source.name}: your own file, without specifications\n"
     parts = dict.fromkeys(part for robot in description.robots for part in robot.parts)
     return "\n".join(map(_specifications, parts))
+
+
+def plain(description: RobotDescription) -> dict[str, object]:
+    """Return the joints of the tree with limits and drives, for JSON."""
+    model = description.model
+    return {
+        "root": model.root,
+        "joints": [_plain_joint(model, joint) for joint in model.joints],
+    }
+
+
+def _plain_joint(model: RobotModel, joint: Joint) -> dict[str, object]:
+    transmission = model.transmission_by_joint.get(joint.name)
+    interfaces = transmission.interfaces if transmission is not None else ()
+    limits = joint.limits
+    return {
+        "name": joint.name,
+        "type": joint.type.value,
+        "parent": joint.parent,
+        "child": joint.child,
+        "axis": joint.axis,
+        "lower": limits.lower,
+        "upper": limits.upper,
+        "velocity": limits.velocity,
+        "effort": limits.effort,
+        "driven": [item.value.partition("/")[2] for item in interfaces],
+        "mimic": joint.mimic,
+    }
+
+
+def plain_sources(description: RobotDescription) -> dict[str, object]:
+    """Return the specifications of each part by its name, for JSON."""
+    parts = {part for robot in description.robots for part in robot.parts}
+    return {part.name: dict(part.load("specifications")) for part in parts}
 
 
 def _specifications(part: CataloguePart) -> str:

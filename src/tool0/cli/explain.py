@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, final
+from typing import TYPE_CHECKING, Annotated, final
 
-from tool0.cli.parameters import Option
+from tool0.cli.parameters import AsJson, Option
+from tool0.cli.text import print_json
 from tool0.errors import ConfigError, DescriptionError
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def explain(
         tuple[str, ...],
         Option(is_positional=True, metavar="[PACKAGE] FILE [ARGUMENT:=VALUE ...]"),
     ],
-    format: Literal["text", "json"] = "text",
+    as_json: AsJson = False,
 ) -> int:
     """Show what a launch file includes, starts and sets: XML of ROS 1, Python of ROS 2.
 
@@ -40,7 +40,7 @@ def explain(
 
     Args:
         words: The launch file, or its package and file name; then arguments for it.
-        format: Output format.
+        as_json: Print one JSON object.
     """
     from tool0.lint.launch.argument_flow import argument_flow
     from tool0.lint.launch.explanation import contents
@@ -56,8 +56,8 @@ def explain(
     launch = read_launch(file, given, packages)
     robots = xacro_robots(launch, packages)
     tree, arguments = contents(launch, robots), argument_flow(launch, robots)
-    if format == "json":
-        print(json.dumps(_json(tree, arguments, launch)))
+    if as_json:
+        print_json(_json(tree, arguments, launch))
     else:
         print(text_of(tree, arguments, launch, packages), end="")
     errors = [finding for finding in launch.findings if finding.severity == "error"]

@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Protocol
 
-from tool0.cli.text import ProgressBar, columns
+from tool0.cli.parameters import AsJson
+from tool0.cli.text import ProgressBar, columns, print_json
 
 OK, NOT_READY = 0, 1
-Format = Literal["text", "json"]
 
 
-def doctor(*, format: Format = "text") -> int:
+def doctor(*, as_json: AsJson = False) -> int:
     """Show what this machine can run, and the command that installs what is missing.
 
     Exit status: 1 if it cannot run `tool0 bringup` with MuJoCo.
 
     Args:
-        format: Output format.
+        as_json: Print one JSON object.
     """
     from tool0.cli.probes import PROBES
     from tool0.installation.doctor.report import examine
 
-    return print_status(examine(PROBES), format)
+    return print_status(examine(PROBES), as_json=as_json)
 
 
 def _install_gazebo(
@@ -64,17 +63,17 @@ def _install_gazebo(
     return OK
 
 
-def _gazebo_status(*, format: Format = "text") -> int:
+def _gazebo_status(*, as_json: AsJson = False) -> int:
     """Show which Gazebo is used, and what is missing.
 
     Exit status: 1 if there is no usable Gazebo.
 
     Args:
-        format: Output format.
+        as_json: Print one JSON object.
     """
     from tool0.installation.gazebo.status import gazebo_status
 
-    return print_status(gazebo_status(), format)
+    return print_status(gazebo_status(), as_json=as_json)
 
 
 def _uninstall_gazebo() -> int:
@@ -118,17 +117,17 @@ def _install_ros1(*, rviz: bool = False, dry_run: bool = False) -> int:
     return OK
 
 
-def _ros1_status(*, format: Format = "text") -> int:
+def _ros1_status(*, as_json: AsJson = False) -> int:
     """Show which ROS 1 is installed, and what is missing.
 
     Exit status: 1 if there is no usable ROS 1.
 
     Args:
-        format: Output format.
+        as_json: Print one JSON object.
     """
     from tool0.installation.ros1.packages import ros1_status
 
-    return print_status(ros1_status(), format)
+    return print_status(ros1_status(), as_json=as_json)
 
 
 def _ros1_env() -> int:
@@ -165,10 +164,10 @@ def print_removed(size: int) -> int:
     return OK
 
 
-def print_status(status: InstallationStatus, format: Format) -> int:
+def print_status(status: InstallationStatus, *, as_json: bool) -> int:
     """Print it, for people or for programs; return the exit status."""
-    if format == "json":
-        print(json.dumps(status.as_json()))
+    if as_json:
+        print_json(status.as_json())
     else:
         print(columns(status.rows()), end="")
     return OK if status.can_run else NOT_READY

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,12 +13,13 @@ from tool0.cli import INTERRUPTED
 from tool0.cli.connection import (
     DEFAULT,
     Bringup,
+    Outcome,
     chosen_gripper,
     chosen_robot,
     wait_for_goal,
 )
-from tool0.cli.parameters import Option, joint_values
-from tool0.cli.text import grasp_text
+from tool0.cli.parameters import AsJson, Option, joint_values
+from tool0.cli.text import grasp_text, print_json
 from tool0.description.model import FLANGE, JointType
 from tool0.description.transform import Pose
 from tool0.description.units import (
@@ -56,6 +58,7 @@ def move(
     relative_to: str | None = None,
     robot: str | None = None,
     timeout: float | None = None,
+    as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> int:
     """Move joints, or the tool to a pose, and wait until the motion has ended.
@@ -77,6 +80,7 @@ def move(
         robot: Which robot of a cell moves to --pose; with --joints, whose joints they
             are, so that you leave out their prefix.
         timeout: Cancel the motion after this wall time [s].
+        as_json: Print one JSON object.
     """
     of_pose: dict[str, Any] = {  # values of two types
         "speed": speed,
@@ -88,7 +92,7 @@ def move(
     if pose is None:
         _refuse("--pose", {**of_pose, "linear": linear or None})
         duration = 2.0 if duration is None else duration
-        return _move_joints(
+        outcome = _move_joints(
             joints,
             duration,
             controller=controller,
@@ -96,6 +100,7 @@ def move(
             timeout=timeout,
             bringup=bringup,
         )
+        return _finish(outcome, as_json=as_json)
     _refuse("--joints", {"duration": duration, "controller": controller})
     given = {name: value for name, value in of_pose.items() if value is not None}
     x, y, z, roll, pitch, yaw = pose
@@ -103,7 +108,17 @@ def move(
     with bringup.connect() as connected:
         arm = chosen_robot(connected, robot)
         move = arm.move_linear if linear else arm.move_to
-        return wait_for_goal(connected, partial(move, target, **given), timeout)
+        outcome = wait_for_goal(connected, partial(move, target, **given), timeout)
+    return _finish(outcome, as_json=as_json)
+
+
+def _finish(outcome: Outcome, *, as_json: bool) -> int:
+    """Print an outcome; return the exit status."""
+    if as_json:
+        print_json(outcome.as_json())
+    else:
+        print(outcome)
+    return outcome.status
 
 
 def _refuse(other: str, options: Mapping[str, object]) -> None:
@@ -121,7 +136,7 @@ def _move_joints(
     robot: str | None,
     timeout: float | None,
     bringup: Bringup,
-) -> int:
+) -> Outcome:
     given, given_units = joint_values(joints)
     if not 0.0 < duration < math.inf:
         raise ConfigError(f"--duration must be above 0 s, got {duration}")
@@ -165,6 +180,7 @@ def grip(
     effort: float | None = None,
     robot: str | None = None,
     timeout: float | None = None,
+    as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> int:
     """Open or close the gripper, wait, and report what it holds.
@@ -181,6 +197,7 @@ def grip(
             --force.
         robot: Which robot of a cell has the gripper.
         timeout: Cancel the motion after this wall time [s].
+        as_json: Print one JSON object.
     """
     if (opening is None) == (position is None):
         raise ConfigError("give either --opening or --position")
@@ -194,12 +211,19 @@ def grip(
             force=force,
             effort=effort,
         )
-        status = wait_for_goal(connected, move, timeout)
-        if status != INTERRUPTED:
+        outcome = wait_for_goal(connected, move, timeout)
+        if not as_json:
+            print(outcome, flush=True)
+        if outcome.status != INTERRUPTED:
             with contextlib.suppress(GoalTimeoutError):
                 gripper.wait(_SETTLE)
-            print(grasp_text(gripper.state))
-    return status
+        state = gripper.state
+    if as_json:
+        grasp = {**asdict(state), "gobj": state.gobj}
+        print_json({**outcome.as_json(), "gripper": grasp})
+    elif outcome.status != INTERRUPTED:
+        print(grasp_text(state))
+    return outcome.status
 
 
 def _joint_position(text: str | None, quantity: Quantity) -> float | None:

@@ -11,9 +11,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Final, Literal, final
+from typing import Final, final
 
-from tool0.cli.parameters import Reader, Readers, assignments, joint_values
+from tool0.cli.parameters import AsJson, Reader, Readers, assignments, joint_values
 from tool0.description.camera import Camera
 from tool0.description.config import Argument, Cell, DescriptionConfig, File, Unset
 from tool0.description.scene import Scene
@@ -61,8 +61,10 @@ class RunOptions:
     """End at this simulated time [s]; without it, run until Ctrl-C."""
     headless: bool = False
     """Disable the panel, and open no window."""
-    summary: Literal["text", "json", "none"] = "text"
-    """Report at the end.  json prints a single object and nothing else."""
+    summary: bool = True
+    """Report at the end."""
+    as_json: AsJson = False
+    """Print the report as one JSON object, and nothing else to standard output."""
     name: str = "tool0"
     """Name of this bringup for other processes: `tool0 move --name NAME`."""
     remote: bool = True
@@ -83,6 +85,8 @@ class RunOptions:
             raise ConfigError(
                 f"--duration must be 0 or more seconds, got {self.duration}"
             )
+        if self.as_json and not self.summary:
+            raise ConfigError("--json and --no-summary exclude each other")
         if self.ros1 and self.ros2:
             raise ConfigError(
                 "--ros1 and --ros2 exclude each other: the controllers differ"

@@ -48,6 +48,10 @@ class Option:
     is_positional: bool = False
 
 
+AsJson = Annotated[bool, Option(name="json")]
+"""The flag ``--json`` of a command that prints data."""
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class Reader:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 from tool0.cli import GOAL_FAILED, INTERRUPTED, OK
 from tool0.cli.connection import DEFAULT, Bringup
-from tool0.cli.parameters import Option
-from tool0.cli.text import columns, counted
+from tool0.cli.parameters import AsJson, Option
+from tool0.cli.text import columns, counted, print_json
 
 if TYPE_CHECKING:
     from tool0.api.programs import ProgramHandle
@@ -25,7 +25,13 @@ _STOP_TIMEOUT: Final = 10.0
 """Longest wait for a stopped program to end [wall s]."""
 
 
-def run(program: Source, *, check: bool = False, bringup: Bringup = DEFAULT) -> int:
+def run(
+    program: Source,
+    *,
+    check: bool = False,
+    as_json: AsJson = False,
+    bringup: Bringup = DEFAULT,
+) -> int:
     """Run a program, and print its steps until it has ended.
 
     It is checked first: if a step cannot be executed, nothing moves.  Ctrl-C stops it;
@@ -34,24 +40,39 @@ def run(program: Source, *, check: bool = False, bringup: Bringup = DEFAULT) -> 
     Args:
         program: File of the program, .yaml, or the name of a saved one.
         check: Only check it.
+        as_json: Print one JSON object at the end, and no steps.
     """
     with bringup.connect() as robot:
-        if check:
-            return _report(program, robot.programs.check(program))
-        return _follow(robot, program)
+        if not check:
+            return _follow(robot, program, as_json=as_json)
+        found = robot.programs.check(program)
+    if as_json:
+        print_json(_plain_check(found))
+    else:
+        _print_check(program, found)
+    return GOAL_FAILED if found.problems else OK
 
 
-def _report(name: str, found: ProgramCheck) -> int:
+def _plain_check(found: ProgramCheck) -> dict[str, object]:
+    return {
+        "problems": found.problems,
+        "warnings": found.warnings,
+        "duration": _duration(found),
+    }
+
+
+def _duration(found: ProgramCheck) -> float:
+    """Return how long the motions take [s]."""
+    return found.motion.times[-1] if found.motion.times else 0.0
+
+
+def _print_check(name: str, found: ProgramCheck) -> None:
     for kind, problems in (("warning", found.warnings), ("error", found.problems)):
         for problem in problems:
             print(_problem(name, kind, problem))
-    if found.problems:
-        return GOAL_FAILED
-    times = found.motion.times
-    print(
-        f"{name}: can be executed; its motions take {times[-1] if times else 0:.1f} s"
-    )
-    return OK
+    if not found.problems:
+        duration = f"{_duration(found):.1f} s"
+        print(f"{name}: can be executed; its motions take {duration}")
 
 
 def _problem(name: str, kind: str, problem: ProgramProblem) -> str:
@@ -62,7 +83,7 @@ def _problem(name: str, kind: str, problem: ProgramProblem) -> str:
     return f"{where}: {kind}: {step}{problem.text}"
 
 
-def _follow(robot: Robot, program: str) -> int:
+def _follow(robot: Robot, program: str, *, as_json: bool) -> int:
     """Run a program until it ends, or until a signal stops it."""
     from tool0.cli.stop_signal import StopSignal
     from tool0.errors import GoalTimeoutError
@@ -71,7 +92,7 @@ def _follow(robot: Robot, program: str) -> int:
         handle = robot.run_program(program)
         shown: tuple[object, ...] = ()
         while True:
-            shown = _show(handle.status, shown)
+            shown = shown if as_json else _show(handle.status, shown)
             try:
                 end = handle.wait(_POLL_PERIOD)
                 break
@@ -80,9 +101,12 @@ def _follow(robot: Robot, program: str) -> int:
                     continue
             end = _stopped(handle)
             break
+    if as_json:
+        print_json(end)
+    else:
         _show(end, shown)
-    reason = f": {end.error}" if end.error else ""
-    print(f"{end.state} after {end.time:.1f} s{reason}")
+        reason = f": {end.error}" if end.error else ""
+        print(f"{end.state} after {end.time:.1f} s{reason}")
     if stop.is_set:
         return INTERRUPTED
     return OK if end.state == "succeeded" else GOAL_FAILED
@@ -105,10 +129,17 @@ def _show(run: ProgramRun, shown: tuple[object, ...]) -> tuple[object, ...]:
     return now
 
 
-def show(*, bringup: Bringup = DEFAULT) -> None:
-    """List the programs that were saved with the robot."""
+def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
+    """List the programs that were saved with the robot.
+
+    Args:
+        as_json: Print one JSON object.
+    """
     with bringup.connect() as robot:
         saved = robot.programs.list()
+    if as_json:
+        print_json({"programs": saved})
+        return
     rows = [(item.name, item.error or counted(item.n_steps, "step")) for item in saved]
     print(columns([("name", "content"), *rows]), end="")
 

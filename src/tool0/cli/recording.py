@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, Literal, final
 
 from tool0.cli.connection import DEFAULT, Bringup
-from tool0.cli.parameters import Option
+from tool0.cli.parameters import AsJson, Option
 from tool0.cli.stop_signal import StopSignal
-from tool0.cli.text import counted
+from tool0.cli.text import counted, print_json
 from tool0.errors import ConfigError, RecordingError
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ def record(
     max_files: int | None = None,
     cameras: Annotated[tuple[str, ...], Option(metavar="NAME ...")] = (),
     camera_rate: float = 5.0,
+    as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> int:
     """Record a running bringup to an MCAP file, until Ctrl-C.
@@ -55,10 +56,13 @@ def record(
         max_files: Keep only this number of files, the newest.
         cameras: Cameras whose images are recorded, too.
         camera_rate: Images of each camera per simulated second [Hz].
+        as_json: Print one JSON object at the end; not with --episodes.
     """
     if (file is None) == (episodes is None):
         raise ConfigError("record: give either a FILE.mcap or --episodes FOLDER")
     if episodes is not None:
+        if as_json:
+            raise ConfigError("--json needs a FILE.mcap")
         from tool0.cli.episodes import record_episodes
 
         return record_episodes(episodes, task, reset=reset, bringup=bringup)
@@ -73,7 +77,7 @@ def record(
             cameras=cameras,
             camera_rate=camera_rate,
         )
-        is_terminal = sys.stdout.isatty()
+        is_terminal = sys.stdout.isatty() and not as_json
         while status.is_recording and not stop.wait(_PERIOD):
             if duration is not None and status.duration >= duration:
                 break
@@ -83,7 +87,10 @@ def record(
         status = robot.stop_recording()
     if is_terminal:
         print("\r", end="")
-    print(_described(status))
+    if as_json:
+        print_json(status)
+    else:
+        print(_described(status))
     if status.error is not None:
         raise RecordingError(f"the recording ended early: {status.error}")
     return 0
@@ -103,6 +110,7 @@ def log(
     *,
     requests: bool = True,
     severity: Literal["info", "warning", "error"] = "info",
+    as_json: AsJson = False,
 ) -> None:
     """Print what happened in a recording: goals, requests, warnings, contacts.
 
@@ -110,13 +118,24 @@ def log(
         file: A recording.
         requests: Also print the requests that changed the simulation.
         severity: Least severity of the events.
+        as_json: Print one JSON object.
     """
     from tool0.recording.reading import open_recording
-    from tool0.recording.tables import log_lines
+    from tool0.recording.tables import log_entries, log_line
 
     recording = open_recording(file)
-    lines = list(log_lines(recording, severity=severity, requests=requests))
-    print("\n".join(lines) or f"nothing to report in {recording.duration:.2f} s")
+    found = log_entries(recording, severity=severity, requests=requests)
+    if as_json:
+        print_json(
+            {
+                "duration": recording.duration,
+                "is_complete": recording.is_complete,
+                "entries": found,
+            }
+        )
+    else:
+        text = "\n".join(map(log_line, found))
+        print(text or f"nothing to report in {recording.duration:.2f} s")
     if not recording.is_complete:
         print(
             f"tool0: warning: {file} was cut off after {recording.duration:.2f} s",
@@ -225,7 +244,8 @@ def export(
             width=video.width,
             height=video.height,
         )
-        print(f"{folder}: {counted(found.n_episodes, 'episode')}, {counted(found.n_frames, 'frame')}")
+        episodes = counted(found.n_episodes, "episode")
+        print(f"{folder}: {episodes}, {counted(found.n_frames, 'frame')}")
         return
     from tool0.recording.reading import open_recording
     from tool0.recording.tables import write_csv, write_parquet

@@ -4,24 +4,29 @@ from __future__ import annotations
 
 import contextlib
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from tool0.cli.options import PanelOptions
 from tool0.cli.panel import listening, show
-from tool0.cli.parameters import Option
+from tool0.cli.parameters import AsJson, Option
 from tool0.cli.stop_signal import StopSignal
-from tool0.cli.text import ProgressBar, panel_line
+from tool0.cli.text import ProgressBar, panel_line, print_json
+from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
     from tool0.recording.reading import RecordingFile
+    from tool0.recording.resimulation import Resimulation
 
 
 def replay(
     file: Annotated[Path, Option(is_positional=True)],
+    *,
     speed: float = 1.0,
     loop: bool = False,
     simulate: bool = False,
+    as_json: AsJson = False,
     panel: PanelOptions = PanelOptions(),
 ) -> int:
     """Show a recording in a web page: the robot as it was, with a time line.
@@ -32,14 +37,17 @@ def replay(
         loop: Start again at the end.
         simulate: Show nothing: simulate what was recorded once more, and compare every
             frame to the bit. The exit code is 1 if they differ.
+        as_json: With --simulate, print one JSON object.
     """
+    if as_json and not simulate:
+        raise ConfigError("--json needs --simulate")
     from tool0.panel.replay.view import Replay
     from tool0.panel.server import Panel
     from tool0.recording.reading import open_recording
 
     recording = open_recording(file)
     if simulate:
-        return _simulate(recording)
+        return _simulate(recording, as_json=as_json)
     with contextlib.ExitStack() as exits:
         endpoint = exits.enter_context(listening(panel))
         stop = exits.enter_context(StopSignal())
@@ -59,7 +67,7 @@ def replay(
     return 0
 
 
-def _simulate(recording: RecordingFile) -> int:
+def _simulate(recording: RecordingFile, *, as_json: bool) -> int:
     """Repeat a recording, and print how that compares; return the exit code."""
     from tool0.recording.resimulation import resimulate
 
@@ -68,9 +76,17 @@ def _simulate(recording: RecordingFile) -> int:
             recording,
             lambda done, total: bar("simulating", done / total, f"{done}/{total}"),
         )
+    if as_json:
+        print_json({"is_identical": outcome.is_identical, **asdict(outcome)})
+    else:
+        _print_outcome(outcome, recording.duration)
+    return 0 if outcome.is_identical else 1
+
+
+def _print_outcome(outcome: Resimulation, duration: float) -> None:
     if outcome.is_identical:
         print(
-            f"identical: {outcome.frames} frames, {recording.duration:.2f} s, "
+            f"identical: {outcome.frames} frames, {duration:.2f} s, "
             f"{outcome.requests} requests"
         )
     else:
@@ -78,4 +94,3 @@ def _simulate(recording: RecordingFile) -> int:
         print(f"{outcome.frames} of {outcome.total_frames} frames before are identical")
     for reason in outcome.reasons:
         print(f"note: {reason}")
-    return 0 if outcome.is_identical else 1

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tool0.cli.installing import OK, Format, print_removed, print_status
+from tool0.cli.installing import OK, print_removed, print_status
+from tool0.cli.parameters import AsJson
 from tool0.cli.text import ProgressBar
 
 
@@ -36,17 +37,17 @@ def _install_ros2(*, own: bool = False) -> int:
     return OK
 
 
-def _ros2_status(*, format: Format = "text") -> int:
+def _ros2_status(*, as_json: AsJson = False) -> int:
     """Show which ROS 2 is used, and what is missing.
 
     Exit status: 1 if there is no usable ROS 2.
 
     Args:
-        format: Output format.
+        as_json: Print one JSON object.
     """
     from tool0.installation.ros2.status import ros2_status
 
-    return print_status(ros2_status(), format)
+    return print_status(ros2_status(), as_json=as_json)
 
 
 def _ros2_env() -> int:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from tool0.cli.connection import DEFAULT, Bringup
-from tool0.cli.parameters import Option
-from tool0.cli.text import columns
+from tool0.cli.parameters import AsJson, Option
+from tool0.cli.text import columns, print_json
 from tool0.description.scene import DEFAULT_FRICTION
 from tool0.description.shapes import (
     Box,
@@ -46,7 +45,7 @@ _ZERO = (0.0, 0.0, 0.0)
 
 def show(
     *,
-    as_json: Annotated[bool, Option(name="json")] = False,
+    as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
     """List the objects with shape, mass and pose.
@@ -61,7 +60,7 @@ def show(
     found = list(zip(snapshot.scene, snapshot.objects, strict=True))
     if as_json:
         rows = [_plain(item, state) for item, state in found]
-        print(json.dumps({"objects": rows}))
+        print_json({"objects": rows})
     else:
         head = ("name", "shape", "mass", "x y z [m]", "roll pitch yaw [deg]")
         rows_of_text = [_row(item, state) for item, state in found]

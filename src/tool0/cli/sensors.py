@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from tool0.cli.connection import DEFAULT, Bringup, chosen_robot
-from tool0.cli.parameters import Option
-from tool0.cli.text import columns, grasp_text
+from tool0.cli.parameters import AsJson, Option
+from tool0.cli.text import columns, grasp_text, print_json
 from tool0.description.transform import to_pose
 from tool0.errors import ConfigError
 from tool0.protocol.sensors import DEFAULT_CUTOFF
 
 if TYPE_CHECKING:
-    from tool0.api.sensors import CameraHandle, ForceTorque
+    from tool0.api.sensors import ForceTorque
+    from tool0.description.camera import Camera
     from tool0.description.transform import Pose, Vector3
     from tool0.protocol.gripper import GraspState
     from tool0.protocol.sensors import CameraImage, WrenchReading
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 def state(
     *,
-    as_json: Annotated[bool, Option(name="json")] = False,
+    as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
     """Print simulated time, joint states, gripper states and the pose of tool0.
@@ -40,7 +40,7 @@ def state(
         grippers = {name: item.state for name, item in robot.grippers.items()}
         tools = {arm.tip: to_pose(arm.pose()) for arm in robot.arms.values()}
     if as_json:
-        print(json.dumps(_plain(snapshot, grippers, tools)))
+        print_json(_plain(snapshot, grippers, tools))
     else:
         print(_table(snapshot, grippers) + _poses(tools), end="")
 
@@ -116,6 +116,7 @@ def wrench(
     cutoff: float | None = None,
     duration: float | None = None,
     raw: bool = False,
+    as_json: AsJson = False,
     robot: str | None = None,
     bringup: Bringup = DEFAULT,
 ) -> None:
@@ -129,6 +130,7 @@ def wrench(
         cutoff: Set the cutoff frequency of the low-pass filter [Hz]; initially 15.
         duration: Print every sample for this simulated time [s]; otherwise print one.
         raw: Print unfiltered values.
+        as_json: Print each sample as a line with a JSON object, which has both values.
         robot: Which robot of a cell has the sensor.
     """
     if duration is not None and not duration >= 0.0:
@@ -143,7 +145,10 @@ def wrench(
         if zero:
             sensor.zero()
         for reading in _readings(sensor, duration or 0.0):
-            print(_line(reading, raw), flush=True)
+            if as_json:
+                print_json(reading)
+            else:
+                print(_line(reading, raw), flush=True)
 
 
 def _readings(sensor: ForceTorque, duration: float) -> Iterator[WrenchReading]:
@@ -180,6 +185,7 @@ def camera(
     out: Path | None = None,
     depth: Path | None = None,
     as_list: Annotated[bool, Option(name="list")] = False,
+    as_json: AsJson = False,
     robot: str | None = None,
     bringup: Bringup = DEFAULT,
 ) -> None:
@@ -191,6 +197,7 @@ def camera(
         depth: Write the depth image to this file: a 16-bit PNG in millimetres, 0 where
             nothing is seen; or a .npy array in metres, with infinity there.
         as_list: List the cameras.
+        as_json: Print one JSON object: the cameras, or the files and their size.
         robot: Which robot of a cell has the camera: --robot left wrist is left_wrist.
     """
     if as_list == (name is not None):
@@ -202,25 +209,49 @@ def camera(
             raise ConfigError(f"{path}: the name must end in {' or '.join(suffixes)}")
     with bringup.connect() as connected:
         if name is None:
-            print(_camera_table(connected.cameras), end="")
+            cameras = [handle.camera for handle in connected.cameras.values()]
+            if as_json:
+                print_json({"cameras": list(map(_plain_camera, cameras))})
+            else:
+                print(_camera_table(cameras), end="")
             return
         if robot is not None:
             name = f"{chosen_robot(connected, robot).name}_{name}"
         image = connected.camera(name).image()
     _write(image, out, depth)
+    height, width = image.depth.shape
+    files = [str(path) for path in (out, depth) if path is not None]
+    if as_json:
+        found = {"files": files, "width": width, "height": height, "time": image.time}
+        print_json(found)
+    else:
+        at = f"at t = {image.time:.3f} s"
+        print(f"{', '.join(files)}: {width} x {height}, {at}")
 
 
-def _camera_table(cameras: Mapping[str, CameraHandle]) -> str:
+def _plain_camera(item: Camera) -> dict[str, object]:
+    return {
+        "name": item.name,
+        "link": item.link,
+        "width": item.width,
+        "height": item.height,
+        "field_of_view": item.field_of_view,
+        "near": item.near,
+        "far": item.far,
+    }
+
+
+def _camera_table(cameras: Sequence[Camera]) -> str:
     rows = [("camera", "link", "pixels", "field of view", "sees")]
     rows += [
         (
-            name,
+            item.name,
             item.link or "(none)",
             f"{item.width} x {item.height}",
             f"{math.degrees(item.field_of_view):.0f}°",
             f"{item.near:g} … {item.far:g} m",
         )
-        for name, item in ((name, view.camera) for name, view in cameras.items())
+        for item in cameras
     ]
     return columns(rows)
 
@@ -240,6 +271,3 @@ def _write(image: CameraImage, out: Path | None, depth: Path | None) -> None:
             depth.write_bytes(encode_depth(image.depth))
     except OSError as error:
         raise ConfigError(f"cannot write {error.filename}: {error.strerror}") from None
-    height, width = image.depth.shape
-    written = ", ".join(str(path) for path in (out, depth) if path is not None)
-    print(f"{written}: {width} x {height}, at t = {image.time:.3f} s")

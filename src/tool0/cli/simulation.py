@@ -5,25 +5,33 @@ from __future__ import annotations
 from typing import Annotated
 
 from tool0.cli.connection import DEFAULT, Bringup
-from tool0.cli.parameters import Option
-from tool0.cli.text import columns
+from tool0.cli.parameters import AsJson, Option
+from tool0.cli.text import columns, print_json
 from tool0.errors import ConfigError
 
 Names = Annotated[tuple[str, ...], Option(is_positional=True, metavar="CONTROLLER ...")]
 
 
-def show(bringup: Bringup = DEFAULT) -> None:
-    """List the loaded controllers with type, state and claimed joints."""
+def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
+    """List the loaded controllers with type, state and claimed joints.
+
+    Args:
+        as_json: Print one JSON object.
+    """
     with bringup.connect() as robot:
-        rows = [
-            (
-                status.name,
-                status.type,
-                status.state,
-                " ".join(joint for _, joints in status.claimed for joint in joints),
-            )
-            for status in robot.controllers()
-        ]
+        found = robot.controllers()
+    if as_json:
+        print_json({"controllers": found})
+        return
+    rows = [
+        (
+            status.name,
+            status.type,
+            status.state,
+            " ".join(joint for _, joints in status.claimed for joint in joints),
+        )
+        for status in found
+    ]
     print(columns([("name", "type", "state", "claimed joints"), *rows]), end="")
 
 
@@ -107,6 +115,7 @@ def gains(
     i: float | None = None,
     d: float | None = None,
     i_clamp: float | None = None,
+    as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
     """Print the PID gains of a controller; with --joint, change them first.
@@ -121,6 +130,7 @@ def gains(
         i: Integral gain: command per position error and second.
         d: Derivative gain: command per velocity error.
         i_clamp: Largest contribution of the integral in either direction.
+        as_json: Print one JSON object.
     """
     if joint is None and (p, i, d, i_clamp) != (None,) * 4:
         raise ConfigError("name the joint whose gains change: --joint JOINT")
@@ -128,10 +138,14 @@ def gains(
         controller = robot.controller(name)
         if joint is not None:
             controller.set_gains(joint, p=p, i=i, d=d, i_clamp=i_clamp)
-        rows = [
-            (joint, *(f"{value:g}" for value in (g.p, g.i, g.d, g.i_min, g.i_max)))
-            for joint, g in controller.gains.items()
-        ]
+        found = controller.gains
+    if as_json:
+        print_json({"gains": found})
+        return
+    rows = [
+        (joint, *(f"{value:g}" for value in (g.p, g.i, g.d, g.i_min, g.i_max)))
+        for joint, g in found.items()
+    ]
     print(columns([("joint", "p", "i", "d", "i_min", "i_max"), *rows]), end="")
 
 
@@ -160,18 +174,25 @@ def resume(bringup: Bringup = DEFAULT) -> None:
 
 def step(
     ticks: Annotated[int, Option(is_positional=True, metavar="TICKS")] = 1,
+    *,
+    as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
     """Advance a paused simulation, and print the new simulated time.
 
     Args:
         ticks: Number of control periods.
+        as_json: Print one JSON object.
     """
     if ticks < 1:
         raise ConfigError(f"step: need 1 or more ticks, got {ticks}")
     with bringup.connect() as robot:
         robot.step(ticks)
-        print(f"t = {robot.time:.3f} s")
+        time = robot.time
+    if as_json:
+        print_json({"time": time})
+    else:
+        print(f"t = {time:.3f} s")
 
 
 def reset(bringup: Bringup = DEFAULT) -> None:

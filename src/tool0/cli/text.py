@@ -222,6 +222,21 @@ def summary_line(summary: dict[str, Any]) -> str:
     )
 
 
+def json_text(value: object) -> str:
+    """Return a value as a line of JSON; NaN and infinity are null."""
+    import json
+
+    from msgspec import to_builtins
+
+    plain = finite(to_builtins(value))
+    return json.dumps(plain, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def print_json(value: object) -> None:
+    """Print a value as a line of JSON."""
+    print(json_text(value), end="", flush=True)
+
+
 def finite(value: object) -> object:
     """Return ``value`` with None for NaN and infinity, which JSON lacks."""
     if isinstance(value, float) and not math.isfinite(value):

@@ -16,8 +16,7 @@ try:
     import gymnasium
 except ImportError:
     raise GymUnavailableError(
-        "tool0.gym needs Gymnasium, which is not installed; run "
-        "pip install '.[gym]'"
+        "tool0.gym needs Gymnasium, which is not installed; run pip install '.[gym]'"
     ) from None
 
 from tool0.gym.expert import Expert, expert

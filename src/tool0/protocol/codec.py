@@ -25,7 +25,13 @@ from tool0.errors import (
 )
 from tool0.protocol.goals import GoalResult, GripperResult, Result
 from tool0.protocol.methods import methods
-from tool0.protocol.request import Request, method_name, plain, problem_text, response_type
+from tool0.protocol.request import (
+    Request,
+    method_name,
+    plain,
+    problem_text,
+    response_type,
+)
 from tool0.protocol.sensors import CameraImage, Picture, image_of, picture_of
 from tool0.protocol.state import Snapshot
 from tool0.protocol.state_message import (

@@ -36,8 +36,7 @@ def typestore() -> Typestore:
 def missing_extra(library: str) -> RecordingError:
     """Return the error for a library of the extra ``record`` that is not installed."""
     return RecordingError(
-        f"recordings need {library}, which is not installed: "
-        "pip install '.[record]'"
+        f"recordings need {library}, which is not installed: pip install '.[record]'"
     )
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from tool0.errors import RecordingError
+from tool0.recording.entries import RecordedEvent, RecordedRequest
 
 if TYPE_CHECKING:
     from tool0.protocol.notifications import Severity
@@ -59,10 +59,10 @@ def write_parquet(recording: RecordingFile, path: Path) -> None:
         raise RecordingError(f"cannot write {path}: {error.strerror}") from error
 
 
-def log_lines(
+def log_entries(
     recording: RecordingFile, *, severity: Severity = "info", requests: bool = True
-) -> Iterator[str]:
-    """Yield what happened, in the order of time: events, and requests.
+) -> list[RecordedEvent | RecordedRequest]:
+    """Return what happened, in the order of time: events, and requests.
 
     Args:
         recording: The recording.
@@ -70,23 +70,22 @@ def log_lines(
         requests: Whether to yield the requests within the recording.
     """
     least = _ORDER.index(severity)
-    found = [
-        (event.time, f"{event.severity:8} {event.text}")
-        for event in recording.events
-        if _ORDER.index(event.severity) >= least
+    found: list[RecordedEvent | RecordedRequest] = [
+        event for event in recording.events if _ORDER.index(event.severity) >= least
     ]
     if requests:
         first = int(recording.step[0]) if len(recording) else 0
-        found += [
-            (
-                item.time,
-                f"{'request':8} {item.method} {_shortened(item.params)}".rstrip(),
-            )
-            for item in recording.requests
-            if item.step >= first
-        ]
-    for time, text in sorted(found, key=lambda item: item[0]):
-        yield f"{time:10.3f} s  {text}"
+        found += [item for item in recording.requests if item.step >= first]
+    return sorted(found, key=lambda item: item.time)
+
+
+def log_line(entry: RecordedEvent | RecordedRequest) -> str:
+    """Return an event or a request as a line of text."""
+    if isinstance(entry, RecordedEvent):
+        text = f"{entry.severity:8} {entry.text}"
+    else:
+        text = f"{'request':8} {entry.method} {_shortened(entry.params)}".rstrip()
+    return f"{entry.time:10.3f} s  {text}"
 
 
 def _shortened(params: object) -> str:

@@ -56,7 +56,7 @@ def running() -> Iterator["subprocess.Popen[str]"]:
 def test_json_summary_is_all_that_is_printed(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert run(f"{FAST} --summary json") == OK
+    assert run(f"{FAST} --json") == OK
     summary = json.loads(capsys.readouterr().out)
     assert summary["engine"] == "mujoco"
     assert summary["sim_time"] == pytest.approx(0.1)
@@ -98,7 +98,7 @@ def test_nothing_is_left_behind(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
-    assert run(f"{FAST} --summary none") == OK
+    assert run(f"{FAST} --no-summary") == OK
     assert "simulated" not in capsys.readouterr().out
     assert list(folder.iterdir()) == []
     after = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
@@ -108,14 +108,14 @@ def test_nothing_is_left_behind(
 
 @pytest.mark.parametrize("duration", ["0", "0.0004", "0.0015", "0.25"])
 def test_any_duration_ends(duration: str, capsys: pytest.CaptureFixture[str]) -> None:
-    line = f"--headless --no-realtime --summary json --duration {duration}"
+    line = f"--headless --no-realtime --json --duration {duration}"
     assert run(line) == OK
     time = json.loads(capsys.readouterr().out)["sim_time"]
     assert abs(time - float(duration)) <= 0.0005 + 1e-9
 
 
 def test_real_time_ends_too(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("--headless --duration 0.05 --speed 2 --summary json") == OK
+    assert run("--headless --duration 0.05 --speed 2 --json") == OK
     assert json.loads(capsys.readouterr().out)["sim_time"] >= 0.05
 
 
@@ -173,7 +173,7 @@ def test_a_warning_about_a_file_names_the_line(
         "  publish_rate: 50\n"
         "  publish_rat: 50\n"
     )
-    assert run(f"{FAST} --controllers-file {file} --summary json") == OK
+    assert run(f"{FAST} --controllers-file {file} --json") == OK
     out, error = capsys.readouterr()
     (warning,) = json.loads(out)["warnings"]
     assert (warning["line"], Path(warning["file"])) == (4, file)

@@ -46,7 +46,7 @@ def test_what_is_suspicious_fails_only_if_asked_to(
 
 def test_programs_get_json(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file.write_text(BAD, encoding="utf-8")
-    assert main(["check", str(file), "--format", "json"]) == 1
+    assert main(["check", str(file), "--json"]) == 1
     report = json.loads(capsys.readouterr().out)
     assert report["errors"] == len(report["findings"])
     assert report["files"] == [str(file)]

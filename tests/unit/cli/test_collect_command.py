@@ -54,7 +54,7 @@ def test_a_terminal_shows_a_bar_with_rate_and_success(
 
 
 def test_programs_get_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["--summary", "json", "--seed", "3", "--format", "lerobot"]
+    words = ["--json", "--seed", "3", "--format", "lerobot"]
     assert collected(tmp_path / "walk", *words) == OK
     summary = json.loads(capsys.readouterr().out)
     assert summary["episodes"] == N

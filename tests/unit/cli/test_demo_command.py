@@ -39,7 +39,7 @@ def test_a_failed_pick_is_explained_and_is_the_status(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     slippery = ["--mass", "2", "--friction", "0.02", "--force", "20"]
-    line = ["demo", "pick", "--headless", *slippery, "--format", "json"]
+    line = ["demo", "pick", "--headless", *slippery, "--json"]
     assert main(line) == GOAL_FAILED
     report = json.loads(capsys.readouterr().out)
     assert report["succeeded"] == 0
@@ -59,7 +59,7 @@ def test_the_same_seed_draws_the_same_poses(
 ) -> None:
     starts = []
     for _ in range(2):
-        line = ["demo", "pick", "--headless", "--seed", "3", "--format", "json"]
+        line = ["demo", "pick", "--headless", "--seed", "3", "--json"]
         assert main(line) == OK
         report = json.loads(capsys.readouterr().out)
         starts.append([pick["start"] for pick in report["picks"]])
@@ -74,7 +74,7 @@ def test_a_film_is_as_long_as_the_pick(
     few = functools.partial(FrameRecorder, 10)  # frames a second: drawing takes long
     monkeypatch.setattr(monitor, "FrameRecorder", few)
     path = tmp_path / "pick.mp4"
-    line = ["demo", "pick", "--headless", "--video", str(path), "--format", "json"]
+    line = ["demo", "pick", "--headless", "--video", str(path), "--json"]
     assert main(line) == OK
     report = json.loads(capsys.readouterr().out)
     assert report["video"] == str(path)
@@ -109,7 +109,7 @@ def test_any_robot_picks_on_a_table_of_its_reach(
 ) -> None:
     starts = []
     for robot in (["--arm", "ur3e", "--gripper", "hande"], ["--arm", "ur20"]):
-        assert main(["demo", "pick", "--headless", "--format", "json", *robot]) == OK
+        assert main(["demo", "pick", "--headless", "--json", *robot]) == OK
         (pick,) = json.loads(capsys.readouterr().out)["picks"]
         starts.append(pick["start"][0])
     assert starts[0] < 0.5487 < starts[1]

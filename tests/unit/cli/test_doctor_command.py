@@ -19,7 +19,7 @@ STATES = {"ready", "missing", "not supported", "unknown"}
 
 
 def doctor(capfd: pytest.CaptureFixture[str]) -> tuple[int, dict[str, dict[str, str]]]:
-    status = main(["doctor", "--format", "json"])
+    status = main(["doctor", "--json"])
     said = capfd.readouterr()
     assert said.err == ""
     report = json.loads(said.out)

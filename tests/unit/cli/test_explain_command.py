@@ -55,7 +55,7 @@ def test_a_package_and_a_name_do_as_well(
 
 
 def test_json_holds_the_same(capsys: Capture) -> None:
-    assert main(["explain", str(BRING_UP), "--format", "json"]) == OK
+    assert main(["explain", str(BRING_UP), "--json"]) == OK
     found = json.loads(capsys.readouterr().out)
     first = found["contents"]["items"][0]
     assert (first["kind"], first["line"]) == ("include", 12)

@@ -33,7 +33,7 @@ def add_prefix(*, has_client: bool) -> None:
 
 def status(capsys: pytest.CaptureFixture[str]) -> tuple[int, dict[str, object]]:
     capsys.readouterr()
-    code = main(["gazebo", "status", "--format", "json"])
+    code = main(["gazebo", "status", "--json"])
     return code, json.loads(capsys.readouterr().out)
 
 

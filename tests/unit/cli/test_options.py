@@ -69,7 +69,7 @@ def test_without_options_nothing_is_given() -> None:
         ("--duration", "--duration: expected 1 argument"),
         ("--duration five", "--duration: 'five' is no number"),
         ("--panel-port 80.5", "--panel-port: '80.5' is no whole number"),
-        ("--summary xml", "--summary: no choice 'xml'; choose text or json or none"),
+        ("--json --no-summary", "--json and --no-summary exclude each other"),
         ("--headless yes", "'yes' is one argument too many"),
         ("--mount-xyz 1 2", "--mount-xyz: expected 3 arguments"),
         ("--mount-xyz 0 0 1cm", "--mount-xyz: '1cm': 'cm' is not a unit here"),

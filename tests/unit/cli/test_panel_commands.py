@@ -109,7 +109,7 @@ def test_an_address_for_other_machines_is_warned_of_and_needs_the_token() -> Non
 def test_headless_serves_no_panel_and_loads_no_web_server() -> None:
     code = (
         "import sys; from tool0.cli import main; "
-        "main('bringup --headless --no-realtime --duration 0 --summary none'.split());"
+        "main('bringup --headless --no-realtime --duration 0 --no-summary'.split());"
         "heavy = {'starlette', 'uvicorn', 'websockets', 'asyncio', 'ssl'};"
         "print(sorted(heavy & sys.modules.keys()))"
     )
@@ -122,7 +122,7 @@ def test_headless_serves_no_panel_and_loads_no_web_server() -> None:
 def test_with_a_json_summary_the_address_goes_to_standard_error(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    line = "bringup --no-realtime --duration 0.01 --summary json"
+    line = "bringup --no-realtime --duration 0.01 --json"
     assert main(line.split()) == OK
     out, error = capsys.readouterr()
     assert out.startswith("{")

@@ -40,7 +40,7 @@ def own(monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def status(capsys: Capture) -> tuple[int, dict[str, object]]:
     capsys.readouterr()
-    code = main(["ros2", "status", "--format", "json"])
+    code = main(["ros2", "status", "--json"])
     return code, json.loads(capsys.readouterr().out)
 
 
