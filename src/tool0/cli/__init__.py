@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
 
 from tool0.cli.edge import flush, interruptible, report
+
+if TYPE_CHECKING:
+    from tool0.cli.parameters import Readers
+
+    Form = Callable[..., Any] | Mapping[str, Callable[..., Any]]
 
 COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "bringup": ("bringup", "bring up a robot in simulation, with its controllers"),
@@ -48,6 +53,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     ),
     "workspace": ("workspace", "write ROS packages for a robot into a workspace"),
     "doctor": ("installing", "show what this machine can run, and what is missing"),
+    "completion": ("completion", "print a script that completes words in bash or zsh"),
 }
 """Command → its module in this package, and a summary.
 
@@ -100,16 +106,20 @@ def _carry_out(arguments: list[str]) -> int:
 
 
 def _run(command: str, arguments: list[str]) -> int:
-    from importlib import import_module
-
     from tool0.cli.parsing import parse
 
-    name, summary = COMMANDS[command]
-    module = import_module(f"tool0.cli.{name}")
-    function, readers = getattr(module, command), getattr(module, "READERS", {})
+    form, readers = form_and_readers(command)
     with interruptible():
-        status = parse(function, command, arguments, readers, summary)
+        status = parse(form, command, arguments, readers, COMMANDS[command][1])
     return OK if status is None else int(status)
+
+
+def form_and_readers(command: str) -> tuple[Form, Readers]:
+    """Return the function or functions of a command, and how options are written."""
+    from importlib import import_module
+
+    module = import_module(f"tool0.cli.{COMMANDS[command][0]}")
+    return getattr(module, command), getattr(module, "READERS", {})
 
 
 def _help() -> str:

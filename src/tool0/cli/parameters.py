@@ -61,6 +61,8 @@ class Reader:
     metavar: str
     """The placeholder of the words in the help; the option's name if empty."""
     read: Callable[[list[str]], object]
+    choices: tuple[str, ...] = ()
+    """The valid words, if they are few."""
 
 
 Readers = Mapping[object, Reader | None]
@@ -210,7 +212,7 @@ def _choice(values: tuple[str, ...]) -> Reader:
             raise ConfigError(f"no choice '{words[0]}'; choose {' or '.join(values)}")
         return words[0]
 
-    return Reader(1, "|".join(values), read)
+    return Reader(1, "|".join(values), read, choices=values)
 
 
 def _written(default: object) -> str:

@@ -12,7 +12,7 @@ from tool0.cli.options import PanelOptions
 from tool0.cli.panel import listening, show
 from tool0.cli.parameters import AsJson, Option
 from tool0.cli.stop_signal import StopSignal
-from tool0.cli.text import ProgressBar, panel_line, print_json
+from tool0.cli.text import ProgressBar, counted, panel_line, print_json
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -86,8 +86,8 @@ def _simulate(recording: RecordingFile, *, as_json: bool) -> int:
 def _print_outcome(outcome: Resimulation, duration: float) -> None:
     if outcome.is_identical:
         print(
-            f"identical: {outcome.frames} frames, {duration:.2f} s, "
-            f"{outcome.requests} requests"
+            f"identical: {counted(outcome.frames, 'frame')}, {duration:.2f} s, "
+            f"{counted(outcome.requests, 'request')}"
         )
     else:
         print(f"different {outcome.divergence}")

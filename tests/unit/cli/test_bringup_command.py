@@ -114,6 +114,14 @@ def test_any_duration_ends(duration: str, capsys: pytest.CaptureFixture[str]) ->
     assert abs(time - float(duration)) <= 0.0005 + 1e-9
 
 
+def test_a_long_control_period_is_simulated(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    line = "--controllers joint_state_controller --control-period 0.5 --duration 2"
+    assert run(f"--headless --no-realtime --json {line}") == OK
+    assert json.loads(capsys.readouterr().out)["sim_time"] == 2.0
+
+
 def test_real_time_ends_too(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("--headless --duration 0.05 --speed 2 --json") == OK
     assert json.loads(capsys.readouterr().out)["sim_time"] >= 0.05
@@ -184,6 +192,8 @@ def test_a_warning_about_a_file_names_the_line(
     ("line", "message"),
     [
         ("--arm ur55", "did you mean 'ur5'"),
+        ("--arm UR5", "did you mean 'ur5'"),
+        ("--arm ur6", "did you mean 'ur5'"),
         ("--robot nowhere.urdf", "nowhere.urdf"),
         ("--controllers-file nowhere.yaml", "nowhere.yaml"),
         ("--controllers eff_joint_trai_controller", "'eff_joint_traj_controller'"),

@@ -102,6 +102,23 @@ def test_every_option_is_explained(words: str) -> None:
         assert parameter.metavar.isascii(), parameter.path
 
 
+def test_every_command_that_prints_data_prints_json() -> None:
+    prints_none = (
+        *("view", "export", "completion", "workspace", "pause", "resume", "reset"),
+        *("estop", "program export", "ros1 env", "ros2 env"),
+    )
+    acts = ("load", "unload", "start", "stop", "switch", "save", "delete")
+    acts += ("add", "remove", "place", "install", "uninstall")
+    flags = {
+        words: {item.flag for item in parameters_of(function, READERS)}
+        for words, function in FUNCTIONS.items()
+    }
+    assert [words for words in flags if "--json" not in flags[words]] == [
+        words for words in flags if words in prints_none or words.split()[-1] in acts
+    ]
+    assert all("--format" not in flags[words] for words in ("check", "doctor"))
+
+
 @pytest.mark.parametrize("words", [*FUNCTIONS, *COMMANDS, ""])
 def test_every_command_that_a_help_text_names_exists(
     words: str, capsys: pytest.CaptureFixture[str]

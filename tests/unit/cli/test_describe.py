@@ -1,3 +1,4 @@
+import json
 import shutil
 from pathlib import Path
 
@@ -175,3 +176,18 @@ def test_a_mistake_is_one_line(
     assert error.startswith("tool0: error: ")
     assert error.count("\n") == 1
     assert message in error
+
+
+def test_joints_and_sources_are_json(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["describe", "table", "--json"]) == OK
+    found = json.loads(capsys.readouterr().out)
+    joints = {joint["name"]: joint for joint in found["joints"]}
+    assert found["root"] == "world"
+    assert joints["elbow_joint"]["upper"] == pytest.approx(3.14159, abs=1e-4)
+    assert joints["elbow_joint"]["driven"] == ["EffortJointInterface"]
+    mimics = [joint["mimic"] for joint in found["joints"] if joint["mimic"]]
+    assert {mimic["joint"] for mimic in mimics} == {"finger_joint"}
+    assert main(["describe", "sources", "--json"]) == OK
+    assert json.loads(capsys.readouterr().out).keys() == {"ur5", "2f85"}
+    assert main(["describe", "urdf", "--json"]) == FAILED
+    assert "--json is for tree, table and sources" in capsys.readouterr().err

@@ -1,6 +1,7 @@
 """``tool0 move`` and ``tool0 grip`` with a robot that runs."""
 
 import contextlib
+import json
 import math
 import re
 import signal
@@ -37,6 +38,23 @@ def test_move_keeps_the_joints_that_are_not_given(
     after = robot.joint_state.position
     for name in robot.arm.joint_names:
         assert after[name] == pytest.approx(goals[name], abs=0.03)
+
+
+def test_outcomes_are_json(robot: tool0.Robot, capsys: Capture) -> None:
+    assert run("move --joints elbow_joint=1.2 --json") == OK
+    assert json.loads(capsys.readouterr().out) == {
+        "status": "SUCCEEDED",
+        "error_code": 0,
+        "error_string": "",
+        "canceled": False,
+    }
+    assert run("move --joints elbow_joint=0 --timeout 0.001 --json") == GOAL_FAILED
+    assert json.loads(capsys.readouterr().out)["canceled"]
+    assert run("grip --opening 0.04 --json") == OK
+    found = json.loads(capsys.readouterr().out)
+    assert found["status"] == "SUCCEEDED"
+    assert found["gripper"]["motion"] == "at_target"
+    assert found["gripper"]["gobj"] == robot.gripper.state.gobj
 
 
 def test_numbers_may_have_units(robot: tool0.Robot) -> None:

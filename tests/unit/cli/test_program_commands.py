@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import subprocess
 import sys
@@ -81,7 +82,16 @@ def test_programs_are_saved_listed_run_exported_and_deleted(
     assert run("program", "save", file, "--as-name", "hello") == OK
     assert run("program", "list") == OK
     assert "hello  3 steps" in capsys.readouterr().out
-    assert run("run", "hello", "--check") == OK
+    capsys.readouterr()
+    assert run("program", "list", "--json") == OK
+    assert json.loads(capsys.readouterr().out) == {
+        "programs": [{"name": "hello", "n_steps": 3, "error": ""}]
+    }
+    assert run("run", "hello", "--check", "--json") == OK
+    check = json.loads(capsys.readouterr().out)
+    assert check == {"problems": [], "warnings": [], "duration": 0.0}
+    assert run("run", "hello", "--json") == OK
+    assert json.loads(capsys.readouterr().out)["state"] == "succeeded"
     script = file.with_suffix(".py")
     assert (
         run("program", "export", "hello", "--format", "python", "--output", script)

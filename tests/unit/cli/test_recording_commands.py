@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from pathlib import Path
 
 import numpy as np
@@ -38,13 +39,14 @@ def test_record_writes_what_a_running_bringup_does(
     path = tmp_path / "live.mcap"
     name = "recorded"
     with tool0.bringup(gripper=None) as robot, serving(robot, name):
-        status = main(["record", str(path), "--duration", "0.3", "--name", name])
+        words = ["--duration", "0.3", "--name", name, "--json"]
+        status = main(["record", str(path), *words])
         assert robot.recording is not None
     assert status == OK
     recording = tool0.open_recording(path)
     assert recording.is_complete
     assert recording.duration >= 0.3
-    assert str(path) in capsys.readouterr().out
+    assert json.loads(capsys.readouterr().out)["file"] == str(path)
 
 
 def test_log_prints_events_and_requests(
@@ -58,6 +60,18 @@ def test_log_prints_events_and_requests(
     assert "warning  emergency stop engaged" in texts
     times = [float(line.split()[0]) for line in lines]
     assert times == sorted(times)
+
+
+def test_log_as_json_is_one_object(
+    file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["log", str(file), "--json"]) == OK
+    found = json.loads(capsys.readouterr().out)
+    assert found["is_complete"]
+    first, *rest = found["entries"]
+    assert (first["method"], first["error"]) == ("move_joints", None)
+    assert "goal_succeeded" in [entry.get("kind") for entry in rest]
+    assert found["duration"] >= max(entry["time"] for entry in rest)
 
 
 def test_log_prints_warnings_only(

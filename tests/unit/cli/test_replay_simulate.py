@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
 import tool0
-from tool0.cli import main
+from tool0.cli import FAILED, main
 
 pytest.importorskip("mcap", reason="the extra 'record' is not installed")
 
@@ -24,7 +25,13 @@ def test_it_says_whether_a_recording_repeats(
         robot.run(0.2)
         robot.channel.call(StopRecording())
     assert main(["replay", str(file), "--simulate"]) == 0
-    assert "identical: 26 frames, 0.20 s, 1 requests" in capsys.readouterr().out
+    assert "identical: 26 frames, 0.20 s, 1 request\n" in capsys.readouterr().out
+    assert main(["replay", str(file), "--simulate", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["is_identical"]
+    assert (found["frames"], found["requests"], found["divergence"]) == (26, 1, None)
+    assert main(["replay", str(file), "--json"]) == FAILED
+    assert "--json needs --simulate" in capsys.readouterr().err
 
 
 def test_a_file_that_is_none_is_an_error(

@@ -50,6 +50,16 @@ def test_state_is_a_table(paused: tool0.Robot, capsys: Capture) -> None:
     assert numbers[:3] == pytest.approx(paused.arm.pose().position, abs=1e-5)
 
 
+def test_wrench_as_json_is_an_object_for_each_sample(
+    robot: tool0.Robot, capsys: Capture
+) -> None:
+    assert run("wrench --duration 0.04 --json") == OK
+    samples = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert len(samples) > 1
+    assert {item["frame"] for item in samples} == {"tool0"}
+    assert all(len(item["raw_force"]) == len(item["torque"]) == 3 for item in samples)
+
+
 def forces(capsys: Capture) -> list[list[float]]:
     """Return the forces that were printed [N]."""
     lines = capsys.readouterr().out.splitlines()
@@ -81,6 +91,9 @@ def test_camera_lists_the_cameras(robot: tool0.Robot, capsys: Capture) -> None:
     rows = [line.split() for line in capsys.readouterr().out.splitlines()[1:]]
     assert [row[0] for row in rows] == list(robot.cameras)
     assert rows[0][1:6] == ["tool0", "640", "x", "480", "58°"]
+    assert run("camera --list --json") == OK
+    first, *_ = json.loads(capsys.readouterr().out)["cameras"]
+    assert (first["name"], first["link"], first["width"]) == ("wrist", "tool0", 640)
 
 
 def test_camera_writes_colors_and_depth(

@@ -1,5 +1,6 @@
 """``tool0 controllers``, ``pause``, ``step``, … with a robot that runs."""
 
+import json
 from collections.abc import Callable
 
 import pytest
@@ -27,6 +28,24 @@ def test_controllers_list_shows_every_one(robot: tool0.Robot, capsys: Capture) -
     ]
     (arm,) = (row.split() for row in rows if row.startswith(ARM))
     assert arm[3:] == list(robot.arm.joint_names)
+
+
+def test_controllers_gains_and_time_are_json(
+    robot: tool0.Robot, capsys: Capture
+) -> None:
+    assert run("controllers list --json") == OK
+    rows = json.loads(capsys.readouterr().out)["controllers"]
+    assert [row["name"] for row in rows] == list(states(robot))
+    (arm,) = (row for row in rows if row["name"] == ARM)
+    assert (arm["role"], arm["is_running"]) == ("trajectory", True)
+    interface = "hardware_interface/EffortJointInterface"
+    assert arm["claimed"] == [[interface, list(robot.arm.joint_names)]]
+    assert run(f"controllers gains {ARM} --json") == OK
+    gains = json.loads(capsys.readouterr().out)["gains"]
+    assert gains["elbow_joint"]["p"] == robot.controller(ARM).gains["elbow_joint"].p
+    robot.pause()
+    assert run("step 2 --json") == OK
+    assert json.loads(capsys.readouterr().out) == {"time": robot.time}
 
 
 def test_controllers_are_stopped_loaded_started_and_switched(

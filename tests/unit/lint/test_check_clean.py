@@ -2,7 +2,9 @@
 
 import contextlib
 import random
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from check_files import DATA
@@ -42,6 +44,13 @@ def test_a_urdf_that_we_make_is_clean(tmp_path: Path, gripper_model: str) -> Non
     path = tmp_path / "robot.urdf"
     path.write_text(assemble(gripper_model=gripper_model).urdf)
     assert check([path]).findings == ()
+
+
+@pytest.mark.parametrize("kind", [str, Path, lambda path: [str(path)]])
+def test_one_path_may_be_a_text(tmp_path: Path, kind: Callable[[Path], Any]) -> None:
+    file = tmp_path / "robot.urdf"
+    file.write_text(assemble().urdf, encoding="utf-8")
+    assert check(kind(file)).files == (file,)
 
 
 def mangled(text: str, seed: int) -> str:

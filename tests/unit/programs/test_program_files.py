@@ -99,6 +99,7 @@ def test_a_file_is_read_with_degrees_and_the_lines_of_its_steps(tmp_path: Path) 
         ("times: 2", "times: 0", 5, ">= 1"),
         ("speed: 5e-2", "speed: fast", 9, "float"),
         ("0.2]", "0.2, 0.3]", 8, "length 3"),
+        ("{kind: gripper, opening: closed}", "[1]", 10, "`mapping`, got `list`"),
         ("0.2]", ".nan]", 8, "must be finite, got nan"),
         ("opening: closed", "opening: shut", 10, "shut"),
         ("opening: closed", "", 10, "missing required field `opening`"),
