@@ -211,6 +211,8 @@ def nearest_name(name: str, valid: Collection[str], cutoff: float = 0.6) -> str 
     ]
     if len(prefixed) == 1:
         return prefixed[0]
+    if name in names:
+        return name
     folded = {item.lower(): item for item in names}
     close = difflib.get_close_matches(
         name.lower(), folded, n=_CANDIDATES, cutoff=cutoff

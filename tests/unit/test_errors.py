@@ -17,6 +17,10 @@ def test_the_name_with_the_fewest_differences_is_suggested(
     assert nearest_name(name, ARMS) == nearest
 
 
+def test_a_valid_name_is_its_own_nearest_in_its_case() -> None:
+    assert nearest_name("Pose", ("POSE", "Pose", "pose")) == "Pose"
+
+
 def test_a_name_that_differs_by_its_prefix_comes_first() -> None:
     names = ("left_tool0", "tool1")
     assert nearest_name("tool0", names) == "left_tool0"

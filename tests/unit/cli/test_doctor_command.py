@@ -125,5 +125,5 @@ def test_a_python_without_what_tool0_needs_is_told(tmp_path: Path) -> None:
 
 
 def test_a_wrong_option_is_a_mistake(capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["doctor", "--form", "json"]) == FAILED
-    assert "--format" in capfd.readouterr().err
+    assert main(["doctor", "--jso"]) == FAILED
+    assert "did you mean --json?" in capfd.readouterr().err

@@ -52,7 +52,7 @@ def robot(bringup: tool0.Robot) -> tool0.Robot:
         (LoopStep(times=0), ">= 1"),
         (SetOutputStep(output=99), "<= 17"),
         (WaitStep(duration="1"), "Expected `float | null`, got `str`"),  # type: ignore[arg-type]
-        (MoveJointStep(joints=[1.0]), "got `array`"),  # type: ignore[arg-type]
+        (MoveJointStep(joints=[1.0]), "got `list`"),  # type: ignore[arg-type]
         (ToolPose(xyz=(0.4, 0.0, 0.0)), "Object missing required field `kind`"),
     ],
 )
