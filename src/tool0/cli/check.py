@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from tool0.cli.parameters import AsJson, Option
-from tool0.cli.text import counted
+from tool0.cli.text import counted, print_json
 
 if TYPE_CHECKING:
     from tool0.lint.check import CheckReport
@@ -32,7 +32,10 @@ def check(
     from tool0.lint.check import check as look_into
 
     report = look_into(paths)
-    print(_json(report) if as_json else _text(report))
+    if as_json:
+        print_json(_plain(report))
+    else:
+        print(_text(report))
     is_bad = report.n_errors or (strict and report.findings)
     return FOUND if is_bad else CLEAN
 
@@ -57,17 +60,11 @@ def _count(number: int, what: str) -> str:
     return counted(number, what) if number else f"no {what}s"
 
 
-def _json(report: CheckReport) -> str:
-    import json
-
-    return json.dumps(
-        {
-            "findings": [finding.as_json() for finding in report.findings],
-            "files": [str(path) for path in report.files],
-            "notes": list(report.notes),
-            "errors": report.n_errors,
-            "warnings": report.n_warnings,
-        },
-        ensure_ascii=False,
-        indent=2,
-    )
+def _plain(report: CheckReport) -> dict[str, object]:
+    return {
+        "findings": [finding.as_json() for finding in report.findings],
+        "files": [str(path) for path in report.files],
+        "notes": report.notes,
+        "errors": report.n_errors,
+        "warnings": report.n_warnings,
+    }

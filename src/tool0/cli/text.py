@@ -223,13 +223,13 @@ def summary_line(summary: dict[str, Any]) -> str:
 
 
 def json_text(value: object) -> str:
-    """Return a value as a line of JSON; NaN and infinity are null."""
+    """Return a value as a line of JSON, in ASCII; NaN and infinity are null."""
     import json
 
     from msgspec import to_builtins
 
     plain = finite(to_builtins(value))
-    return json.dumps(plain, allow_nan=False, ensure_ascii=False) + "\n"
+    return json.dumps(plain, allow_nan=False) + "\n"
 
 
 def print_json(value: object) -> None:

@@ -1,6 +1,7 @@
 """From words to the configuration values of a bring-up."""
 
 import inspect
+import json
 import math
 import re
 from dataclasses import fields
@@ -12,6 +13,7 @@ import tool0
 from tool0.cli.options import READERS, BringupOptions, RunOptions
 from tool0.cli.parameters import assignments, joint_values
 from tool0.cli.parsing import parse
+from tool0.cli.text import json_text
 from tool0.errors import ConfigError
 
 CONFIGS = {
@@ -155,3 +157,9 @@ def test_a_wrong_duration_is_refused(duration: float) -> None:
     with pytest.raises(ConfigError) as error:
         RunOptions(duration=duration)
     assert "--duration" in str(error.value)
+
+
+def test_json_is_whole_in_any_encoding() -> None:
+    text = json_text({"name": "é·", "limit": math.inf, "pair": (1.0, math.nan)})
+    assert text.isascii()
+    assert json.loads(text) == {"name": "é·", "limit": None, "pair": [1.0, None]}
