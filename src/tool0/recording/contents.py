@@ -13,12 +13,10 @@ from msgspec import Struct
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Geometry, Mesh, placed_geometries
 from tool0.protocol.robot import (
-    DescriptionInfo,
     ReadDescription,
     ReadInfo,
-    SimulationInfo,
 )
-from tool0.simulation.handlers.reproduction import Reproduction, reproduction
+from tool0.simulation.handlers.reproduction import reproduction
 from tool0.simulation.handlers.table import answer
 
 if TYPE_CHECKING:
@@ -141,21 +139,6 @@ def attach_meshes(file: McapFile, meshes: Mapping[str, Path], first: int = 0) ->
         file.attach(name, "model/mesh", meshes[uri].read_bytes())
     if names:
         file.note(MESHES, names)
-
-
-def read_description(data: bytes) -> DescriptionInfo:
-    """Return the robot's description, as a file has it."""
-    return msgspec.json.decode(data, type=DescriptionInfo)
-
-
-def read_simulation(data: bytes) -> SimulationInfo:
-    """Return what did not change while it was recorded."""
-    return msgspec.json.decode(data, type=SimulationInfo)
-
-
-def read_bringup(data: bytes) -> Reproduction:
-    """Return what brings the same robot up again."""
-    return msgspec.json.decode(data, type=Reproduction)
 
 
 def object_meshes(objects: Iterable[SceneObject]) -> dict[str, Path]:

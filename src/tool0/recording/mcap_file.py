@@ -81,7 +81,10 @@ class McapFile:
             raise RecordingError(f"cannot write {path}: {error.strerror}") from error
         output: Any = self._output  # what the writer uses of a stream
         self._writer: Any = Writer(  # not all of it has types
-            output, chunk_size=LARGEST_CHUNK, compression=CompressionType.ZSTD
+            output,
+            chunk_size=LARGEST_CHUNK,
+            compression=CompressionType.ZSTD,
+            enable_data_crcs=True,
         )
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}

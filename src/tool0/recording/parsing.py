@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import mmap
 import struct
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from io import BytesIO
@@ -16,6 +17,8 @@ from tool0.recording.message_types import missing_extra
 _MAGIC: Final = b"\x89MCAP0\r\n"
 _RECORD: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
+_CHECKSUM: Final = struct.Struct("<I")
+"""CRC-32 of what precedes it; 0 if there is none."""
 _LARGEST: Final = 1 << 30
 """Largest size of a chunk that is unpacked [bytes]."""
 
@@ -76,7 +79,8 @@ def parse(path: Path, frame_topic: str) -> Parsed:
         raise
     except Exception as error:  # of mcap, and of the libraries for compression
         raise RecordingError(
-            f"{path} is damaged at byte {parser.at}: {error}"
+            f"{path} is damaged at byte {parser.at}: "
+            f"{str(error) or 'a record is incomplete'}"
         ) from error
     return parser.parsed
 
@@ -110,7 +114,9 @@ class _Parser:
             if opcode == Opcode.CHUNK:
                 self._read_chunk(Chunk.read(_stream(data[start:end])))
             elif opcode == Opcode.ATTACHMENT:
-                found = Attachment.read(_stream(data[start:end]))
+                record = data[start:end]
+                found = Attachment.read(_stream(record))
+                _check(f"attachment '{found.name}'", record[:-4], record[-4:])
                 self.parsed.attachments[found.name] = found.data
             elif opcode == Opcode.METADATA:
                 note = Metadata.read(_stream(data[start:end]))
@@ -118,7 +124,9 @@ class _Parser:
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE):
                 self._read_record(opcode, data[start:end])
             elif opcode == Opcode.DATA_END:
-                self.parsed.is_complete = data[-len(_MAGIC) :] == _MAGIC
+                with memoryview(data) as view, view[: self.at] as section:
+                    _check("what precedes it", section, data[start:end])
+                self.parsed.is_complete = _is_finished(data)
                 return
 
     def _records(self, data: mmap.mmap) -> Iterator[tuple[int, int, int]]:
@@ -129,6 +137,8 @@ class _Parser:
             start = self.at + _RECORD.size
             end = start + length
             if end > len(data):
+                if _is_finished(data):
+                    raise ValueError(f"a record of {length} bytes exceeds the file")
                 return
             yield opcode, start, end
             self.at = end
@@ -169,6 +179,17 @@ class _Parser:
                 stream = Stream(channel.topic, self._kinds[channel.schema_id])
                 self._streams[channel.id] = stream
                 self.parsed.streams[channel.topic] = stream
+
+
+def _is_finished(data: mmap.mmap) -> bool:
+    return data[-len(_MAGIC) :] == _MAGIC
+
+
+def _check(name: str, data: bytes | memoryview, checksum: bytes) -> None:
+    """Raise ValueError if ``data`` does not have its checksum."""
+    (expected,) = _CHECKSUM.unpack(checksum)
+    if expected not in (0, zlib.crc32(data)):
+        raise ValueError(f"{name} does not have its checksum")
 
 
 def _stream(data: bytes) -> Any:

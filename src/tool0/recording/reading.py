@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, TypeVar, final
 
 import msgspec
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from tool0.description.scene_state import Contact
 from tool0.errors import RecordingError
 from tool0.protocol.objects import ObjectInfo
+from tool0.protocol.robot import DescriptionInfo, SimulationInfo
 from tool0.recording.cdr import JointStates, Wrenches, decode_text
 from tool0.recording.columns import columns_of
 from tool0.recording.contents import (
@@ -27,10 +28,8 @@ from tool0.recording.contents import (
     SIMULATION,
     RecordingInfo,
     info_from,
-    read_bringup,
-    read_description,
-    read_simulation,
 )
+from tool0.recording.damage import damage, reads
 from tool0.recording.entries import RecordedEvent, RecordedRequest
 from tool0.recording.events import EVENTS
 from tool0.recording.frames import (
@@ -48,15 +47,15 @@ from tool0.recording.parsing import Stream, parse
 from tool0.recording.robot import RecordedRobot
 from tool0.recording.snapshots import Snapshots, held
 from tool0.recording.state import decode_change
+from tool0.simulation.handlers.reproduction import Reproduction
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from tool0.description.robot import RobotDescription
-    from tool0.protocol.robot import SimulationInfo
     from tool0.protocol.state import Snapshot
-    from tool0.simulation.handlers.reproduction import Reproduction
 
+T = TypeVar("T")
 Array = NDArray[np.float64]
 
 
@@ -98,10 +97,8 @@ class RecordingFile:
                 f"tool0 reads {FORMAT}; it was recorded with tool0 "
                 f"{metadata.get('version', '(unknown)')}"
             )
-        try:
+        with damage(path, "metadata"):
             self._info = info_from(metadata)
-        except (msgspec.MsgspecError, ValueError) as error:
-            raise RecordingError(f"{path}: unreadable metadata: {error}") from None
         self._names = self._info.joint_names
 
     # ---- what was recorded ----------------------------------------------------------
@@ -136,6 +133,7 @@ class RecordingFile:
         return len(self._stream(JOINT_STATES).times)
 
     @cached_property
+    @reads(JOINT_STATES)
     def tick(self) -> NDArray[np.int64]:
         """Control periods since the start or the last reset, shape (n,)."""
         times = np.array(self._stream(JOINT_STATES).times, dtype=np.float64)
@@ -185,6 +183,7 @@ class RecordingFile:
         return self._commands[1]
 
     @cached_property
+    @reads(OBJECTS)
     def objects(self) -> Mapping[str, Array]:
         """Object → x, y, z [m], qw, qx, qy, qz in the root, shape (n, 7).
 
@@ -208,6 +207,7 @@ class RecordingFile:
         return found
 
     @cached_property
+    @reads("wrenches")
     def wrenches(self) -> Mapping[str, Array]:
         """Arm → force [N] and torque [N·m] at its flange, in its axes, shape (n, 6).
 
@@ -222,6 +222,7 @@ class RecordingFile:
         return found
 
     @cached_property
+    @reads(GRIPPERS)
     def gripper_states(self) -> Mapping[str, Array]:
         """Gripper → opening [m], its rate [m/s] and the force [N], shape (n, 3)."""
         stream, names = self._stream(GRIPPERS), list(self.robot.grippers)
@@ -234,6 +235,7 @@ class RecordingFile:
         return found
 
     @cached_property
+    @reads(CONTACTS)
     def contacts(self) -> Sequence[tuple[Contact, ...]]:
         """What touched what in each snapshot, with forces, in the root's axes.
 
@@ -262,12 +264,12 @@ class RecordingFile:
     @cached_property
     def events(self) -> Sequence[RecordedEvent]:
         """What happened, in the order of the file."""
-        return [RecordedEvent(**item) for item in self._texts(EVENTS)]
+        return self._texts(EVENTS, RecordedEvent)
 
     @cached_property
     def requests(self) -> Sequence[RecordedRequest]:
         """The requests that changed the simulation, since the bring-up."""
-        return [RecordedRequest(**item) for item in self._texts(REQUESTS)]
+        return self._texts(REQUESTS, RecordedRequest)
 
     @property
     def gripping(self) -> Iterator[tuple[int, tuple[str, ...]]]:
@@ -287,11 +289,12 @@ class RecordingFile:
         return RecordedRobot(
             self.path,
             self._meshes,
-            read_description(self._attached(DESCRIPTION)),
+            self._decoded(DESCRIPTION, DescriptionInfo),
             self.attachments,
         )
 
     @property
+    @reads(ROBOT)
     def urdf(self) -> str:
         """The robot as one URDF document, as it was recorded."""
         return self._attached(ROBOT).decode()
@@ -304,15 +307,12 @@ class RecordingFile:
     @cached_property
     def simulation(self) -> SimulationInfo:
         """What did not change while it was recorded."""
-        return read_simulation(self._attached(SIMULATION))
+        return self._decoded(SIMULATION, SimulationInfo)
 
     @cached_property
     def bringup(self) -> Reproduction:
         """All that brings the same robot up again."""
-        try:
-            return read_bringup(self._attached(BRINGUP))
-        except msgspec.MsgspecError as error:
-            raise RecordingError(f"{self.path}: {BRINGUP}: {error}") from None
+        return self._decoded(BRINGUP, Reproduction)
 
     # ---- snapshots ------------------------------------------------------------------
 
@@ -351,14 +351,17 @@ class RecordingFile:
         return self._streams.get(topic) or Stream(topic, "")
 
     @cached_property
+    @reads("snapshots")
     def _snapshots(self) -> Snapshots:
         return Snapshots(self, self._changes)
 
     @cached_property
+    @reads(JOINT_STATES)
     def _states(self) -> tuple[Array, Array, Array]:
         return JointStates(self._names).arrays(self._stream(JOINT_STATES).messages)
 
     @cached_property
+    @reads(JOINT_COMMANDS)
     def _commands(self) -> tuple[Array, Array]:
         stream = self._stream(JOINT_COMMANDS)
         layout = JointStates(self._names, has_effort=False)
@@ -370,14 +373,12 @@ class RecordingFile:
         return found[0], found[1]
 
     @cached_property
+    @reads(STATE)
     def _changes(self) -> Mapping[int, Mapping[str, Any]]:
         """Frame → fields of the snapshot that changed then."""
         stream = self._stream(STATE)
         pairs = zip(stream.frames, stream.messages, strict=True)
-        try:
-            return {frame: decode_change(decode_text(text)) for frame, text in pairs}
-        except msgspec.MsgspecError as error:
-            raise RecordingError(f"{self.path}: unreadable state: {error}") from None
+        return {frame: decode_change(decode_text(text)) for frame, text in pairs}
 
     @cached_property
     def _scene_names(self) -> Sequence[tuple[str, ...]]:
@@ -393,11 +394,18 @@ class RecordingFile:
             found.append(names)
         return found
 
-    def _texts(self, topic: str) -> list[dict[str, Any]]:
-        return [
-            msgspec.json.decode(decode_text(text))
-            for text in self._stream(topic).messages
-        ]
+    def _texts(self, topic: str, kind: type[T]) -> list[T]:
+        """Return the messages of a topic, each of which is JSON."""
+        with damage(self.path, topic):
+            return [
+                msgspec.json.decode(decode_text(text), type=kind)
+                for text in self._stream(topic).messages
+            ]
+
+    def _decoded(self, name: str, kind: type[T]) -> T:
+        """Return an attachment, which is JSON."""
+        with damage(self.path, name):
+            return msgspec.json.decode(self._attached(name), type=kind)
 
     def _attached(self, name: str) -> bytes:
         try:

@@ -16,10 +16,10 @@ from tool0.description.parts import find_arms, find_grippers, flange_names
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import SceneObject
 from tool0.description.xml_source import parse_text
-from tool0.errors import RecordingError, Tool0Error
 from tool0.protocol.objects import ObjectInfo, object_of, with_meshes
 from tool0.protocol.received_description import described_by
 from tool0.protocol.robot import DescriptionInfo
+from tool0.recording.damage import damage
 from tool0.recording.frames import wrench_topics
 
 
@@ -53,16 +53,12 @@ class RecordedRobot:
     @cached_property
     def description(self) -> RobotDescription:
         """The robot, with the recorded meshes; RecordingError if it cannot be read."""
-        document = parse_text(self._info.urdf)
-        try:
+        with damage(self._source, "the robot"):
+            document = parse_text(self._info.urdf)
             for mesh in document.getElementsByTagName("mesh"):
                 file = self._file(mesh.getAttribute("filename"))
                 mesh.setAttribute("filename", file)
             return described_by(self._info, document)
-        except (Tool0Error, OSError) as error:
-            raise RecordingError(
-                f"{self._source}: the robot cannot be read: {error}"
-            ) from error
 
     @cached_property
     def wrench_topics(self) -> Mapping[str, tuple[str, str]]:

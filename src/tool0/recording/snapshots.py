@@ -6,6 +6,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final, Protocol, final, overload
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from tool0.description.scene import SceneObject
 from tool0.description.scene_state import Contact, ObjectState
 from tool0.protocol.state import ArmSample, JointSetpoint, MotionMode, Snapshot
+from tool0.recording.damage import damage
 from tool0.recording.robot import RecordedRobot
 
 Array = NDArray[np.float64]
@@ -32,6 +34,8 @@ class Arrays(Protocol):
     """What a recording has of every snapshot, as ``RecordingFile`` says."""
 
     def __len__(self) -> int: ...
+    @property
+    def path(self) -> Path: ...
     @property
     def joint_names(self) -> tuple[str, ...]: ...
     @property
@@ -101,8 +105,10 @@ class Snapshots(Sequence[Snapshot]):
     def __getitem__(self, index: int | slice) -> Snapshot | list[Snapshot]:
         """Return one snapshot, or several."""
         if isinstance(index, slice):
-            return [self._at(i) for i in range(*index.indices(len(self)))]
-        return self._at(range(len(self))[index])
+            return [self[i] for i in range(*index.indices(len(self)))]
+        i = range(len(self))[index]
+        with damage(self._recording.path, f"snapshot {i}"):
+            return self._at(i)
 
     def _after(self, before: _State, changes: Mapping[str, Any]) -> _State:
         fields = {**before.fields, **changes}
