@@ -24,6 +24,8 @@ from tool0.errors import ConfigError, EngineError, EngineUnavailableError
 from tool0.protocol.channel import backend_of
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from tool0.api.robot import Robot
     from tool0.cli.stop_signal import StopSignal
     from tool0.panel.address import Endpoint
@@ -75,7 +77,8 @@ def bringup(options: BringupOptions) -> int:
             exits.callback(ur.close)
         robot = exits.enter_context(_robot(options))
         if claim is not None or endpoint is not None:
-            exits.enter_context(_server(robot, claim, endpoint))
+            folder = options.run.panel_folder
+            exits.enter_context(_server(robot, claim, endpoint, folder))
         ros = exits.enter_context(_in_ros(robot, options, stop))
         interfaces = [] if ros is None else [ros]
         if node is not None:
@@ -156,8 +159,10 @@ def _robot(options: BringupOptions) -> Robot:
     return robot
 
 
-def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Server:
-    """Serve the robot to other processes and to pages."""
+def _server(
+    robot: Robot, claim: Claim | None, endpoint: Endpoint | None, folder: Path | None
+) -> Server:
+    """Serve the robot to other processes and to pages, which may write ``folder``."""
     from tool0.server.server import Server
 
     services: list[Service] = []
@@ -168,7 +173,7 @@ def _server(robot: Robot, claim: Claim | None, endpoint: Endpoint | None) -> Ser
     if endpoint is not None:
         from tool0.panel.server import panel_service
 
-        services.append(panel_service(robot, endpoint)[1])
+        services.append(panel_service(robot, endpoint, folder)[1])
     name = "" if claim is None else claim.name
     return Server(backend_of(robot.channel), services, name)
 

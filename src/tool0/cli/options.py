@@ -67,6 +67,9 @@ class RunOptions:
     """Print the report as one JSON object, and nothing else to standard output."""
     name: str = "tool0"
     """Name of this bringup for other processes: `tool0 move --name NAME`."""
+    panel_folder: Path | None = None
+    """Let pages record below this folder, too; without it, only below the user's
+    folders of recordings and of episodes."""
     remote: bool = True
     """Allow other processes of this user to drive the robot, such as `tool0 move`."""
     ros1: bool = False

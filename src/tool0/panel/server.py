@@ -19,6 +19,7 @@ from tool0.protocol.channel import Connected, backend_of
 from tool0.protocol.motion import PoseJoints
 from tool0.protocol.request import Request
 from tool0.server.server import Server
+from tool0.user_data import episodes_folder, recordings_folder
 
 if TYPE_CHECKING:
     import uvicorn
@@ -42,6 +43,10 @@ GOING_AWAY: Final = 1001
 FULL: Final = 503
 _MAX_MESSAGE: Final = 1 << 16
 """Longest message of a page [bytes]; a longer one ends the connection."""
+_FAULTS_OF_PAGES: Final = (
+    "ASGI callable returned without completing handshake.",  # a page that is refused
+    "Invalid UTF-8 sequence received from client.",
+)
 _PING_PERIOD: Final = 20.0
 """Wall time between checks that a silent page is still connected [s]."""
 
@@ -79,6 +84,7 @@ class WebService:
         source: Callable[[], ViewSource],
         endpoint: Endpoint,
         setpoint_requests: tuple[type[Request[Any]], ...] = (),
+        folder: Path | None = None,
     ) -> None:
         """Listen.
 
@@ -86,7 +92,11 @@ class WebService:
             source: Makes what pages see, in the server's thread.
             endpoint: The listening socket.
             setpoint_requests: Further requests that pages stream.
+            folder: One below which pages may record, besides the user's folders of
+                recordings and of episodes.
         """
+        own = (recordings_folder(), episodes_folder())
+        self._folders = own if folder is None else (*own, folder)
         self._make_source = source
         self._endpoint = endpoint
         self.listener = endpoint.listener
@@ -168,7 +178,7 @@ class WebService:
             await socket.accept()
             n_pages += 1
             try:
-                await hub.serve(_PageTransport(socket))
+                await hub.serve(_PageTransport(socket, self._folders))
             finally:
                 n_pages -= 1
 
@@ -181,9 +191,10 @@ class _PageTransport:
 
     is_trusted: Final = False
 
-    def __init__(self, socket: WebSocket) -> None:
+    def __init__(self, socket: WebSocket, folders: Sequence[Path]) -> None:
         from tool0.panel.connection_limits import Visitor
 
+        self.folders = folders
         self._socket = socket
         self._visitor = Visitor.of(socket.scope)
 
@@ -256,9 +267,14 @@ class Panel(AbstractContextManager["Panel"]):
 
 
 def panel_service(
-    robot: Connected | RobotView | Replay, endpoint: Endpoint
+    robot: Connected | RobotView | Replay,
+    endpoint: Endpoint,
+    folder: Path | None = None,
 ) -> tuple[Backend, WebService]:
-    """Return what a server needs to show ``robot`` as a page."""
+    """Return what a server needs to show ``robot`` as a page.
+
+    ``folder`` is as for ``WebService``.
+    """
     if isinstance(robot, Connected):
         backend = backend_of(robot.channel)
 
@@ -267,7 +283,7 @@ def panel_service(
 
             return SimulationView(backend)
 
-        return backend, WebService(view, endpoint)
+        return backend, WebService(view, endpoint, folder=folder)
     return robot, WebService(lambda: robot, endpoint, (PoseJoints,))
 
 
@@ -296,5 +312,5 @@ def _configuration(app: ASGIApp) -> uvicorn.Config:
 
 
 def _is_problem(record: logging.LogRecord) -> bool:
-    """Return False for uvicorn's line about a refused page, which is no problem."""
-    return "without completing handshake" not in record.getMessage()
+    """Return False for uvicorn's lines about what a page did wrong: it is told."""
+    return record.getMessage() not in _FAULTS_OF_PAGES

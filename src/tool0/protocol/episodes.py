@@ -40,6 +40,8 @@ class OpenEpisodes(Request[EpisodesStatus], frozen=True):
     From then on the panel has keys to start and end them.
     """
 
+    written_paths = ("folder",)
+
     folder: FolderName
     task: Annotated[str, Meta(max_length=500)] = ""
     """What is to be done, in words; each line of the index has it."""

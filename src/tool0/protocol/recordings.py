@@ -32,6 +32,8 @@ class RecordingStatus(Struct, frozen=True, kw_only=True):
 class StartRecording(Request[RecordingStatus], frozen=True):
     """Record to an MCAP file until ``stop_recording``, or until the robot is closed."""
 
+    written_paths = ("file",)
+
     file: Annotated[str, Meta(min_length=1, max_length=4000)] | None = None
     """The path on the simulation's machine, which ends in ``.mcap``, or a folder for a
     file named by date and time; if left out, the user's folder of recordings."""

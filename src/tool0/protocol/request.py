@@ -38,6 +38,8 @@ class Request(
     is_streamed: ClassVar[bool] = False
     """Whether many of them follow each other without replies: each is executed at the
     next tick, without a detour through other threads."""
+    written_paths: ClassVar[tuple[str, ...]] = ()
+    """Fields that name files or folders on the robot's machine, which it writes."""
     is_of_connection: ClassVar[bool] = False
     """Whether it is about the streams of one connection: the server answers it, for
     every backend."""

@@ -30,6 +30,7 @@ from tool0.protocol.episodes import (
 )
 from tool0.protocol.running import Reset
 from tool0.recording.recordings import Recordings
+from tool0.recording.requests import given_path
 from tool0.simulation.handlers.table import answer, handles
 
 if TYPE_CHECKING:
@@ -243,7 +244,7 @@ class Episodes:
 
 @handles(OpenEpisodes)
 def _open(simulation: Simulation, request: OpenEpisodes) -> EpisodesStatus:
-    folder = Path(request.folder).expanduser().absolute()
+    folder = given_path(request.folder)
     episodes = simulation.service(Episodes)
     return episodes.open(folder, request.task, resets=request.reset)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from tool0.errors import RecordingError
+from tool0.errors import ConfigError, RecordingError
 from tool0.protocol.recordings import (
     ReadRecording,
     RecordingStatus,
@@ -16,7 +16,7 @@ from tool0.recording.options import Images, Rotation
 from tool0.recording.recordings import Recordings
 from tool0.simulation.handlers.table import handles
 from tool0.simulation.simulation import Simulation
-from tool0.user_data import data_folder
+from tool0.user_data import expanded, recordings_folder
 
 SUFFIX = ".mcap"
 
@@ -28,7 +28,7 @@ def _start(simulation: Simulation, request: StartRecording) -> RecordingStatus:
         max_duration=request.max_duration,
         max_files=request.max_files,
     )
-    path = checked_file(None if request.file is None else Path(request.file))
+    path = checked_file(request.file)
     recordings = simulation.service(Recordings)
     images = Images(cameras=request.cameras, rate=request.camera_rate)
     return recordings.start(path, rotation, images, overwrite=request.overwrite)
@@ -38,20 +38,20 @@ handles(StopRecording)(lambda sim, _: sim.service(Recordings).stop())
 handles(ReadRecording)(lambda sim, _: sim.service(Recordings).status)
 
 
-def checked_file(path: Path | None) -> Path:
+def checked_file(file: Path | str | None) -> Path:
     """Return where a recording is to be written.
 
     Raises:
-        RecordingError: If the name does not end in ``.mcap``.
+        RecordingError: If the name does not end in ``.mcap``, or cannot be one.
     """
-    if path is None:
-        folder = data_folder() / "recordings"
+    if file is None:
+        folder = recordings_folder()
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise RecordingError(f"cannot make {folder}: {error.strerror}") from error
         return _new_file(folder)
-    path = path.expanduser().absolute()
+    path = given_path(file)
     if path.is_dir():
         return _new_file(path)
     if path.suffix != SUFFIX:
@@ -60,6 +60,23 @@ def checked_file(path: Path | None) -> Path:
             f"write '{path.with_suffix(SUFFIX).name}'"
         )
     return path
+
+
+def given_path(path: Path | str) -> Path:
+    """Return the whole path of a file or folder, which may not exist.
+
+    Raises:
+        RecordingError: If there can be none of that name.
+    """
+    try:
+        whole = expanded(path).absolute()
+        whole.lstat()
+    except FileNotFoundError:
+        return whole
+    except (ConfigError, OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise RecordingError(f"cannot use {str(path)!r}: {reason}") from None
+    return whole
 
 
 def _new_file(folder: Path) -> Path:

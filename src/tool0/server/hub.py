@@ -32,6 +32,7 @@ from tool0.protocol.motion import SteerJoints
 from tool0.protocol.request import Request
 from tool0.protocol.running import Run, Step
 from tool0.protocol.subscriptions import Subscribe, SubscribeView, ViewShown
+from tool0.server import written_paths
 from tool0.server.budget import Budget
 from tool0.server.outages import Outages
 from tool0.server.session import Ident, Session, Transport
@@ -154,8 +155,10 @@ class Hub:
         self, session: Session, ident: Ident, request: Request[Any]
     ) -> bool:
         self.look_for_outage()
-        refusal = self._missing(request) or self._outages.refusal(
-            session, request, is_streamed=ident is None
+        refusal = (
+            self._missing(request)
+            or _forbidden(session, request)
+            or self._outages.refusal(session, request, is_streamed=ident is None)
         )
         if refusal is not None:
             self._refuse(session, ident, refusal)
@@ -348,6 +351,13 @@ class Hub:
             if isinstance(sender, Session) and sender in self.sessions:
                 sender.send(encode_error(None, _logged(error)))
             self.when_refused(str(error))
+
+
+def _forbidden(session: Session, request: Request[Any]) -> ControlError | None:
+    """Return why a peer may not send a request; None if it may."""
+    if session.folders is None or not request.written_paths:
+        return None
+    return written_paths.refusal(request, session.folders)
 
 
 async def _close(session: Session) -> None:

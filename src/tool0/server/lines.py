@@ -25,6 +25,7 @@ class LineTransport(asyncio.BufferedProtocol):
     """One program; see ``session.Transport``."""
 
     is_trusted: Final = True
+    folders: Final = None
 
     def __init__(self, account: Account) -> None:
         self.account = account

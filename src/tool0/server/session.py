@@ -17,6 +17,7 @@ import contextlib
 import logging
 from collections import deque
 from collections.abc import Awaitable, Callable, Collection, Sequence
+from pathlib import Path
 from typing import Any, Final, NamedTuple, Protocol, final
 
 from tool0.errors import ControlError, TransportError
@@ -80,6 +81,10 @@ class Transport(Protocol):
         """Whether the peer is a program of this user, which may read late."""
 
     @property
+    def folders(self) -> Sequence[Path] | None:
+        """Folders in which the peer may have files written; None for all."""
+
+    @property
     def account(self) -> Account:
         """What is charged for the peer."""
 
@@ -124,6 +129,7 @@ class Session:
         self._carry_out = carry_out
         self._stop = stop
         self.account = transport.account
+        self.folders = transport.folders
         self._wake = asyncio.Event()
         self._queue: deque[bytes] = deque()
         self._n_unread = 0

@@ -3,16 +3,20 @@
 import http.client
 import socket
 from collections.abc import Iterator
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
 from page import TIMEOUT, page_at, socket_url
 from websockets.exceptions import InvalidStatus
+from websockets.frames import Frame, Opcode
 from websockets.sync.client import connect
 
 import tool0
 from tool0.panel.address import TOKEN_VARIABLE, Endpoint, open_endpoint
-from tool0.panel.server import Panel
+from tool0.panel.server import Panel, panel_service
+from tool0.server.server import Server
+from tool0.user_data import episodes_folder, recordings_folder
 
 HTML = "<!doctype html><title>Panel</title>"
 
@@ -122,6 +126,60 @@ def test_our_own_page_and_programs_come_in(panel: Panel) -> None:
         assert page.request("resume") is None
     port = urlsplit(panel.url).port
     assert fetch(panel, "/", Host=f"[::1]:{port}").status == 200
+
+
+@pytest.mark.parametrize(
+    ("frame", "code"),
+    [
+        (Frame(Opcode.TEXT, b"\xff\xfe"), 1007),
+        (Frame(Opcode.CONT, b"x"), 1002),
+        (Frame(Opcode.CLOSE, b"\x00"), 1002),
+        (Frame(Opcode.TEXT, b"x" * 70_000), 1009),
+    ],
+    ids=lambda value: str(value)[:20],
+)
+def test_a_bad_frame_ends_its_connection_and_prints_nothing(
+    panel: Panel, frame: Frame, code: int, caplog: pytest.LogCaptureFixture
+) -> None:
+    with page_at(panel.url) as page:
+        page.start("subscribe")  # while it is sent much
+        page.socket.socket.sendall(frame.serialize(mask=True))
+        assert page.close_code() == code
+    assert not caplog.records
+
+
+def test_a_page_records_only_where_recordings_are(
+    robot: tool0.Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    recordings, allowed = recordings_folder(), tmp_path / "allowed"
+    for folder in (recordings, allowed):
+        folder.mkdir(parents=True)
+    (recordings / "link").symlink_to(tmp_path)
+    endpoint = open_endpoint(port=0)
+    backend, service = panel_service(robot, endpoint, allowed)
+    with Server(backend, [service]), page_at(service.url) as page:
+        for file in (
+            "x.mcap",
+            f"{tmp_path}/x.mcap",
+            f"{recordings}/../x.mcap",
+            f"{recordings}/link/x.mcap",
+            f"{recordings}/link/../x.mcap",
+            f"{recordings}/\0.mcap",
+            "~nobody-of-this-name/x.mcap",
+        ):
+            error = page.request("start_recording", file=file)
+            assert error is not None
+            assert "--panel-folder" in error["message"], file
+        error = page.request("open_episodes", folder=f"{tmp_path}/lift")
+        assert error is not None
+        assert str(episodes_folder()) in error["message"]
+        assert {path.name for path in tmp_path.iterdir()} == {"data", "allowed"}
+        for file in (None, f"{recordings}/x.mcap", f"{allowed}/x.mcap"):
+            assert page.request("start_recording", file=file) is None
+            assert page.request("stop_recording") is None
+        assert page.request("open_episodes", folder=f"{episodes_folder()}/a") is None
+        assert page.request("close_episodes") is None
 
 
 def test_a_chosen_token_is_needed(robot: tool0.Robot) -> None:
