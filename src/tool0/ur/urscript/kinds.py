@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, Final, TypeAlias, final
 
+from tool0.description.transform import FARTHEST
 from tool0.protocol.state import Six
 from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.values import Pose, Value, described, is_number
@@ -70,14 +71,17 @@ def _any(value: Value) -> Value:
 def _pose(value: Value) -> Pose:
     if type(value) is not Pose:
         raise _wrong("a pose p[x, y, z, rx, ry, rz]", value)
-    _finite(value)
+    _check(value, FARTHEST)
     return value
 
 
-def _finite(values: tuple[Value, ...]) -> None:
+def _check(values: tuple[Value, ...], largest: float) -> None:
+    """Raise ValueProblem for numbers with which one cannot compute."""
     for value in values:
         if not math.isfinite(value):  # type: ignore[arg-type]
             raise ValueProblem(f"finite numbers are needed, not {value}")
+        if abs(value) > largest:  # type: ignore[arg-type]
+            raise ValueProblem(f"{value:g} is too large")
 
 
 def _list(value: Value) -> tuple[Value, ...]:
@@ -95,7 +99,7 @@ def _numbers(size: int | None, words: str) -> Callable[[Value], tuple[float, ...
             raise _wrong(words, value)
         if not all(is_number(item) for item in value):
             raise ValueProblem(f"{words} is needed")
-        _finite(value)
+        _check(value, math.inf if size is None else FARTHEST)
         return tuple(float(item) for item in value)  # type: ignore[arg-type]
 
     return convert
