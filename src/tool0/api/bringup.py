@@ -127,7 +127,7 @@ def bringup(
     if simulation.record is None:
         return recorded
     try:
-        recorded.start_recording(simulation.record)
+        recorded.start_recording(simulation.record, overwrite=simulation.overwrite)
     except BaseException:
         recorded.close()
         raise

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Mapping, Sequence
+import threading
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, TypeVar, final
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -118,6 +120,8 @@ class Batch:
         self._object_arrays: ObjectArrays | None = None
         """Arrays read since the state last changed, like ``_joints``."""
         self._is_closed = False
+        self._user = threading.RLock()
+        """Held by the thread that reads or changes the state."""
 
     # ---- what it is -----------------------------------------------------------------
 
@@ -174,7 +178,8 @@ class Batch:
     @property
     def time(self) -> Array:
         """Simulated time of each copy since its reset [s], shape (n,)."""
-        return _frozen(self._copies.time)
+        with self._alone():
+            return _frozen(self._copies.time)
 
     @property
     def position(self) -> Array:
@@ -194,7 +199,8 @@ class Batch:
     @property
     def diverged(self) -> NDArray[np.bool_]:
         """Copies whose physics failed, shape (n,): each stands still until a reset."""
-        return _frozen(self._copies.has_diverged.copy())
+        with self._alone():
+            return _frozen(self._copies.has_diverged.copy())
 
     def tool_pose(self, robot: str | None = None) -> tuple[Array, Array]:
         """Return position [m], (n, 3), and quat_wxyz, (n, 4), of tool0 in the root.
@@ -266,7 +272,8 @@ class Batch:
         """
         geometry = self._gripper(gripper)
         pads = pad_links(self._model, geometry)
-        return _frozen(self._copies.pad_forces(pads))
+        with self._alone():
+            return _frozen(self._copies.pad_forces(pads))
 
     # ---- commands -------------------------------------------------------------------
 
@@ -305,9 +312,9 @@ class Batch:
         if velocities is not None:
             qd = check.rows("velocities", velocities, shape, rows, axes)
         self._commands.check_positions(names, q[:, None], rows)
-        self._change()
-        speeds = None if qd is None else qd[:, None]
-        self._commands.start(rows, parts, q[:, None], speeds, [duration])
+        with self._changing():
+            speeds = None if qd is None else qd[:, None]
+            self._commands.start(rows, parts, q[:, None], speeds, [duration])
 
     def follow(
         self,
@@ -342,8 +349,8 @@ class Batch:
         if velocities is not None:
             qd = check.rows("velocities", velocities, shape, rows, axes)
         self._commands.check_positions(names, q, rows)
-        self._change()
-        self._commands.start(rows, parts, q, qd, points)
+        with self._changing():
+            self._commands.start(rows, parts, q, qd, points)
 
     def move_gripper(
         self,
@@ -380,15 +387,15 @@ class Batch:
         fastest, strongest = geometry.speed[1], geometry.force[1]
         speeds = check.rows("speed", fastest if speed is None else speed, (), rows)
         forces = check.rows("force", strongest if force is None else force, (), rows)
-        self._change()
-        self._commands.grip(
-            geometry,
-            rows,
-            openings,
-            speeds[rows].tolist(),
-            forces[rows].tolist(),
-            has_force=force is not None,
-        )
+        with self._changing():
+            self._commands.grip(
+                geometry,
+                rows,
+                openings,
+                speeds[rows].tolist(),
+                forces[rows].tolist(),
+                has_force=force is not None,
+            )
 
     # ---- time -----------------------------------------------------------------------
 
@@ -404,8 +411,8 @@ class Batch:
             raise ControlError(
                 f"Batch.step: 'ticks' must be a whole number, 0 or more, got {ticks!r}"
             )
-        self._change()
-        self._copies.step(int(ticks))
+        with self._changing():
+            self._copies.step(int(ticks))
 
     def run(self, duration: float) -> None:
         """Advance all copies by ``duration`` [s], rounded to whole control periods."""
@@ -438,8 +445,8 @@ class Batch:
             _check_starts(free, q[:, columns], rows)
             names = [joint.name for joint in free]
             starts = dict(zip(names, q[rows][:, columns].T, strict=True))
-        self._change()
-        self._copies.reset(rows, starts)
+        with self._changing():
+            self._copies.reset(rows, starts)
 
     # ---- the scene ------------------------------------------------------------------
 
@@ -471,8 +478,8 @@ class Batch:
         quats = check.rows("quat", turn, (4,), rows)[rows]
         if not (np.abs(quats).max(axis=1, initial=0.0) > 0.0).all():
             raise ControlError("Batch.place: a 'quat' is zero; it must not be")
-        self._change()
-        self._copies.place(rows, name, xyz, quats)
+        with self._changing():
+            self._copies.place(rows, name, xyz, quats)
 
     def set_mass(self, name: str, mass: ArrayLike, which: Which | None = None) -> None:
         """Give a movable object another mass; it keeps its shape.
@@ -518,14 +525,16 @@ class Batch:
                 f"Batch.render: no copy {i}; there are 0 … {self._n - 1}"
             )
         self._check_on_cpu("render")
-        return self._cameras.render(self._cameras[camera], self._snapshot(i))
+        with self._alone():
+            return self._cameras.render(self._cameras[camera], self._snapshot(i))
 
     def close(self) -> None:
         """End the batch; closing twice is allowed."""
-        self._is_closed = True
-        self._cameras.close()
-        for core in self._cores:
-            core.engine.close()
+        with self._alone():
+            self._is_closed = True
+            self._cameras.close()
+            for core in self._cores:
+                core.engine.close()
 
     def __enter__(self) -> Batch:
         return self
@@ -554,25 +563,52 @@ class Batch:
         if self._device != CPU:
             raise needs_cpu(f"Batch.{method}", self._device)
 
-    def _change(self) -> None:
-        """Forget arrays that were read: the state is about to change."""
-        if self._is_closed:
-            raise ControlError("the batch is closed")
-        self._joints = self._object_arrays = None
+    @contextlib.contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Raise ControlError if another thread is reading or changing the state."""
+        if not self._user.acquire(blocking=False):
+            raise ControlError(
+                "another thread is using this batch; give each thread a batch of its "
+                "own, or guard this one with a lock"
+            )
+        try:
+            yield
+        finally:
+            self._user.release()
+
+    @contextlib.contextmanager
+    def _changing(self) -> Iterator[None]:
+        """Forget arrays that were read: the state changes."""
+        with self._alone():
+            if self._is_closed:
+                raise ControlError("the batch is closed")
+            self._joints = self._object_arrays = None
+            yield
+
+    def __reduce__(self) -> NoReturn:
+        """Refuse to be pickled or copied."""
+        raise TypeError(
+            "a Batch cannot be pickled or copied: it is memory of the physics and "
+            "threads of this process; make one where it is needed, from the same "
+            "arguments"
+        )
 
     def _states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts of the joints."""
-        if self._joints is None:
-            position, velocity, effort = map(_frozen, self._copies.states())
-            self._joints = position, velocity, effort
-        return self._joints
+        with self._alone():
+            if self._joints is None:
+                position, velocity, effort = map(_frozen, self._copies.states())
+                self._joints = position, velocity, effort
+            return self._joints
 
     def _objects(self) -> ObjectArrays:
         from tool0.engines.mujoco.copies import ObjectArrays
 
-        if self._object_arrays is None:
-            self._object_arrays = ObjectArrays(*map(_frozen, self._copies.objects()))
-        return self._object_arrays
+        with self._alone():
+            if self._object_arrays is None:
+                arrays = map(_frozen, self._copies.objects())
+                self._object_arrays = ObjectArrays(*arrays)
+            return self._object_arrays
 
     def _positions(self) -> dict[str, Array]:
         """Return each joint's positions, shape (n,)."""
@@ -609,10 +645,10 @@ class Batch:
                 raise ControlError(f"Batch.{method}: copy {i}: {error}") from None
         from tool0.engines.mujoco.copies import mujoco_engine
 
-        self._change()
-        for i, item in zip(rows.tolist(), items, strict=True):
-            mujoco_engine(self._cores[i].engine).world.change(item)
-            self._cores[i].scene.changed(item)
+        with self._changing():
+            for i, item in zip(rows.tolist(), items, strict=True):
+                mujoco_engine(self._cores[i].engine).world.change(item)
+                self._cores[i].scene.changed(item)
 
     def _object(self, name: str) -> None:
         if name not in self.object_names:

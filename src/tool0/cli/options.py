@@ -179,6 +179,8 @@ class BringupOptions:
                 "--ur-active-gripper need --ur"
             )
         self.ur.options()  # raises for a wrong one
+        if self.simulation.overwrite and self.simulation.record is None:
+            raise ConfigError("--overwrite needs --record")
         if not self.run.ros2 and self.ros2 != Ros2NodeOptions():
             raise ConfigError("--ros2-ns and --domain need --ros2")
         self.ros2.options()  # raises for a wrong one

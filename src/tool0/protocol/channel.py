@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol, TypeVar, final, runtime_checkable
+from typing import TYPE_CHECKING, NoReturn, Protocol, TypeVar, final, runtime_checkable
 
 from tool0.errors import ControlError
 from tool0.protocol.backend import missing
+from tool0.protocol.fork_guard import refuse_pickle
 from tool0.protocol.goals import Goal, GoalStarted
 from tool0.protocol.request import Request, checked
 
@@ -79,6 +80,9 @@ class LocalChannel:
         assert states is not None
         self._backend, self._states = backend, states
         self._process = states.process
+
+    def __reduce__(self) -> NoReturn:
+        refuse_pickle()
 
     @property
     def backend(self) -> Backend:

@@ -1,9 +1,9 @@
-"""Ownership by one process: threads and connections do not survive a fork."""
+"""Ownership by one process: threads and connections survive no fork and no pickle."""
 
 from __future__ import annotations
 
 import os
-from typing import final
+from typing import NoReturn, final
 
 from tool0.errors import ControlError
 
@@ -28,3 +28,11 @@ class OwnProcess:
                 "call tool0.bringup or tool0.connect here (with multiprocessing, use "
                 "the start method 'spawn')"
             )
+
+
+def refuse_pickle() -> NoReturn:
+    """Raise TypeError: neither a simulation nor a connection can leave its process."""
+    raise TypeError(
+        "a robot cannot be pickled or copied; give other processes the name of its "
+        "bring-up, and call tool0.connect(name) there"
+    )

@@ -13,7 +13,7 @@ from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeVar, final
+from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeVar, final
 
 import msgspec
 from msgspec import Raw, UnsetType
@@ -37,6 +37,7 @@ from tool0.protocol.bus import (
     Subscription,
     WasReset,
 )
+from tool0.protocol.fork_guard import refuse_pickle
 from tool0.protocol.goal_registry import GOALS_KEPT
 from tool0.protocol.goals import Goal, GoalStarted
 from tool0.protocol.request import Request, checked, method_name
@@ -93,6 +94,9 @@ class SocketChannel:
         except BaseException:
             self.close()
             raise
+
+    def __reduce__(self) -> NoReturn:
+        refuse_pickle()
 
     @cached_property
     def description(self) -> RobotDescription:

@@ -75,3 +75,5 @@ class SimulationConfig:
     record: File | None = None
     """MCAP file to record to, from the start until the robot is closed
     (docs/recording.md)."""
+    overwrite: bool = False
+    """Replace the file of ``record`` if it exists."""

@@ -138,6 +138,16 @@ def test_a_wait_in_real_time_is_of_wall_time() -> None:
         assert robot.time < 900.0
 
 
+@pytest.mark.parametrize("of", [lambda it: it, lambda it: it.gripper])
+def test_a_robot_cannot_be_pickled(
+    robot: tool0.Robot, of: Callable[[tool0.Robot], object]
+) -> None:
+    with pytest.raises(TypeError, match=r"call tool0\.connect\(name\) there"):
+        pickle.dumps(of(robot))
+    with pytest.raises(TypeError, match="cannot be pickled or copied"):
+        copy.deepcopy(of(robot))
+
+
 def test_pausing_stepping_and_resuming(robot: tool0.Robot) -> None:
     robot.pause()
     with pytest.raises(ControlError):

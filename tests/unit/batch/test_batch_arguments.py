@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+import queue
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -34,6 +38,42 @@ SCENE = Scene(
 def batch() -> Iterator[tool0.Batch]:
     with tool0.Batch(3, scene=SCENE) as batch:
         yield batch
+
+
+def test_threads_that_use_one_batch_at_once_are_refused() -> None:
+    """Not all of them: one goes on, and the batch remains usable."""
+    outcomes: queue.SimpleQueue[str] = queue.SimpleQueue()
+
+    def use(call: Callable[[], object]) -> None:
+        for _ in range(20):
+            try:
+                call()
+            except tool0.ControlError as error:
+                outcomes.put(str(error))
+            else:
+                outcomes.put("")
+
+    with tool0.Batch(2, description=tool0.DescriptionConfig(gripper=None)) as batch:
+        calls = [lambda: batch.step(50)] * 3 + [batch.reset, lambda: batch.position]
+        threads = [threading.Thread(target=use, args=(call,)) for call in calls]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        batch.reset()
+        batch.step()
+        assert batch.time.tolist() == [batch.control_period] * 2
+    texts = [outcomes.get() for _ in range(100)]
+    assert "" in texts
+    assert any("another thread is using this batch" in text for text in texts)
+
+
+@pytest.mark.parametrize("copied", [pickle.dumps, copy.deepcopy, copy.copy])
+def test_a_batch_cannot_be_pickled(
+    batch: tool0.Batch, copied: Callable[[object], object]
+) -> None:
+    with pytest.raises(TypeError, match="make one where it is needed"):
+        copied(batch)
 
 
 def changed(**fields: object) -> Scene:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -161,6 +162,9 @@ def test_a_read_only_folder_is_reported(robot: tool0.Robot, tmp_path: Path) -> N
     [
         ("missing/new.mcap", "No such file or directory"),
         ("file/new.mcap", "Not a directory"),
+        ("\0.mcap", "null"),
+        ("\ud800.mcap", "cannot use"),
+        ("x" * 300 + ".mcap", "File name too long"),
         ("new.bag", "ends in .mcap, got 'new.bag'; write 'new.mcap'"),
         ("there.mcap", "exists already"),
     ],
@@ -173,6 +177,17 @@ def test_a_file_that_cannot_be_written_is_reported(
     with pytest.raises(tool0.RecordingError, match=problem):
         robot.start_recording(tmp_path / name)
     assert robot.recording is None
+
+
+def test_a_recording_from_the_start_replaces_a_file_if_it_may(tmp_path: Path) -> None:
+    file = tmp_path / "there.mcap"
+    file.touch()
+    once = tool0.SimulationConfig(record=file, realtime=False)
+    with pytest.raises(tool0.RecordingError, match="exists already"):
+        tool0.bringup(gripper=None, simulation=once)
+    with tool0.bringup(gripper=None, simulation=replace(once, overwrite=True)) as robot:
+        robot.run(0.1)
+    assert tool0.open_recording(file).duration == pytest.approx(0.1, abs=0.01)
 
 
 def test_a_second_recording_is_refused(robot: tool0.Robot, tmp_path: Path) -> None:

@@ -131,6 +131,8 @@ FAILURES = {
     "sleep(-k)": "the time is -2, less than 0",
     "one[0] = k": "a string has no elements",
     "x = str_cat(long, long)": "at most 1023 bytes, not 2000",
+    "x = pose_inv(p[0, 0, 0, 1e200 * k, 0, 0])": "pose_inv: 2e+200 is too large",
+    "x = get_inverse_kin(p[1e7 * k, 0, 0, 0, 0, 0])": "'x' of get_inverse_kin: 2e+07",
     "x = pow(10.0, 400.0 * k)": "to the power of",
     "x = floor(1e10 * k)": "32 bits",
     "x = 2147483647 * k": "32 bits",
