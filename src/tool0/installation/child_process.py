@@ -1,8 +1,9 @@
 """Child processes that end with this process, also if it is killed by SIGKILL.
 
 Each child runs in a process group of its own below a supervisor (``supervisor.py``),
-which ends the whole group when the connection to this process closes.  A program that
-leaves its process group escapes.  On Windows, programs run without a supervisor, and
+which ends the whole group when the connection to this process closes.  If the supervisor
+is killed, ``wait`` and ``close`` end the group.  A program that leaves its process group
+escapes.  On Windows, programs run without a supervisor, and
 outlive a parent that is killed.
 """
 
@@ -17,6 +18,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -75,6 +77,7 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
         self._files = [] if log is not None else [make(), make()]
         self._is_closed = False
         self._pid: int | None = None
+        self._reading = threading.Lock()
         output, errors = (log, log) if log is not None else self._files
         variables = dict(os.environ if environment is None else environment)
         self._connection: socket.socket | None = None
@@ -115,10 +118,11 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
         """The process id of the program itself; 0 if it could not be started."""
         if self._connection is None:
             return self._process.pid
-        if self._pid is None:
-            with self._connection.makefile("rb") as stream:
-                self._pid = int(stream.readline() or 0)
-        return self._pid
+        with self._reading:
+            if self._pid is None:
+                with self._connection.makefile("rb") as stream:
+                    self._pid = int(stream.readline() or 0)
+            return self._pid
 
     @property
     def exit_status(self) -> int | None:
@@ -131,7 +135,9 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
         Raises:
             subprocess.TimeoutExpired: If it still runs after ``timeout`` [wall s].
         """
-        return self._process.wait(timeout)
+        status = self._process.wait(timeout)
+        self._end_orphans()
+        return status
 
     def completed(
         self, timeout: float | None = None
@@ -152,10 +158,22 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
         if self._connection is None:
             self._process.kill()
         else:
-            self._connection.close()
-        self._process.wait()
+            with contextlib.suppress(OSError):  # the supervisor was killed
+                self._connection.shutdown(socket.SHUT_WR)
+        self.wait()
+        if self._connection is not None:
+            with self._reading:
+                self._connection.close()
         for file in self._files:
             file.close()
+
+    def _end_orphans(self) -> None:
+        """End what a killed supervisor has left; others leave nothing."""
+        if self._connection is None or self._process.returncode >= 0:
+            return
+        with contextlib.suppress(OSError):  # it has ended, or was never started
+            if self.pid:
+                os.killpg(self.pid, signal.SIGKILL)
 
     def _texts(self) -> Iterator[str]:
         for file in self._files:

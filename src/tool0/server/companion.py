@@ -169,6 +169,8 @@ class Companion:
                 self._child = child
                 if self._is_closing.is_set():
                     return 0
+                # The output of a program whose supervisor is killed would go on.
+                threading.Thread(target=child.wait, daemon=True).start()
                 for line in output:
                     self._take(line.rstrip("\n"))
                 status = child.wait()

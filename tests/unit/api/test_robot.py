@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+import copy
 import json
 import math
-from collections.abc import Iterator
+import pickle
+from collections.abc import Callable, Iterator
 from dataclasses import FrozenInstanceError
 from pathlib import Path
 

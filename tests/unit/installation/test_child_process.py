@@ -89,6 +89,18 @@ def test_a_child_with_grace_is_interrupted_first(tmp_path: Path) -> None:
     assert child.exit_status == 5
 
 
+@pytest.mark.parametrize("end", [ChildProcess.wait, ChildProcess.close])
+def test_a_child_whose_supervisor_was_killed_is_ended(
+    pids: Path, end: Callable[[ChildProcess], object]
+) -> None:
+    with ChildProcess(["sh", "-c", DEAF], grace=TIMEOUT) as child:
+        watch = Watch(started(pids))
+        os.kill(child._process.pid, signal.SIGKILL)
+        end(child)
+        assert watch.all_ended(TIMEOUT)
+        assert child.exit_status == -signal.SIGKILL
+
+
 def test_what_a_child_leaves_behind_is_ended(pids: Path) -> None:
     with ChildProcess(["sh", "-c", 'sleep 1000 & echo $! > "$PIDS"']) as child:
         watch = Watch(started(pids))

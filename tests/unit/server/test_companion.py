@@ -1,0 +1,60 @@
+"""A process beside a bring-up, here a shell script."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import time
+from collections.abc import Iterator
+
+import pytest
+from processes import Watch, children
+
+from tool0.errors import TransportError
+from tool0.server.companion import Companion
+
+LONG = 20.0  # [wall s]; only a failing test waits so long
+SCRIPT = """echo '{"ready": true}'; sleep 1000 & wait"""
+
+
+class Shell(Companion):
+    title, kind, unavailable = "Shell", "script", TransportError
+
+
+@pytest.fixture
+def companion() -> Iterator[Shell]:
+    with Shell("nobody", lambda name: ["sh", "-c", SCRIPT], os.environ) as companion:
+        companion._wait_for_report(LONG)
+        yield companion
+
+
+def supervisor() -> int:
+    (found,) = children(os.getpid())
+    return found
+
+
+def test_it_starts_again_when_its_supervisor_was_killed(
+    companion: Shell, caplog: pytest.LogCaptureFixture
+) -> None:
+    first = companion.pid
+    assert first
+    watch = Watch([first])
+    with caplog.at_level(logging.WARNING):
+        os.kill(supervisor(), signal.SIGKILL)
+        end = time.monotonic() + LONG
+        while companion.pid in (first, None):
+            assert time.monotonic() < end
+            time.sleep(0.01)
+    assert "the Shell script ended with status -9; it starts again" in caplog.text
+    assert watch.all_ended(LONG)
+
+
+def test_it_ends_at_once_when_its_supervisor_was_killed(companion: Shell) -> None:
+    assert companion.pid
+    watch = Watch([companion.pid])
+    os.kill(supervisor(), signal.SIGKILL)
+    start = time.monotonic()
+    companion.close()
+    assert time.monotonic() - start < 2.0
+    assert watch.all_ended(LONG)
