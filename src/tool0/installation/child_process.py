@@ -1,10 +1,10 @@
 """Child processes that end with this process, also if it is killed by SIGKILL.
 
 Each child runs in a process group of its own below a supervisor (``supervisor.py``),
-which ends the whole group when the connection to this process closes.  If the supervisor
-is killed, ``wait`` and ``close`` end the group.  A program that leaves its process group
-escapes.  On Windows, programs run without a supervisor, and
-outlive a parent that is killed.
+which ends the whole group when the connection to this process closes.  If the
+supervisor is killed, ``wait`` and ``close`` end the group.  A program that leaves its
+process group escapes.  On Windows, programs run without a supervisor, and outlive a
+parent that is killed.
 """
 
 from __future__ import annotations

@@ -62,7 +62,7 @@ def damaged(data: bytes, at: int, bit: int = 0) -> bytes:
 
 
 def test_a_flipped_bit_anywhere_is_reported(session: Session, tmp_path: Path) -> None:
-    """Nothing is read after the end of the data, so that a bit there changes nothing."""
+    """What follows the data is not read, so that a bit there changes nothing."""
     data = session.path.read_bytes()
     rng = random.Random(SEED)
     file = tmp_path / "damaged.mcap"
