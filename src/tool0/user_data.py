@@ -22,16 +22,6 @@ def cache_folder() -> Path:
     return _home("XDG_CACHE_HOME", ".cache") / "tool0"
 
 
-def recordings_folder() -> Path:
-    """Return the folder of recordings without a given name; it may not exist yet."""
-    return data_folder() / "recordings"
-
-
-def episodes_folder() -> Path:
-    """Return the folder below which pages may open folders of episodes."""
-    return data_folder() / "episodes"
-
-
 def _home(variable: str, default: str) -> Path:
     """By the XDG Base Directory Specification: a relative path is ignored."""
     folder = Path(os.environ.get(variable, ""))

@@ -18,8 +18,8 @@ from tool0.protocol.backend import Backend
 from tool0.protocol.channel import Connected, backend_of
 from tool0.protocol.motion import PoseJoints
 from tool0.protocol.request import Request
+from tool0.recording.options import episodes_folder, recordings_folder
 from tool0.server.server import Server
-from tool0.user_data import episodes_folder, recordings_folder
 
 if TYPE_CHECKING:
     import uvicorn

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Final, final
 
 from msgspec import Struct
+
+from tool0.user_data import data_folder
 
 
 @final
@@ -31,3 +34,13 @@ class Images(Struct, frozen=True, kw_only=True):
 
 NO_ROTATION: Final = Rotation()
 NO_IMAGES: Final = Images()
+
+
+def recordings_folder() -> Path:
+    """Return the folder of recordings without a given name; it may not exist yet."""
+    return data_folder() / "recordings"
+
+
+def episodes_folder() -> Path:
+    """Return the folder below which pages may open folders of episodes."""
+    return data_folder() / "episodes"

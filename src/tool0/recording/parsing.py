@@ -128,6 +128,8 @@ class _Parser:
                     _check("what precedes it", section, data[start:end])
                 self.parsed.is_complete = _is_finished(data)
                 return
+        if _is_finished(data):
+            raise ValueError("the record that ends the data is missing")
 
     def _records(self, data: mmap.mmap) -> Iterator[tuple[int, int, int]]:
         """Yield opcode, start and end of each whole record."""
@@ -182,7 +184,7 @@ class _Parser:
 
 
 def _is_finished(data: mmap.mmap) -> bool:
-    return data[-len(_MAGIC) :] == _MAGIC
+    return len(data) > len(_MAGIC) and data[-len(_MAGIC) :] == _MAGIC
 
 
 def _check(name: str, data: bytes | memoryview, checksum: bytes) -> None:

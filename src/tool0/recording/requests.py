@@ -12,11 +12,11 @@ from tool0.protocol.recordings import (
     StartRecording,
     StopRecording,
 )
-from tool0.recording.options import Images, Rotation
+from tool0.recording.options import Images, Rotation, recordings_folder
 from tool0.recording.recordings import Recordings
 from tool0.simulation.handlers.table import handles
 from tool0.simulation.simulation import Simulation
-from tool0.user_data import expanded, recordings_folder
+from tool0.user_data import expanded
 
 SUFFIX = ".mcap"
 

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from tool0.errors import ConfigError, ControlError
+from tool0.errors import ControlError
 from tool0.protocol.request import Request, method_name
-from tool0.user_data import expanded
 
 
 def refusal(request: Request[Any], folders: Sequence[Path]) -> ControlError | None:
@@ -33,7 +32,7 @@ def refusal(request: Request[Any], folders: Sequence[Path]) -> ControlError | No
 def _is_inside(path: str, folders: Sequence[Path]) -> bool:
     """Return whether a path leads into one of ``folders``, links followed."""
     try:
-        real = expanded(path).resolve()
-    except (ConfigError, OSError, RuntimeError, ValueError):
+        real = Path(path).expanduser().resolve()
+    except (OSError, RuntimeError, ValueError):
         return False
     return any(real.is_relative_to(folder.resolve()) for folder in folders)

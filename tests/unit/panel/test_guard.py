@@ -15,8 +15,8 @@ from websockets.sync.client import connect
 import tool0
 from tool0.panel.address import TOKEN_VARIABLE, Endpoint, open_endpoint
 from tool0.panel.server import Panel, panel_service
+from tool0.recording.options import episodes_folder, recordings_folder
 from tool0.server.server import Server
-from tool0.user_data import episodes_folder, recordings_folder
 
 HTML = "<!doctype html><title>Panel</title>"
 

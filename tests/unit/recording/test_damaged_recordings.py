@@ -29,6 +29,8 @@ from tool0.recording.parsing import Parsed, parse
 from tool0.recording.reading import RecordingFile
 
 SEED = 7
+DATA_END = 13
+"""Size of the record that ends the data, with the checksum [bytes]."""
 
 ATTACHMENTS: dict[str, Callable[[RecordingFile], object]] = {
     ROBOT: lambda file: file.urdf,
@@ -67,9 +69,9 @@ def test_a_flipped_bit_anywhere_is_reported(session: Session, tmp_path: Path) ->
     rng = random.Random(SEED)
     file = tmp_path / "damaged.mcap"
     end = len(data) - len(summary(data))
-    for _ in range(150):
-        at, bit = rng.randrange(end), rng.randrange(8)
-        file.write_bytes(damaged(data, at, bit))
+    places = [rng.randrange(end) for _ in range(120)]
+    for at in (*places, *range(8), *range(end - DATA_END, end)):
+        file.write_bytes(damaged(data, at, rng.randrange(8)))
         with pytest.raises(tool0.RecordingError, match=r"damaged\.mcap"):
             tool0.open_recording(file)
 
