@@ -14,6 +14,8 @@ from processes import Watch, children
 from tool0.errors import TransportError
 from tool0.server.companion import Companion
 
+pytestmark = pytest.mark.slow  # it starts programs
+
 LONG = 20.0  # [wall s]; only a failing test waits so long
 SCRIPT = """echo '{"ready": true}'; sleep 1000 & wait"""
 
