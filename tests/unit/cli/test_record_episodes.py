@@ -37,7 +37,7 @@ def test_keys_drive_the_robot_and_mark_episodes(
     methods = [request.method for request in recording.requests]
     assert {"take_arm", "speed_tool", "follow_trajectory"} <= set(methods)
     out = capsys.readouterr().out
-    assert "1 episodes, 1 succeeded\n" in out
+    assert "1 episode, 1 succeeded\n" in out
     assert "no episode is being recorded" in out  # of the key n
     assert robot.channel.call(ReadEpisodes()) is None
     box = robot.arm.control_box  # is given back when the connection ends

@@ -38,6 +38,7 @@ ErrorKind = Literal[
     "GymUnavailableError",
     "LimitsError",
     "ModelError",
+    "NoSuchPartError",
     "NotOfferedError",
     "PenetrationError",
     "ProgramError",
