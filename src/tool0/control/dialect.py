@@ -71,6 +71,11 @@ class Dialect:
     linter: str
     """The module that has ``lint(tree, joints)``."""
     is_configured_when_loaded: bool
+    restarts_by_switch: bool
+    """Whether one switch may stop a controller and start it again."""
+    needs_known_controller: bool
+    """Whether a switch of unknown controllers only is an error also if it is not
+    strict."""
     bases: Mapping[Role, str]
     """The base class that ``list_controller_types`` reports, by role."""
 

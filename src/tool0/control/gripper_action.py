@@ -280,11 +280,13 @@ class GripperActionController:
     ) -> None:
         goal, self._goal = self._goal, None
         if goal is not None:
+            is_measured = self.spec.settings is not None
+            efforts = self._state.effort
             goal.finish(
                 GripperResult(
                     status=status,
                     position=self._position,
-                    effort=self._grip.effort,
+                    effort=efforts[self._index] if is_measured else self._grip.effort,
                     stalled=stalled,
                     reached_goal=reached_goal,
                 )

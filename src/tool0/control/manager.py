@@ -314,14 +314,17 @@ class ControllerManager:
                         "controller with this name is loaded"
                         + did_you_mean(name, list(self._loaded))
                     )
+            if names and not plans[verb] and self.dialect.needs_known_controller:
+                raise ControlError("; ".join(skipped))
         for name in self._loaded:
             item = self._loaded[name]
             is_running = item.controller is not None
+            is_restarted = is_running and all(name in each for each in plans.values())
             if item.is_own and name in (*plans["start"], *plans["stop"]):
                 refuse(item.why_fixed)
                 plans = {k: [n for n in v if n != name] for k, v in plans.items()}
                 continue
-            if is_running and name in plans["start"] and name in plans["stop"]:
+            if is_restarted and not self.dialect.restarts_by_switch:
                 raise ControlError(
                     f"Controller '{name}' is to be both started and stopped; a running "
                     "controller cannot be restarted by one switch"
@@ -332,7 +335,7 @@ class ControllerManager:
                     f"{self._stages.running}"
                 )
                 plans["stop"].remove(name)
-            if is_running and name in plans["start"]:
+            if is_running and name in plans["start"] and not is_restarted:
                 refuse(f"Controller '{name}' is already {self._stages.running}")
                 plans["start"].remove(name)
             if item.spec is None and name in plans["start"]:

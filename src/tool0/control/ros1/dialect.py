@@ -69,5 +69,7 @@ ROS1: Final = Dialect(
     sample=_SAMPLE,
     linter="tool0.control.ros1.lint",
     is_configured_when_loaded=True,
+    restarts_by_switch=False,
+    needs_known_controller=False,
     bases=dict.fromkeys(Role, "controller_interface::ControllerBase"),
 )

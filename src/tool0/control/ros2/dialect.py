@@ -77,5 +77,7 @@ ROS2: Final = Dialect(
     sample=_SAMPLE,
     linter="tool0.control.ros2.lint",
     is_configured_when_loaded=False,
+    restarts_by_switch=True,
+    needs_known_controller=True,
     bases=dict.fromkeys(Role, "controller_interface::ControllerInterface"),
 )

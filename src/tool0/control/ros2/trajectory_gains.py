@@ -15,11 +15,12 @@ _GAINS = (
     *("u_clamp_min", "u_clamp_max", "error_deadband", "tracking_time_constant"),
 )
 _UNWINDING = {
-    "legacy": Unwinding.NONE,
     "none": Unwinding.NONE,
     "conditional_integration": Unwinding.CONDITIONAL_INTEGRATION,
     "back_calculation": Unwinding.BACK_CALCULATION,
+    "legacy": Unwinding.NONE,
 }
+"""By the parameter; the first is the default.  Only Jazzy has ``legacy``."""
 _OTHER_GAINS = (
     *("u_clamp_min", "u_clamp_max", "saturation", "error_deadband", "save_i_term"),
     *("antiwindup", "antiwindup_strategy", "tracking_time_constant"),

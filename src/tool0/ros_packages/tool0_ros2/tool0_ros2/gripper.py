@@ -103,22 +103,22 @@ class ParallelGripperPart:
         )
 
     def _feedback(self, goal: ActiveGoal) -> Any:
+        position, velocity, effort = self._last
         message = action.ParallelGripperCommand.Feedback()
-        self._fill(message.state)
+        message.state.name = [self._own_joint]
+        message.state.position, message.state.velocity = [position], [velocity]
+        message.state.effort = [effort]
         return message
 
     def _result(self, outcome: Outcome) -> Any:
+        """Return the state at the goal's end; it has no velocity, as in ROS."""
         message = action.ParallelGripperCommand.Result()
-        self._fill(message.state)
+        message.state.name = [self._own_joint]
+        message.state.position = [outcome.get("position") or 0.0]
+        message.state.effort = [outcome.get("effort") or 0.0]
         message.stalled = bool(outcome.get("stalled"))
         message.reached_goal = bool(outcome.get("reached_goal"))
         return message
-
-    def _fill(self, state: Any) -> None:
-        position, velocity, effort = self._last
-        state.name = [self._own_joint]
-        state.position, state.velocity = [position], [velocity]
-        state.effort = [effort]
 
 
 def _command_result(outcome: Outcome) -> Any:
