@@ -14,8 +14,9 @@ from tool0.control.parameters import RobotJoints
 from tool0.control.ros1.dialect import ROS1
 from tool0.control.ros2.dialect import ROS2
 from tool0.control.ros2.layout import is_ros2
+from tool0.control.ros2.substitution import substituted
 from tool0.description.finding import Finding
-from tool0.description.yaml_tree import Scalar, Tree, YamlEntry, merged, read_files
+from tool0.description.yaml_tree import Scalar, Tree, YamlEntry, merged, text_of
 from tool0.description.yaml_values import Namespace, Value
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
 
@@ -42,14 +43,22 @@ class ControllerConfig:
         self._declared = self.dialect.declared(tree.root)
 
     @staticmethod
-    def from_files(files: Path | Iterable[Path]) -> ControllerConfig:
+    def from_files(
+        files: Path | Iterable[Path], arguments: Mapping[str, str] | None = None
+    ) -> ControllerConfig:
         """Return the controllers of one file or several; later ones override.
 
+        ``arguments`` are the values of ``$(var NAME)`` in files for ROS 2.
+
         Raises:
-            ConfigError: If a file cannot be read or is not YAML.
+            ConfigError: If a file cannot be read or is not YAML, or has an unknown
+                variable.
         """
-        paths = [files] if isinstance(files, Path) else list(files)
-        return ControllerConfig(read_files(paths))
+        tree = Tree()
+        for path in [files] if isinstance(files, Path) else files:
+            start = SourceLocation(path, 1)
+            tree.load(substituted(text_of(path), arguments or {}, start), start)
+        return ControllerConfig(tree)
 
     @staticmethod
     def from_text(

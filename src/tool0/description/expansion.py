@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType, TracebackType
-from typing import Any, final
+from typing import Any, NamedTuple, final
 from xml.dom.minidom import Document, Node
 
 from tool0.description.packages import find_package, source_path
@@ -35,7 +35,17 @@ _ARGUMENT = re.compile(r"\$\(arg\s+(\w+)\s*\)")
 _EXPRESSION = re.compile(r"\$\{([^}]*)\}")
 
 
-def expand(path: Path, args: Mapping[str, str] | None = None) -> Document:
+class Expanded(NamedTuple):
+    """An expanded xacro file."""
+
+    document: Document
+    known: set[str]
+    """The arguments that the files declare or read."""
+    arguments: Mapping[str, str]
+    """Each argument that has a value: a given one, or the declared default."""
+
+
+def expand(path: Path, args: Mapping[str, str] | None = None) -> Expanded:
     """Return the xacro file ``path``, expanded with ``args``.
 
     The attributes of ``<robot>`` may use arguments with a default; xacro wants a value
@@ -45,22 +55,20 @@ def expand(path: Path, args: Mapping[str, str] | None = None) -> Document:
         DescriptionError: If that fails, with file, line, macro and includes, or if no
             file declares one of the arguments.
     """
-    document, known = _expanded(path, args, _defaults_of_root)
+    expanded = _expanded(path, args, _defaults_of_root)
     for name in args or {}:
-        if name not in known:
-            hint = did_you_mean(name, known)
+        if name not in expanded.known:
+            hint = did_you_mean(name, expanded.known)
             raise DescriptionError(
                 f"no file declares the argument '{name}'{hint}", SourceLocation(path)
             )
-    return document
+    return expanded
 
 
-def expand_leniently(
-    path: Path, args: Mapping[str, str] | None = None
-) -> tuple[Document, set[str]]:
-    """Return the expanded file, and the arguments that the files declare or read.
+def expand_leniently(path: Path, args: Mapping[str, str] | None = None) -> Expanded:
+    """Return the xacro file ``path``, expanded with ``args``.
 
-    Like xacro, it ignores other arguments.
+    Like xacro, it ignores arguments that no file declares.
 
     Raises:
         DescriptionError: If that fails, with file, line, macro and includes.
@@ -72,7 +80,7 @@ def _expanded(
     path: Path,
     args: Mapping[str, str] | None,
     defaults: Callable[[Document], dict[str, str]],
-) -> tuple[Document, set[str]]:
+) -> Expanded:
     xacro = _imported()
     start = str(source_path(path.absolute()))
     if not os.path.isfile(start):  # noqa: PTH113  # Path's may raise
@@ -87,7 +95,7 @@ def _expanded(
                 xacro.process_doc(document, mappings=given, verbosity=0)
             except Exception as error:  # the file's Python raises anything
                 raise _describe(xacro, error) from error
-    return document, run.known
+    return Expanded(document, run.known, given)  # xacro has added the defaults
 
 
 def _defaults_of_root(document: Document) -> dict[str, str]:

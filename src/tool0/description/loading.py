@@ -7,7 +7,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from tool0.description.arm_files import ARM_FILES, check_arm_files
 from tool0.description.assumed_drives import assume_drives
@@ -22,7 +21,7 @@ from tool0.description.catalogue import (
 from tool0.description.cell import check_bases, merge_robots
 from tool0.description.cell_file import load_cell, parse_robots
 from tool0.description.config import SPAWN_Z, Argument, Cell, DescriptionConfig
-from tool0.description.expansion import expand
+from tool0.description.expansion import Expanded, expand
 from tool0.description.gripper_files import GRIPPER_FILES, check_gripper_files
 from tool0.description.packages import find_package
 from tool0.description.robot import CatalogueRobot, RobotDescription
@@ -30,9 +29,6 @@ from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_file
 from tool0.errors import DescriptionError
 from tool0.user_data import expanded
-
-if TYPE_CHECKING:
-    from xml.dom.minidom import Document
 
 DEFAULT_ARM = "ur5"
 DEFAULT_GRIPPER = "2f85"
@@ -81,13 +77,14 @@ def load_description(
     cell = _cell_of(config)
     if cell is not None:
         return _load_cell(cell, spawn_z)
-    robot, document = _expand_robot(config, spawn_z)
+    robot, xacro = _expand_robot(config, spawn_z)
     return RobotDescription(
-        model=read_model(document),
+        model=read_model(xacro.document),
         source=_catalogue_file(),
         robots=(robot,),
-        tf_prefix=_to_texts(config.xacro_arguments()).get("tf_prefix", ""),
-        _document=document,
+        tf_prefix=xacro.arguments["tf_prefix"],
+        arguments=xacro.arguments,
+        _document=xacro.document,
     )
 
 
@@ -114,13 +111,13 @@ def _load_cell(cell: Cell, spawn_z: float) -> RobotDescription:
     robots, documents = [], []
     for item in cell.robots:
         try:
-            robot, document = _expand_robot(item.description, spawn_z, item.name)
+            robot, xacro = _expand_robot(item.description, spawn_z, item.name)
         except DescriptionError as error:
             location = error.location or item.location
             message = f"robot '{item.name}': {error.message}"
             raise DescriptionError(message, location) from None
         robots.append(robot)
-        documents.append(document)
+        documents.append(xacro.document)
     name = "_".join([*(robot.prefix + robot.arm.name for robot in robots), "robot"])
     document = merge_robots(cell, cell.name or name, documents)
     model = read_model(document)
@@ -137,7 +134,7 @@ def _load_cell(cell: Cell, spawn_z: float) -> RobotDescription:
 
 def _expand_robot(
     config: DescriptionConfig, spawn_z: float, name: str = ""
-) -> tuple[CatalogueRobot, Document]:
+) -> tuple[CatalogueRobot, Expanded]:
     """Return an arm of the catalogue with its gripper, and its URDF.
 
     With a ``name``, it is a robot of a cell.
@@ -209,7 +206,7 @@ def load_robot(
     path = expanded(path)
     if not path.is_file():
         raise DescriptionError(f"there is no file '{path}'; check the path")
-    given = _to_texts(args or {}, ours=False)
+    given: Mapping[str, str] = _to_texts(args or {}, ours=False)
     if path.suffix == ".urdf":
         if given:
             raise DescriptionError(
@@ -218,10 +215,12 @@ def load_robot(
             )
         document = parse_file(path)
     else:
-        document = expand(path, given)
+        document, _, given = expand(path, given)
     if is_driven:
         assume_drives(document)
-    return RobotDescription(model=read_model(document), source=path, _document=document)
+    return RobotDescription(
+        model=read_model(document), source=path, arguments=given, _document=document
+    )
 
 
 def named_poses(description: RobotDescription) -> Poses:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -59,6 +60,9 @@ class RobotDescription:
     """The cell of its ``robots``; None for a single one, or in another process."""
     tf_prefix: str = ""
     """Prefix of its frames in ROS."""
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    """The values of the arguments of its xacro file; none in a cell, or in another
+    process."""
     _document: Document = field(repr=False, compare=False)
 
     @cached_property

@@ -91,8 +91,8 @@ def read_robot(
     """
     with preferring(packages):
         try:
-            document, known = (
-                (parse_file(file), set())
+            document, known, _ = (
+                (parse_file(file), set(), {})
                 if args is None
                 else expand_leniently(file, args)
             )

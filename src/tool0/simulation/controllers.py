@@ -88,7 +88,8 @@ def _config(description: RobotDescription, control: ControlConfig) -> Controller
             "replaces them; leave out one of the two"
         )
     given = [files] if isinstance(files, Path | str) else files
-    return ControllerConfig.from_files([expanded(file) for file in given])
+    paths = [expanded(file) for file in given]
+    return ControllerConfig.from_files(paths, description.arguments)
 
 
 def _existing(

@@ -101,6 +101,26 @@ def test_parameters_are_read_and_set_by_requests(robot: tool0.Robot) -> None:
         )
 
 
+def test_variables_of_a_yaml_are_arguments_of_the_robot(tmp_path: Path) -> None:
+    """As in UR's driver, whose launch file allows substitutions."""
+    file = tmp_path / "mine.yaml"
+    forward = "forward_command_controller/ForwardCommandController"
+    file.write_text(
+        "shoulder:\n  ros__parameters:\n"
+        f"    type: {forward}\n    interface_name: position\n"
+        "    joints: [$(var tf_prefix)$(var prefix)shoulder_pan_joint]\n"
+    )
+    with tool0.bringup(
+        args={"prefix": "left_"},
+        ros2_control=True,
+        controllers_file=file,
+        controllers="shoulder",
+        realtime=False,
+    ) as robot:
+        (status,) = robot.controllers()
+        assert status.joints == {"left_shoulder_pan_joint"}
+
+
 def test_a_yaml_of_ones_own_replaces_them_with_its_rate(tmp_path: Path) -> None:
     file = tmp_path / "mine.yaml"
     forward = "forward_command_controller/ForwardCommandController"

@@ -21,6 +21,7 @@ from tool0.description.model import (
     RobotModel,
 )
 from tool0.errors import ConfigError, GoalRejectedError
+from tool0.hardware.engine import JointState
 from tool0.protocol.goals import GoalStatus, GripperResult
 
 PARALLEL = "parallel_gripper_action_controller/GripperActionController"
@@ -115,6 +116,15 @@ def test_a_stall_ends_a_goal_in_success_if_it_is_allowed(allowed: bool) -> None:
     assert goal.status is expected
     assert result(goal).stalled
     assert not result(goal).reached_goal
+
+
+def test_the_result_is_what_is_measured_at_the_end() -> None:
+    controller = with_hardware(goal_tolerance=0.01)
+    goal = controller.drive(0.05, None, 0.0)
+    position, effort = [0.0, 0.0, 0.045, 0.0], [0.0, 0.0, 7.0, 0.0]
+    controller.update(JointState(0.1, position, [0.0] * 4, effort), 0.001)
+    assert result(goal).reached_goal
+    assert (result(goal).position, result(goal).effort) == (0.045, 7.0)
 
 
 def test_a_cancel_holds_the_measured_position() -> None:

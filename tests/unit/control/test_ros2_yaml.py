@@ -110,6 +110,50 @@ def test_later_files_override_and_errors_name_file_and_line(tmp_path: Path) -> N
     assert read(OWN).control_period is None
 
 
+def test_substitutions_of_launch_files_are_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PART", "knee")
+    monkeypatch.delenv("NOTHING", raising=False)
+    file = tmp_path / "a.yaml"
+    file.write_text(
+        "arm:\n  ros__parameters:\n    joints: [$(var tf_prefix)hip]  # $(var b)\n"
+        "    # $(var c)\n    rate: $(var rate 5)\n"
+        "    $(env PART).p: '$(env NOTHING x)'\n"
+        "    path: $(find-pkg-share tool0_description)/a\n"
+    )
+    variables = {"tf_prefix": "left_"}
+    config = ControllerConfig.from_files(file, variables)
+    (arm,) = config.parameters().values()
+    parameters = arm["ros__parameters"]
+    assert parameters.pop("path").endswith("tool0_description/a")
+    assert parameters == {"joints": ["left_hip"], "rate": 5, "knee.p": "x"}
+
+
+@pytest.mark.parametrize(
+    ("written", "shown"),
+    [
+        ("$(var tf_prefx)", ("'tf_prefx'", "did you mean 'tf_prefix'")),
+        ("$(env NOTHING)", ("'NOTHING' is not set",)),
+        ("$(find-pkg-share no_such_package)", ("no_such_package",)),
+    ],
+)
+def test_an_unknown_substitution_is_an_error_with_its_line(
+    tmp_path: Path, written: str, shown: tuple[str, ...]
+) -> None:
+    file = tmp_path / "a.yaml"
+    file.write_text(f"arm:\n  ros__parameters:\n    joint: {written}hip\n")
+    with raises_naming(ConfigError, f"{file}:3", written, *shown):
+        ControllerConfig.from_files(file, {"tf_prefix": ""})
+
+
+def test_a_yaml_for_ros_1_has_no_substitutions(tmp_path: Path) -> None:
+    file = tmp_path / "a.yaml"
+    file.write_text("arm: {joint: $(var nothing)hip}\n")
+    config = ControllerConfig.from_files(file)
+    assert config.parameters() == {"arm": {"joint": "$(var nothing)hip"}}
+
+
 def test_a_rate_is_an_integer() -> None:
     with raises_naming(ConfigError, ":4", "a whole number, got 250.5"):
         _ = read(MANAGER.replace("250", "250.5")).control_period

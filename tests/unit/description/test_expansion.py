@@ -25,7 +25,7 @@ def write(folder: Path, name: str, body: str) -> Path:
 
 
 def links(path: Path, **args: str) -> list[str]:
-    document = expand(path, args)
+    document = expand(path, args).document
     return [link.getAttribute("name") for link in document.getElementsByTagName("link")]
 
 
@@ -121,7 +121,7 @@ def test_elements_of_a_macro_keep_the_line_of_its_file(tmp_path: Path) -> None:
         "a.xacro",
         '<xacro:include filename="m.xacro"/>\n\n\n<xacro:m n="x">\n<visual/></xacro:m>',
     )
-    document = expand(path)
+    document = expand(path).document
     link = document.getElementsByTagName("link")[0]
     visual = document.getElementsByTagName("visual")[0]
     assert str(locate(link)) == f"{macros}:4"
@@ -263,7 +263,7 @@ def test_the_robots_name_may_be_an_argument_with_a_default(tmp_path: Path) -> No
         '<xacro:arg name="name" default="ur"/><link name="$(arg name)"/></robot>'
     )
     for args, expected in (({}, "ur"), ({"name": "left"}, "left")):
-        robot = expand(path, args).documentElement
+        robot = expand(path, args).document.documentElement
         assert robot is not None
         assert robot.getAttribute("name") == f"{expected}_robot"
         assert links(path, **args) == [expected]
@@ -276,7 +276,7 @@ def test_a_sourced_ros_does_not_replace_the_expander(tmp_path: Path) -> None:
     code = (
         "from pathlib import Path\n"
         "from tool0.description.expansion import expand\n"
-        f"print(expand(Path({str(path)!r})).documentElement.tagName)"
+        f"print(expand(Path({str(path)!r})).document.documentElement.tagName)"
     )
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
     done = subprocess.run(
@@ -287,3 +287,13 @@ def test_a_sourced_ros_does_not_replace_the_expander(tmp_path: Path) -> None:
         text=True,
     )
     assert done.stdout.strip() == "robot", done.stderr
+
+
+def test_the_values_of_arguments_are_given_ones_and_defaults(tmp_path: Path) -> None:
+    path = write(
+        tmp_path,
+        "robot.xacro",
+        '<xacro:arg name="a" default="1"/><xacro:arg name="b" default="2"/>'
+        '<link name="$(arg a)"/>',
+    )
+    assert expand(path, {"b": "3"}).arguments == {"a": "1", "b": "3"}

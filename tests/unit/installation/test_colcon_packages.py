@@ -134,7 +134,7 @@ def test_gazebo_gets_the_robot_with_its_plugin(workspace: Workspace) -> None:
     (command,) = (p for p in launch.parameters() if p.source == "command")
     given = dict(word.split(":=") for word in command.words[2:])
     with preferring(workspace.packages):
-        document = expand(Path(command.words[1]), given)
+        document = expand(Path(command.words[1]), given).document
     plugins = document.getElementsByTagName("plugin")
     files = [p.getAttribute("filename") for p in plugins if p.hasAttribute("filename")]
     assert files == ["gz_ros2_control-system"]

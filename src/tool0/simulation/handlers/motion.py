@@ -234,7 +234,8 @@ def _load(simulation: Simulation, request: LoadController) -> None:
     name, manager = request.name, simulation.core.manager
     config = None
     if request.files:
-        config = ControllerConfig.from_files(map(Path, request.files))
+        arguments = simulation.description.arguments
+        config = ControllerConfig.from_files(map(Path, request.files), arguments)
     if request.type is not None:
         config = (config or manager.config).with_type(name, request.type)
     configure = request.configure or manager.dialect.is_configured_when_loaded

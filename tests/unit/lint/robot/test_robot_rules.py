@@ -54,7 +54,7 @@ def test_the_projects_own_xacro_files_are_no_false_alarm(file: Path) -> None:
 
 
 def test_the_faults_of_an_arm_with_a_gripper_are_all_named() -> None:
-    found = list(robot_findings(root_of(expand(FAULTY))))
+    found = list(robot_findings(root_of(expand(FAULTY).document)))
     assert sorted((finding.rule, finding.key) for finding in found) == [
         ("absurd-effort", "finger_joint"),
         ("duplicate-link", "base_link"),
