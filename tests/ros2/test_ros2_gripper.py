@@ -12,6 +12,8 @@ from ros2_rig import GRIPPER
 ACTION = f"/{GRIPPER}/gripper_cmd"
 KIND = "control_msgs/action/ParallelGripperCommand"
 KNUCKLE = "finger_joint"
+TOLERANCE = 0.02
+"""Of the built-in controller [rad]."""
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +42,14 @@ def test_it_closes_and_opens(client: Client, joint_states: Topic) -> None:
         assert not result.stalled
         assert result.state.position[0] == pytest.approx(angle, abs=0.02)
         assert knuckle(joint_states) == pytest.approx(angle, abs=0.03)
+
+
+def test_the_result_agrees_with_its_flags(client: Client, joint_states: Topic) -> None:
+    for k in range(12):
+        angle = 0.2 + 0.1 * (k % 2)
+        _, result = grip(client, angle).outcome()
+        assert result.reached_goal
+        assert abs(result.state.position[0] - angle) < TOLERANCE
 
 
 def test_exactly_one_position_is_a_goal(client: Client, joint_states: Topic) -> None:

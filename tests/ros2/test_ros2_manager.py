@@ -54,6 +54,7 @@ def test_what_runs_after_the_start(manager: Manager) -> None:
         "speed_scaling_state_broadcaster": "active",
         "force_torque_sensor_broadcaster": "active",
         "tcp_pose_broadcaster": "active",
+        "scaled_joint_trajectory_controller": "inactive",
     }
     jtc = manager.controllers()[JTC]
     assert jtc.type == "joint_trajectory_controller/JointTrajectoryController"
@@ -105,6 +106,11 @@ def test_strictness_decides_about_names_that_are_unknown(manager: Manager) -> No
     assert manager.switch(deactivate=["nobody", JTC], strictness=BEST_EFFORT)
     assert manager.states()[JTC] == "inactive"
     assert manager.switch(activate=[JTC])
+    for lists in ([["nobody"], [JTC]], [[], ["nobody"]]):
+        assert not manager.switch(*lists, strictness=BEST_EFFORT)
+    assert manager.states()[JTC] == "active"
+    assert manager.switch([JTC], [JTC])  # a restart
+    assert manager.states()[JTC] == "active"
 
 
 def test_a_controller_without_a_type_is_not_loaded(manager: Manager) -> None:

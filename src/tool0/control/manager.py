@@ -450,7 +450,13 @@ class ControllerManager:
         """
         item = self._find(name)
         if item.controller is None:
-            reason = self._why_blocked(item) or f"start it with {start_command(name)}"
+            others = [
+                other
+                for other in self._names_running()
+                if not {*item.claims}.isdisjoint(self._loaded[other].claims)
+            ]
+            command = start_command(name, others)
+            reason = self._why_blocked(item) or f"start it with {command}"
             raise GoalRejectedError(
                 f"controller '{name}' is {item.state}, not {self._stages.running}; "
                 f"{reason}"

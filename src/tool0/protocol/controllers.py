@@ -97,8 +97,7 @@ def why_not_driven(
         if other.is_running and other.joints & stopped.joints:
             return (
                 f"{problem}: '{other.name}' is running instead of '{name}'; switch "
-                f"with `tool0 controllers switch --stop {other.name} --start {name}` "
-                f"or robot.switch(start=['{name}'], stop=['{other.name}'])"
+                f"with {start_command(name, [other.name])}"
             )
     return (
         f"{problem}: controller '{name}' is {stopped.state}; start it with "
@@ -106,8 +105,13 @@ def why_not_driven(
     )
 
 
-def start_command(name: str) -> str:
-    """Return how to start a loaded controller, for a message."""
+def start_command(name: str, instead_of: Sequence[str] = ()) -> str:
+    """Return how to start a loaded controller, and stop others, for a message."""
+    if instead_of:
+        return (
+            f"`tool0 controllers switch --stop {' '.join(instead_of)} --start {name}` "
+            f"or robot.switch(start=['{name}'], stop={list(instead_of)})"
+        )
     return f"`tool0 controllers start {name}` or robot.switch(start=['{name}'])"
 
 
@@ -287,5 +291,7 @@ class SetControllerParameters(Request[None], frozen=True):
     """
 
     controller: Name
-    parameters: dict[str, bool | int | float | str]
+    parameters: dict[
+        str, bool | int | float | str | tuple[bool | int | float | str, ...]
+    ]
     """By dotted name: ``constraints.goal_time``."""

@@ -68,10 +68,10 @@ def _defaults(
     """Return the controllers to start and to load, if the YAML defines them."""
     if config.dialect is not ROS2:
         return DEFAULT_CONTROLLERS, DEFAULT_STOPPED_CONTROLLERS
-    always, built_in = started_controllers()
+    usual = started_controllers()
     if control.controllers_file is not None or not description.robots:
-        built_in = ()
-    return (*always, *built_in), ()
+        return usual.always, ()
+    return (*usual.always, *usual.built_in), usual.loaded
 
 
 def _config(description: RobotDescription, control: ControlConfig) -> ControllerConfig:

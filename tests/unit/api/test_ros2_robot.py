@@ -9,11 +9,12 @@ import pytest
 from raises_naming import raises_naming
 
 import tool0
-from tool0.errors import ConfigError, ControlError
+from tool0.errors import ConfigError, ControlError, GoalRejectedError
 from tool0.protocol.controllers import ReadControllerParameters, SetControllerParameters
 from tool0.protocol.gripper import ReactivateGripper
 
 HAND, ARM = "robotiq_gripper_controller", "joint_trajectory_controller"
+SCALED = "scaled_joint_trajectory_controller"
 
 
 @pytest.fixture(scope="module")
@@ -30,10 +31,19 @@ def test_it_starts_what_the_driver_starts(robot: tool0.Robot) -> None:
     assert robot.warnings == ()
     assert robot.control_period == 1 / 500
     states = {status.name: status.state for status in robot.controllers()}
+    assert states.pop(SCALED) == "inactive"
     assert set(states.values()) == {"active"}
     assert {ARM, HAND, "io_and_status_controller", "tcp_pose_broadcaster"} <= set(
         states
     )
+
+
+def test_the_scaled_controller_says_how_to_start_it(robot: tool0.Robot) -> None:
+    """Examples of UR's driver use it."""
+    with raises_naming(GoalRejectedError, f"switch --stop {ARM} --start {SCALED}"):
+        robot.controller(SCALED).move({"elbow_joint": 0.1})
+    robot.switch(start=[SCALED], stop=[ARM])
+    robot.switch(start=[ARM], stop=[SCALED])
 
 
 def test_arm_and_gripper_move_as_ever(robot: tool0.Robot) -> None:
@@ -95,10 +105,11 @@ def test_parameters_are_read_and_set_by_requests(robot: tool0.Robot) -> None:
     )
     assert parameter(robot, ARM, "constraints.goal_time") == 0.6
     assert robot.move_joints({"elbow_joint": 0.2})[0].wait(10.0).error_code == 0
-    with raises_naming(ControlError, "'joints'", "read-only"):
-        robot.channel.call(
-            SetControllerParameters(controller=ARM, parameters={"joints": "none"})
-        )
+    for value in ("none", ["elbow_joint"], [1, 2.0]):
+        with raises_naming(ControlError, "'joints'", "read-only"):
+            robot.channel.call(
+                SetControllerParameters(controller=ARM, parameters={"joints": value})
+            )
 
 
 def test_variables_of_a_yaml_are_arguments_of_the_robot(tmp_path: Path) -> None:

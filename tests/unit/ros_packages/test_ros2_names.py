@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
+import pytest
 from tool0_ros2.names import Names
+
+from tool0.protocol.controllers import start_command
 
 
 def test_without_a_prefix_names_stay() -> None:
@@ -31,3 +36,34 @@ def test_a_robot_has_the_names_that_it_has_alone() -> None:
         "joints": ["a", "right_a"],
         "n": 2,
     }
+
+
+@pytest.mark.parametrize(
+    ("advice", "command"),
+    [
+        (start_command("left_a"), "switch_controllers --activate a"),
+        (
+            start_command("left_a", ["left_b", "left_c"]),
+            "switch_controllers --deactivate b c --activate a",
+        ),
+        (
+            "`tool0 controllers load left_a` or robot.load('left_a')",
+            "load_controller a",
+        ),
+        (
+            "`tool0 controllers configure left_a` or robot.configure('left_a')",
+            "set_controller_state a inactive",
+        ),
+    ],
+)
+def test_advice_about_controllers_is_a_command_of_ros2(
+    advice: str, command: str
+) -> None:
+    text = Names("/left", "left_").text(f"refused; start it with {advice}; again")
+    assert text == (
+        f"refused; start it with `ros2 control {command} -c /left/controller_manager`"
+        "; again"
+    )
+    alone = Names("").text(advice)
+    assert re.fullmatch(r"`ros2 control [^`]+`", alone)
+    assert "controller_manager" not in alone

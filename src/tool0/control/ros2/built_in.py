@@ -50,12 +50,16 @@ class StartedControllers(NamedTuple):
     always: tuple[str, ...]
     built_in: tuple[str, ...]
     """Further controllers that are started if they are the built-in ones."""
+    loaded: tuple[str, ...]
+    """Built-in controllers that are only loaded, as by the launch file of UR's driver:
+    their actions answer, and ``ros2 control`` can switch to them."""
 
 
 def started() -> StartedControllers:
     """Return the controllers that a bring-up starts unless options name others."""
     file = Namespace(read_verbatim(_config(_STARTED_FILE)).root)
-    return StartedControllers(file.texts("started"), file.texts("started_built_in"))
+    keys = ("started", "started_built_in", "loaded_built_in")
+    return StartedControllers(*map(file.texts, keys))
 
 
 def _config(name: str) -> Path:

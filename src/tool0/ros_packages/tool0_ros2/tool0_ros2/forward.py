@@ -38,4 +38,4 @@ class ForwardCommandPart:
                 )
             )
         except RequestFailedError as error:
-            context.report.error(f"commands: {error}")
+            context.report.error(f"commands: {context.names.text(error)}")

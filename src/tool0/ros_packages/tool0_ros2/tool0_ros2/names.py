@@ -4,6 +4,15 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
+_COMMAND = re.compile(r"`tool0 controllers (\w+) ([^`]*)` or robot\.\w+\([^)]*\)")
+"""How messages of the simulation say what to do about a controller."""
+_ROS_COMMANDS = {
+    "start": "switch_controllers --activate {}",
+    "switch": "switch_controllers {}",
+    "load": "load_controller {}",
+    "configure": "set_controller_state {} inactive",
+}
+
 
 class Names:
     """A namespace in ROS, with the whole robot in it, or one robot of a cell.
@@ -49,8 +58,15 @@ class Names:
         return self.prefix + own
 
     def text(self, text: object) -> str:
-        """Return a message with ROS names."""
-        return self._in_text.sub("", str(text)) if self.prefix else str(text)
+        """Return a message with ROS names and commands of ``ros2 control``."""
+        own = self._in_text.sub("", str(text)) if self.prefix else str(text)
+        return _COMMAND.sub(self._ros_command, own)
+
+    def _ros_command(self, match: "re.Match[str]") -> str:
+        verb, rest = match.groups()
+        rest = rest.replace("--start", "--activate").replace("--stop", "--deactivate")
+        manager = f" -c {self.root}/controller_manager" if self.root else ""
+        return f"`ros2 control {_ROS_COMMANDS[verb].format(rest)}{manager}`"
 
     def own_values(self, value: Any) -> Any:
         """Return plain values with own names in keys and texts."""

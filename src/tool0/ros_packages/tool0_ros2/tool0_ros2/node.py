@@ -262,13 +262,13 @@ class RobotNode:
         elif message["type"] == "log":
             self._log(message)
         elif message["type"] == "reply" and "error" in message:
-            self._report.error(str(failure(message["error"])))
+            self._report.error(Names(self._root).text(failure(message["error"])))
 
     def _log(self, message: LogMessage) -> None:
         """Publish a line of the simulation's log; it is printed there already."""
         level = Log.ERROR if message["level"] == "error" else Log.WARN
         stamp = self.node.get_clock().now().to_msg()
-        name, text = NODE_NAME, message["message"]
+        name, text = NODE_NAME, Names(self._root).text(message["message"])
         for space in self._namespaces:
             begin, found, rest = text.partition(": ")
             if found and begin in space.controllers.loaded:

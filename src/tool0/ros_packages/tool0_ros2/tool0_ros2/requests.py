@@ -524,7 +524,11 @@ def read_controller_parameters(*, controller: str) -> Request[dict[str, Any]]:
 
 
 def set_controller_parameters(
-    *, controller: str, parameters: Mapping[str, bool | int | float | str]
+    *,
+    controller: str,
+    parameters: Mapping[
+        str, bool | int | float | str | Sequence[bool | int | float | str]
+    ],
 ) -> Request[None]:
     return Request("set_controller_parameters", locals())
 
