@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.qos import HistoryPolicy, QoSProfile
 
 from tool0_ros2 import requests
 from tool0_ros2.bridge import ControllerContext, Rate
@@ -15,6 +16,8 @@ from tool0_ros2.connection import RequestFailedError
 from tool0_ros2.requests import GoalStarted, Outcome, Request
 
 _SUCCEEDED, _PREEMPTED = "SUCCEEDED", "PREEMPTED"
+_EVERY_REQUEST = QoSProfile(history=HistoryPolicy.KEEP_ALL)
+"""Of the services of an action: many goals may arrive while one is checked."""
 
 
 @dataclass
@@ -81,6 +84,9 @@ class SimulatedAction:
             goal_callback=self._accept,
             handle_accepted_callback=self._follow,
             cancel_callback=self._cancel,
+            goal_service_qos_profile=_EVERY_REQUEST,
+            result_service_qos_profile=_EVERY_REQUEST,
+            cancel_service_qos_profile=_EVERY_REQUEST,
         )
 
     @property

@@ -350,6 +350,7 @@ class RobotNode:
         self._clock.arbitrate()
         for space in self._namespaces:
             space.robot.look_for_publisher()
+            space.robot.look_for_twin()
 
 
 def _namespaces(root: str, description: DescriptionInfo) -> list[tuple[Names, str]]:

@@ -41,9 +41,8 @@ class RobotPart:
         """Whether a joint_state_broadcaster is active."""
         self._frames: Any = None
         self._static: Any = None
-        self._description = node.create_publisher(
-            String, names.topic("robot_description"), LATCHED
-        )
+        self._topic = names.topic("robot_description")
+        self._description = node.create_publisher(String, self._topic, LATCHED)
         self._description.publish(String(data=urdf))
         self._start()
 
@@ -83,6 +82,21 @@ class RobotPart:
             self._stop()
         elif not is_there and self._frames is None:
             self._start()
+
+    def look_for_twin(self) -> None:
+        """Warn if another bring-up has the same names in this domain."""
+        node = self._context.node
+        own = node.get_name(), node.get_namespace()
+        named_alike = [
+            item
+            for item in node.get_publishers_info_by_topic(self._topic)
+            if (item.node_name, item.node_namespace) == own
+        ]
+        if len(named_alike) > 1:
+            self._context.report.warning(
+                f"another bring-up publishes {self._topic} in this domain: requests "
+                "and goals reach either; give one of them --ros2-ns or --domain"
+            )
 
     def _start(self) -> None:
         node = self._context.node
