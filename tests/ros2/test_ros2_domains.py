@@ -54,3 +54,9 @@ def test_two_bringups_in_one_domain_need_namespaces(own_domain: Domain) -> None:
         assert goal.outcome()[0] == "succeeded"
         arrive(moved, HOME)
         assert held.next()[0].feedback.positions == pytest.approx(before, abs=5e-3)
+
+
+def test_two_bringups_of_the_same_names_are_warned_about(own_domain: Domain) -> None:
+    first = own_domain.bring_up("--name", "first")
+    own_domain.bring_up("--name", "second")
+    first.wait_for("another bring-up publishes /robot_description in this domain")

@@ -13,7 +13,7 @@ from ros import TIMEOUT, Bringup
 from ros2_client import Client
 from ros2_domain import Domain
 from ros2_rig import JTC, STATE, follow, go, trajectory, wait_until_moving
-from ur5_rig import AWAY, HOME
+from ur5_rig import ARM_JOINTS, AWAY, HOME
 from waits import until
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -28,6 +28,38 @@ node.create_subscription(JointState, "/joint_states", received.append, 10)
 while not received:
     rclpy.spin_once(node)
 os.kill(os.getpid(), signal.SIGSTOP)
+"""
+
+SENDS_MANY_GOALS = """
+import sys, time, rclpy
+from control_msgs.action import FollowJointTrajectory
+from rclpy.action import ActionClient
+from rclpy.node import Node
+from rclpy.qos import HistoryPolicy, QoSProfile
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+rclpy.init()
+node = Node("sends_many_goals")
+every = QoSProfile(history=HistoryPolicy.KEEP_ALL)
+client = ActionClient(
+    node, FollowJointTrajectory, sys.argv[1],
+    goal_service_qos_profile=every, result_service_qos_profile=every,
+)
+client.wait_for_server()
+point = JointTrajectoryPoint(positions=[0.0, -1.5, 0.0, -1.5, 0.0, 0.0])
+point.time_from_start.nanosec = 300_000_000
+goal = FollowJointTrajectory.Goal(
+    trajectory=JointTrajectory(joint_names=sys.argv[2:], points=[point])
+)
+ended = []
+def follow(response):
+    response.result().get_result_async().add_done_callback(ended.append)
+for _ in range(100):  # without looking at what arrives
+    client.send_goal_async(goal).add_done_callback(follow)
+    time.sleep(0.005)
+until = time.monotonic() + 30.0
+while len(ended) < 100 and time.monotonic() < until:
+    rclpy.spin_once(node, timeout_sec=0.1)
+print(len(ended), "goals have ended", flush=True)
 """
 
 
@@ -60,6 +92,14 @@ def test_a_subscriber_that_never_reads_delays_nobody(
         assert 499 / (stamps[-1] - stamps[0]) == pytest.approx(125.0, rel=0.05)
         go(client, controller, HOME)
     os.kill(stalled.pid, signal.SIGKILL)
+
+
+def test_every_goal_is_answered_however_fast_they_come(
+    domain: Domain, bringup: Bringup
+) -> None:
+    action = f"/{JTC}/follow_joint_trajectory"
+    child = domain.spawn("-c", SENDS_MANY_GOALS, action, *ARM_JOINTS)
+    until(lambda: "100 goals have ended" in child.last_output(), "the ends", 60.0)
 
 
 def test_a_node_that_dies_is_reported_and_restarted_amid_a_goal(
