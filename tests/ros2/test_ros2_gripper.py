@@ -50,6 +50,7 @@ def test_the_result_agrees_with_its_flags(client: Client, joint_states: Topic) -
         _, result = grip(client, angle).outcome()
         assert result.reached_goal
         assert abs(result.state.position[0] - angle) < TOLERANCE
+        assert len(result.state.velocity) == 0  # it is not known for that instant
 
 
 def test_exactly_one_position_is_a_goal(client: Client, joint_states: Topic) -> None:

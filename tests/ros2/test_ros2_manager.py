@@ -113,6 +113,22 @@ def test_strictness_decides_about_names_that_are_unknown(manager: Manager) -> No
     assert manager.states()[JTC] == "active"
 
 
+def test_parameters_are_described_and_lists_are_refused_in_words(
+    client: Client, manager: Manager
+) -> None:
+    found = client.call(
+        f"/{JTC}/describe_parameters",
+        "rcl_interfaces/srv/DescribeParameters",
+        names=["joints", "constraints.goal_time"],
+    )
+    assert [one.read_only for one in found.descriptors] == [True, False]
+    assert all(one.description for one in found.descriptors)
+    for name, value in {"joints": ["a"], "constraints.goal_time": [1.0, 2.0]}.items():
+        (answer,) = client.set_named(f"/{JTC}", {name: value})
+        assert not answer.successful
+        assert "Expected" not in answer.reason
+
+
 def test_a_controller_without_a_type_is_not_loaded(manager: Manager) -> None:
     assert not manager.load("nobody")
     assert not manager.configure("nobody")

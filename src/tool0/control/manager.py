@@ -521,10 +521,12 @@ class ControllerManager:
             item.controller.pid.set_gains(k, gains)
         return gains
 
-    def parameters(self, name: str) -> Mapping[str, Value]:
-        """Return every parameter of a loaded controller by dotted name."""
+    def parameters(self, name: str) -> ControllerParameters:
+        """Return every parameter of a loaded controller."""
         config = self._find(name).config
-        return {} if config is None else config.parameters_of(name, self._robot).values
+        if config is None:
+            return ControllerParameters({}, frozenset())
+        return config.parameters_of(name, self._robot)
 
     def set_parameters(self, name: str, changes: Mapping[str, Value]) -> None:
         """Change adjustable parameters of a loaded controller, by dotted name.

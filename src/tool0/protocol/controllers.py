@@ -278,7 +278,16 @@ class SetGains(Request[Gains], frozen=True):
     """Whether the integral itself is clamped, not only its contribution."""
 
 
-class ReadControllerParameters(Request[dict[str, Any]], frozen=True):
+class ControllerParameter(Struct, frozen=True, kw_only=True):
+    """A parameter of a controller."""
+
+    value: Any
+    """A boolean, a number, a text, or a list of one of them."""
+    is_adjustable: bool
+    """Whether it may change while the controller runs."""
+
+
+class ReadControllerParameters(Request[dict[str, ControllerParameter]], frozen=True):
     """Every parameter of a loaded controller by dotted name, defaults included."""
 
     controller: Name

@@ -24,7 +24,8 @@ def robot() -> Iterator[tool0.Robot]:
 
 
 def parameter(robot: tool0.Robot, controller: str, name: str) -> object:
-    return robot.channel.call(ReadControllerParameters(controller=controller))[name]
+    found = robot.channel.call(ReadControllerParameters(controller=controller))
+    return found[name].value
 
 
 def test_it_starts_what_the_driver_starts(robot: tool0.Robot) -> None:

@@ -30,7 +30,7 @@ bare:
 def test_all_have_values_defaults_included() -> None:
     robot = ToyRobot(TEXT, Interface.POSITION)
     robot.manager.load("hand", configure=False)
-    values = robot.manager.parameters("hand")
+    values = robot.manager.parameters("hand").values
     assert values["stall_timeout"] == 0.5
     assert values["colour"] == "red"  # nothing reads it; the node has it all the same
     assert values["goal_tolerance"] == 0.01
@@ -41,7 +41,7 @@ def test_all_have_values_defaults_included() -> None:
 def test_a_controller_that_cannot_be_configured_has_those_given() -> None:
     robot = ToyRobot(TEXT, Interface.POSITION)
     robot.manager.load("bare", configure=False)
-    assert set(robot.manager.parameters("bare")) == {"type"}
+    assert set(robot.manager.parameters("bare").values) == {"type"}
 
 
 def test_a_running_controller_continues_with_what_is_set() -> None:
@@ -49,7 +49,7 @@ def test_a_running_controller_continues_with_what_is_set() -> None:
     controller = robot.start("hand")
     robot.blocked.add("slide")
     robot.manager.set_parameters("hand", {"stall_timeout": 0.02})
-    assert robot.manager.parameters("hand")["stall_timeout"] == 0.02
+    assert robot.manager.parameters("hand").values["stall_timeout"] == 0.02
     goal = controller.drive(0.5, None, robot.time)
     robot.run(0.03)
     assert goal.status.is_terminal
@@ -81,10 +81,10 @@ def test_a_refused_change_says_why_and_changes_nothing(
 ) -> None:
     robot = ToyRobot(TEXT, Interface.POSITION)
     robot.start("hand")
-    before = robot.manager.parameters("hand")
+    before = robot.manager.parameters("hand").values
     with raises_naming(ControlError, "hand", name, shown):
         robot.manager.set_parameters("hand", {"stall_timeout": 0.02, name: value})
-    assert robot.manager.parameters("hand") == before
+    assert robot.manager.parameters("hand").values == before
 
 
 @pytest.mark.parametrize("kind", sorted(ROS2.types))

@@ -205,7 +205,7 @@ def test_parameters_may_change_while_it_runs() -> None:
 
 def test_every_parameter_can_be_read() -> None:
     robot, _ = arm()
-    values = robot.manager.parameters("arm")
+    values = robot.manager.parameters("arm").values
     assert values["command_interfaces"] == ("position",)
     assert values["constraints.goal_time"] == 0.5
     assert values["allow_trajectory_replacement"] is True

@@ -14,6 +14,7 @@ from tool0.description.parts import joints_of_robot
 from tool0.protocol.controllers import (
     CleanupController,
     ConfigureController,
+    ControllerParameter,
     ControllerTypeInfo,
     Gains,
     ListControllers,
@@ -291,9 +292,17 @@ def _set_gains(simulation: Simulation, request: SetGains) -> Gains:
     return manager.set_gains(request.controller, request.joint, **changes)
 
 
-handles(ReadControllerParameters, in_tick=True, publishes=False)(
-    lambda sim, request: dict(sim.core.manager.parameters(request.controller))
-)
+@handles(ReadControllerParameters, in_tick=True, publishes=False)
+def _parameters(
+    simulation: Simulation, request: ReadControllerParameters
+) -> dict[str, ControllerParameter]:
+    values, adjustable = simulation.core.manager.parameters(request.controller)
+    return {
+        name: ControllerParameter(value=value, is_adjustable=name in adjustable)
+        for name, value in values.items()
+    }
+
+
 handles(SetControllerParameters, in_tick=True)(
     lambda sim, request: sim.core.manager.set_parameters(
         request.controller, request.parameters

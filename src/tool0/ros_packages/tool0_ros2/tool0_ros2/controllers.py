@@ -122,7 +122,7 @@ class Controllers:
         entry = CONTROLLERS.get(status["type"])
         if entry is None:
             return  # it has no interface of its own
-        item.parameters.update(self._read(name))
+        item.parameters.update(self._read(name)[0])
         shared = vars(replace(context, node=item.node))
         part = part_class(entry)(
             ControllerContext(
@@ -137,20 +137,23 @@ class Controllers:
             item.part = part
 
     def _new_node(self, name: str) -> tuple[Any, dict[str, Any]]:
-        context, values = self._context, self._read(name)
+        context, (values, adjustable) = self._context, self._read(name)
         node = Node(
             context.names.to_ros(name),
             namespace=context.names.root or "/",
             context=context.node.context,
             use_global_arguments=False,
         )
-        ControllerParameters(context, name, node, values)
+        ControllerParameters(context, name, node, values, adjustable)
         self._executor.add_node(node)
         return node, values
 
-    def _read(self, name: str) -> dict[str, Any]:
+    def _read(self, name: str) -> tuple[dict[str, Any], set[str]]:
+        """Return the values of a controller's parameters, and the adjustable ones."""
         request = requests.read_controller_parameters(controller=name)
-        return self._context.ask(request, "the parameters of controllers") or {}
+        found = self._context.ask(request, "the parameters of controllers") or {}
+        values = {key: item["value"] for key, item in found.items()}
+        return values, {key for key, item in found.items() if item["is_adjustable"]}
 
     def _close(self, name: str) -> None:
         with self._lock:

@@ -1,9 +1,9 @@
 """Parameters of the nodes of controllers."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
-from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.parameter import Parameter
 
 from tool0_ros2.bridge import Context
@@ -35,11 +35,17 @@ class ControllerParameters:
     """Passes changes of a controller's parameters on to the simulation."""
 
     def __init__(
-        self, context: Context, controller: str, node: Any, values: dict[str, Any]
+        self,
+        context: Context,
+        controller: str,
+        node: Any,
+        values: dict[str, Any],
+        adjustable: Collection[str],
     ) -> None:
         """Declare ``values`` as parameters of ``node``, and take changes.
 
         Their names and values are full ones; those of the parameters are own ones.
+        ``adjustable`` are those that may change while the controller runs.
         """
         self._context, self._controller = context, controller
         self._values = values
@@ -52,8 +58,14 @@ class ControllerParameters:
             if isinstance(text, str)
         }
         for parameter in to_parameters(own(values)):
-            if not node.has_parameter(parameter.name):
-                node.declare_parameter(parameter.name, parameter.value)
+            name = parameter.name
+            if not node.has_parameter(name):
+                is_fixed = self._full_names[name] not in adjustable
+                when = "when it is configured" if is_fixed else "at any time"
+                about = ParameterDescriptor(
+                    description=f"Read by the controller {when}.", read_only=is_fixed
+                )
+                node.declare_parameter(name, parameter.value, about)
         node.add_on_set_parameters_callback(self._set)
 
     def _set(self, parameters: list[Any]) -> SetParametersResult:

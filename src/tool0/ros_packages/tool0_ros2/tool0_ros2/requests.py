@@ -282,6 +282,11 @@ class JointsMotion(TypedDict):
     time_from_start: float
 
 
+class ControllerParameter(TypedDict):
+    value: Any
+    is_adjustable: bool
+
+
 class ArmInfo(TypedDict):
     name: str
     base: str
@@ -519,7 +524,9 @@ def query_state(
     return Request("query_state", locals())
 
 
-def read_controller_parameters(*, controller: str) -> Request[dict[str, Any]]:
+def read_controller_parameters(
+    *, controller: str
+) -> Request[dict[str, ControllerParameter]]:
     return Request("read_controller_parameters", locals())
 
 
