@@ -117,6 +117,18 @@ def test_the_speed_slider_slows_trajectories(client: Client, start: np.ndarray) 
         client.call(service, kind, speed_slider_fraction=1.0)
 
 
+def test_a_payload_beyond_the_rated_one_is_refused(
+    client: Client, bringup: Bringup
+) -> None:
+    answer = client.call(
+        f"{BOX}/set_payload",
+        "ur_msgs/srv/SetPayload",
+        mass=50.0,
+        center_of_gravity={"x": 0.0, "y": 0.0, "z": 0.0},
+    )
+    assert not answer.success
+
+
 def test_payload_and_tare_change_the_wrench(client: Client, bringup: Bringup) -> None:
     def force(topic: Topic) -> float:
         (one,) = topic.next()

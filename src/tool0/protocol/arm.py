@@ -31,6 +31,9 @@ class ArmInfo(Struct, frozen=True, kw_only=True):
     """The link at its end."""
     joint_names: tuple[str, ...]
     """From base to tip."""
+    rated_payload: float | None = None
+    """Largest payload of its data sheet, gripper and load together [kg]; None if the
+    catalogue does not have it."""
 
 
 class ListArms(Request[tuple[ArmInfo, ...]], frozen=True):

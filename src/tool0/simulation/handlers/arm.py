@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from tool0.control.controller_parts import rating
 from tool0.description.forward_kinematics import link_poses
+from tool0.description.model import FLANGE
 from tool0.description.posture import Branch, Solution
 from tool0.description.transform import Transform
 from tool0.errors import ControlError
@@ -39,9 +41,17 @@ AT_REST = 1e-6
 
 @handles(ListArms)
 def _list(simulation: Simulation, request: ListArms) -> tuple[ArmInfo, ...]:
+    rated = {
+        f"{robot.prefix}{FLANGE}": rating(robot.arm, "payload")
+        for robot in simulation.description.robots
+    }
     return tuple(
         ArmInfo(
-            name=name, base=chain.base, tip=chain.tip, joint_names=chain.joint_names
+            name=name,
+            base=chain.base,
+            tip=chain.tip,
+            joint_names=chain.joint_names,
+            rated_payload=rated.get(chain.tip),
         )
         for name, chain in simulation.arms.items()
     )

@@ -1,5 +1,7 @@
 """The control box of an arm in the updates, and requests to it."""
 
+import math
+
 from tool0_ros2 import requests
 from tool0_ros2.bridge import Context, ControllerContext, Update
 from tool0_ros2.connection import RequestFailedError
@@ -51,6 +53,12 @@ class ControlBox:
     def state(self, update: Update) -> ControlBoxState:
         """Return its state: the same object until something changes."""
         return next(box for box in update.control_boxes if box["arm"] == self.arm)
+
+    def rated_payload(self) -> float:
+        """Return the arm's rated payload [kg]; infinite if it is unknown."""
+        arms = self._context.connection.call(requests.list_arms())
+        found = next(arm["rated_payload"] for arm in arms if arm["name"] == self.arm)
+        return math.inf if found is None else found
 
     def read(self) -> ControlBoxState:
         """Ask for its state now."""

@@ -167,7 +167,12 @@ class GpioPart:
         return ""
 
     def _set_payload(self, request: Any) -> str:
-        center = request.center_of_gravity
+        center, rated = request.center_of_gravity, self._box.rated_payload()
+        if request.mass > rated:
+            raise _refused(
+                f"a payload of {request.mass:g} kg is more than the arm's rated "
+                f"{rated:g} kg"
+            )
         self._send(
             requests.set_payload(
                 mass=request.mass,

@@ -292,6 +292,7 @@ class ArmInfo(TypedDict):
     base: str
     tip: str
     joint_names: list[str]
+    rated_payload: float | None
 
 
 class SpawnedModel(TypedDict):
