@@ -86,7 +86,7 @@ def judge(root: LocatedElement) -> None:
 def test_a_damaged_robot_is_judged(
     changes: list[tuple[str, int, str]], source: str
 ) -> None:
-    readers = {"expanded": expand, "xacro": parse_file}
+    readers = {"expanded": lambda file: expand(file).document, "xacro": parse_file}
     document = readers[source](FAULTY) if source in readers else parse_text(URDF)
     root = document.documentElement
     assert isinstance(root, LocatedElement)
