@@ -77,7 +77,8 @@ class LineTransport(asyncio.BufferedProtocol):
     # ---- what a session calls -------------------------------------------------------
 
     async def send(self, texts: Sequence[bytes]) -> None:
-        if self._is_lost:
+        # A write that fails closes the transport at once; asyncio says so later.
+        if self._is_lost or self._transport.is_closing():
             raise ConnectionResetError
         self._transport.write(b"\n".join((*texts, b"")))
         await self._is_writable.wait()

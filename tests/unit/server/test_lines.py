@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import socket
 
 import pytest
@@ -88,3 +89,18 @@ def test_a_line_that_never_ends_is_an_error(monkeypatch: pytest.MonkeyPatch) -> 
         await lines.close()
 
     asyncio.run(scenario())
+
+
+def test_a_burst_to_a_peer_that_is_gone_ends_at_the_first_failure(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    async def scenario() -> None:
+        lines, peer = await connected()
+        peer.close()
+        for _ in range(20):  # the event loop does not run in between
+            with contextlib.suppress(ConnectionResetError):
+                await lines.send([b"{}"])
+        await lines.closed()
+
+    asyncio.run(scenario())
+    assert caplog.records == []
