@@ -191,4 +191,5 @@ def test_functions_of_urscript_run_between_two_uploads(ur: Station) -> None:
     script = "movej([0.2, -1.5708, 1.5708, -1.5708, -1.5708, 0.0], a=4, v=1)\n"
     assert ur.control.sendCustomScriptFunction("further", script)
     assert abs(ur.receive.getTargetQ()[0] - 0.2) < 0.01
+    until(ur.control.isProgramRunning, "the control program again")
     assert ur.control.moveJ(HOME, 1.0, 4.0)
