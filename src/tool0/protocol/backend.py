@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from tool0.protocol.state import Snapshot
 
 
-class States(Protocol):
-    """The states of a robot, and the time that passes between them."""
+class Observed(Protocol):
+    """A robot in time, in this process or another one."""
 
     @property
     def description(self) -> RobotDescription: ...
@@ -37,6 +37,27 @@ class States(Protocol):
     @property
     def time(self) -> float:
         """The robot's time now, which may be later than the newest state [s]."""
+
+    def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
+        """Let time pass until ``is_over()``; return False on a timeout.
+
+        Args:
+            is_over: Polled repeatedly.
+            timeout: [s] of simulated time where the caller makes time pass, otherwise
+                of wall time; None waits without limit.
+
+        Raises:
+            EngineError: If the physics failed.
+            ControlError: If the robot was closed, or is paused without real time.
+            TransportError: If it is in another process, which has ended.
+        """
+
+    def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
+        """Let time pass until ``goal`` ends, as ``wait_until`` does."""
+
+
+class States(Observed, Protocol):
+    """The states of a robot of this process."""
 
     @property
     def goals(self) -> GoalRegistry:
@@ -78,22 +99,6 @@ class States(Protocol):
 
     def snapshot_with_arms(self) -> Snapshot:
         """Return the newest state with what moves each arm; it may wait for it."""
-
-    def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
-        """Let time pass until ``is_over()``; return False on a timeout.
-
-        Args:
-            is_over: Polled repeatedly.
-            timeout: [s] of simulated time where the caller makes time pass, otherwise
-                of wall time; None waits without limit.
-
-        Raises:
-            EngineError: If the physics failed.
-            ControlError: If the robot was closed, or is paused without real time.
-        """
-
-    def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
-        """Let time pass until ``goal`` ends, as ``wait_until`` does."""
 
     @property
     def process(self) -> OwnProcess:

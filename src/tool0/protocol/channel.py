@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NoReturn, Protocol, TypeVar, final, runtime_checkable
 
 from tool0.errors import ControlError
-from tool0.protocol.backend import missing
+from tool0.protocol.backend import Observed, missing
 from tool0.protocol.fork_guard import refuse_pickle
 from tool0.protocol.goals import Goal, GoalStarted
 from tool0.protocol.request import Request, checked
@@ -21,42 +21,14 @@ if TYPE_CHECKING:
 R = TypeVar("R")
 
 
-class Channel(Protocol):
-    """A connection to a simulation."""
-
-    @property
-    def description(self) -> RobotDescription: ...
-
-    @property
-    def snapshot(self) -> Snapshot:
-        """The newest state."""
-
-    @property
-    def time(self) -> float:
-        """The robot's time [s]: simulated time."""
+class Channel(Observed, Protocol):
+    """A connection to a robot."""
 
     def call(self, request: Request[R]) -> R:
         """Return the response, or raise what the handler raised."""
 
     def goal(self, started: GoalStarted) -> Goal:
         """Return a goal that a request of this channel has just started."""
-
-    def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
-        """Let time pass until ``is_over()``; return False on a timeout.
-
-        Args:
-            is_over: Polled repeatedly.
-            timeout: [s] of simulated time where the caller makes time pass, otherwise
-                of wall time; None waits without limit.
-
-        Raises:
-            EngineError: If the physics failed.
-            ControlError: If the simulation was closed or is paused without real time.
-            TransportError: If the other process has ended.
-        """
-
-    def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
-        """Let time pass until ``goal`` ends, as ``wait_until`` does."""
 
     def subscribe(
         self, rate: float | None = None, *, keep_all: bool = False

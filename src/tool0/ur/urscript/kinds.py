@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any, Final, TypeAlias, final
+from typing import Annotated, Any, Final, TypeAlias, cast, final
 
 from tool0.description.transform import FARTHEST
 from tool0.protocol.state import Six
@@ -77,10 +77,10 @@ def _pose(value: Value) -> Pose:
 
 def _check(values: tuple[Value, ...], largest: float) -> None:
     """Raise ValueProblem for numbers with which one cannot compute."""
-    for value in values:
-        if not math.isfinite(value):  # type: ignore[arg-type]
+    for value in cast("tuple[float, ...]", values):
+        if not math.isfinite(value):
             raise ValueProblem(f"finite numbers are needed, not {value}")
-        if abs(value) > largest:  # type: ignore[arg-type]
+        if abs(value) > largest:
             raise ValueProblem(f"{value:g} is too large")
 
 
