@@ -54,7 +54,7 @@ dev: $(DEV)
 
 # First what uses one processor, side by side, then the tests of Python, which use all:
 # each command shows its output when it ends, and pytest its progress.  The page is
-# checked again only when its sources have changed.
+# checked again only when its sources or the messages that it reads have changed.
 check: $(DEV)
 	@$(MAKE) --no-print-directory --jobs=2 --output-sync=line lint-python $(CHECKED_PAGE)
 	@$(MAKE) --no-print-directory unit-python
@@ -71,7 +71,7 @@ lint-python: $(DEV)
 lint-web: $(DEV)
 	$(WEB) run check:static
 
-$(CHECKED_PAGE): $(PAGE) | $(DEV)
+$(CHECKED_PAGE): $(PAGE) $(wildcard src/tool0/protocol/*.py src/tool0/panel/*.py) | $(DEV)
 	@$(MAKE) --no-print-directory lint-web unit-web
 	@touch $@
 

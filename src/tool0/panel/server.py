@@ -312,5 +312,5 @@ def _configuration(app: ASGIApp) -> uvicorn.Config:
 
 
 def _is_problem(record: logging.LogRecord) -> bool:
-    """Return False for uvicorn's lines about what a page did wrong: it is told."""
+    """Return whether a log record is no fault of a page, which gets a close code."""
     return record.getMessage() not in _FAULTS_OF_PAGES

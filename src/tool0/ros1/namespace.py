@@ -95,11 +95,11 @@ class RosNamespace:
         return full.startswith(self._prefix) and not full.startswith(self._longer)
 
     def to_ros(self, full: str) -> str:
-        """Return the own name of what has a full name; others' names do not change."""
+        """Return a name of the model as ROS has it; others' names do not change."""
         return full.removeprefix(self._prefix) if self.owns(full) else full
 
     def to_model(self, own: str) -> str:
-        """Return the full name of what has an own name."""
+        """Return a name in ROS as the model has it."""
         return self._prefix + own
 
     def text(self, text: object) -> str:

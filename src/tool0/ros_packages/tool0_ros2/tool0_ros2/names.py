@@ -50,11 +50,11 @@ class Names:
         return full.startswith(self.prefix) and not full.startswith(self._longer)
 
     def to_ros(self, full: str) -> str:
-        """Return the own name of what has a full name; others' names do not change."""
+        """Return a name of the model as ROS has it; others' names do not change."""
         return full[len(self.prefix) :] if self.owns(full) else full
 
     def to_model(self, own: str) -> str:
-        """Return the full name of what has an own name."""
+        """Return a name in ROS as the model has it."""
         return self.prefix + own
 
     def text(self, text: object) -> str:
