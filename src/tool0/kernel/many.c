@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "export.h"
 #include "robot.h"
@@ -28,6 +29,7 @@ typedef struct {
     pthread_cond_t finished; /* no thread is busy */
     Work work;
     int has_work, n_busy, n_threads, is_closed;
+    pid_t process; /* which has the threads */
 } Pool;
 
 static void take_copies(Work *work)
@@ -83,6 +85,7 @@ TOOL0_EXPORT void *tool0_open_pool(int threads)
     pthread_mutex_init(&pool->lock, NULL);
     pthread_cond_init(&pool->changed, NULL);
     pthread_cond_init(&pool->finished, NULL);
+    pool->process = getpid();
     pthread_t thread;
     pthread_mutex_lock(&pool->lock);
     while (pool->n_threads < threads - 1 && !pthread_create(&thread, NULL, serve, pool)) {
@@ -93,10 +96,21 @@ TOOL0_EXPORT void *tool0_open_pool(int threads)
     return pool;
 }
 
+/* A fork copies a pool without its threads, and its lock and conditions as they were at
+   that moment: held, or with waiters that do not exist.  Nothing may wait for them. */
+static int is_copy(const Pool *pool)
+{
+    return pool->process != getpid();
+}
+
 /* End the threads; the last one frees the pool. */
 TOOL0_EXPORT void tool0_close_pool(void *opened)
 {
     Pool *pool = opened;
+    if (is_copy(pool)) {
+        free(pool);
+        return;
+    }
     pthread_mutex_lock(&pool->lock);
     pool->is_closed = 1;
     pthread_cond_broadcast(&pool->changed);
@@ -108,12 +122,17 @@ TOOL0_EXPORT void tool0_close_pool(void *opened)
 
 /* Execute up to most[i] ticks of each robot, as tool0_run, in the threads of a pool.
 
-   A thread that wakes up after the last copy was taken is not waited for.  That includes
-   the threads of a parent process, which a fork has not copied. */
+   A thread that wakes up after the last copy was taken is not waited for.  In a process
+   that was forked after the pool was opened, the caller does all the work. */
 TOOL0_EXPORT void tool0_run_many(void *opened, Robot *const *robots, int n,
                                  const int32_t *most, int32_t *done, int32_t *results)
 {
     Pool *pool = opened;
+    if (is_copy(pool)) {
+        pool->work = (Work){robots, n, most, done, results, 0};
+        take_copies(&pool->work);
+        return;
+    }
     pthread_mutex_lock(&pool->lock);
     pool->work = (Work){robots, n, most, done, results, 0};
     pool->has_work = 1;

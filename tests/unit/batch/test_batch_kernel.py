@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import time
 from pathlib import Path
 
@@ -202,12 +203,15 @@ def test_threads_end_with_the_batch() -> None:
 @pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork:DeprecationWarning")
 def test_a_forked_process_steps_without_the_threads_of_its_parent() -> None:
     with tool0.Batch(4, threads=3) as batch:
-        batch.step(5)
-        child = os.fork()
-        if child == 0:
+        for n in range(1, 31):  # the threads are at another place at each fork
             batch.step(5)
-            os._exit(0 if bool((batch.time == 0.01).all()) else 1)
-        _, status = os.waitpid(child, 0)
-        assert status == 0
-        batch.step(5)
-        assert (batch.time == 0.01).all()
+            child = os.fork()
+            if child == 0:
+                signal.alarm(30)  # ends it, should it wait for a thread
+                batch.step(5)
+                is_done = np.allclose(batch.time, 0.005 * (n + 1), atol=1e-9)
+                batch.close()
+                os._exit(0 if is_done else 1)
+            _, status = os.waitpid(child, 0)
+            assert status == 0
+        assert np.allclose(batch.time, 0.005 * n, atol=1e-9)

@@ -31,8 +31,10 @@ def companion() -> Iterator[Shell]:
         yield companion
 
 
-def supervisor() -> int:
-    (found,) = children(os.getpid())
+def supervisor(companion: Shell) -> int:
+    (found,) = (
+        child for child in children(os.getpid()) if companion.pid in children(child)
+    )
     return found
 
 
@@ -43,7 +45,7 @@ def test_it_starts_again_when_its_supervisor_was_killed(
     assert first
     watch = Watch([first])
     with caplog.at_level(logging.WARNING):
-        os.kill(supervisor(), signal.SIGKILL)
+        os.kill(supervisor(companion), signal.SIGKILL)
         end = time.monotonic() + LONG
         while companion.pid in (first, None):
             assert time.monotonic() < end
@@ -55,7 +57,7 @@ def test_it_starts_again_when_its_supervisor_was_killed(
 def test_it_ends_at_once_when_its_supervisor_was_killed(companion: Shell) -> None:
     assert companion.pid
     watch = Watch([companion.pid])
-    os.kill(supervisor(), signal.SIGKILL)
+    os.kill(supervisor(companion), signal.SIGKILL)
     start = time.monotonic()
     companion.close()
     assert time.monotonic() - start < 2.0
