@@ -13,10 +13,11 @@ from typing import Any, final
 
 from ur_address import free_host
 from ur_box_rig import control_box
+from urscript_rig import error_text, is_error
 
 import tool0
 from tool0.ur.control_box import UrControlBox
-from tool0.ur.messages import Message, MessageKind
+from tool0.ur.messages import Message
 from tool0.ur.robotiq.gripper import RobotiqGripper
 from tool0.ur.robotiq.interface import RobotiqInterface
 
@@ -61,8 +62,8 @@ class ServedGripper:
 
     def take(self, message: Message) -> None:
         """Remember what the box reports."""
-        if message.kind is MessageKind.ERROR:
-            self.errors.append(message.text)
+        if is_error(message):
+            self.errors.append(error_text(message))
 
 
 @contextmanager

@@ -26,6 +26,18 @@ ZEROS = (0.0,) * 6
 TIMEOUT = 60.0  # [wall s]
 
 
+def is_error(message: Message) -> bool:
+    return message.kind in {MessageKind.ERROR, MessageKind.EXCEPTION}
+
+
+def error_text(message: Message) -> str:
+    """Return an error as the log has it, without the program's name."""
+    if message.kind is MessageKind.ERROR:
+        return message.text
+    line, column = message.place
+    return f"{line}:{column}: {message.text}"
+
+
 @dataclass
 class Run:
     """What a program did."""
@@ -43,7 +55,7 @@ class Run:
 
     @property
     def errors(self) -> list[str]:
-        return [item.text for item in self.messages if item.kind is MessageKind.ERROR]
+        return [error_text(item) for item in self.messages if is_error(item)]
 
     def time_of(self, text: str, which: int = 0) -> float:
         """When a text was sent, since the start [s]."""
@@ -93,6 +105,9 @@ class TimeBox:
             wrench=ZEROS,
         )
         self._next: asyncio.Future[None] | None = None
+
+    def report(self, error: Tool0Error) -> None:
+        self.messages.error(str(error))
 
     @property
     def time(self) -> float:

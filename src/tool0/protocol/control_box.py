@@ -140,6 +140,10 @@ class UnlockProtectiveStop(ArmRequest[None], frozen=True):
     The arm holds until ``play_program`` starts the controllers again.
     """
 
+    at_once: bool = False
+    """Also before these 5 s, in which people look for the cause.  UR's primary
+    interface does so."""
+
 
 class RestartSafety(ArmRequest[None], frozen=True):
     """Clear whatever the safety system has stopped; the arm is switched off then."""

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
 
 from tool0.errors import ConfigError
 from tool0.ur.programs import RunnableProgram
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
+
+KEPT: Final = 8
+"""Programs that need not be read again."""
 
 
 async def compiled(text: str, name: str) -> RunnableProgram[UrControlBox]:
@@ -26,11 +30,18 @@ async def compiled(text: str, name: str) -> RunnableProgram[UrControlBox]:
 
 def _compile(text: str, name: str) -> RunnableProgram[UrControlBox]:
     from tool0.ur.rtde_control.program import recognise
-    from tool0.ur.urscript.program import compile_program
 
     known = recognise(text)
     if known is not None:
         return known
+    return _compiled(text, name)
+
+
+@lru_cache(maxsize=KEPT)
+def _compiled(text: str, name: str) -> RunnableProgram[UrControlBox]:
+    """Return a program, which can run again and again: clients send it each time."""
+    from tool0.ur.urscript.program import compile_program
+
     return compile_program(text, name)
 
 

@@ -42,6 +42,7 @@ from tool0.ur.pose import pose_of, transform_of
 from tool0.ur.programs import ProgramSlot
 from tool0.ur.registers import Registers
 from tool0.ur.robotiq.gripper import RobotiqGripper
+from tool0.ur.urscript.errors import URScriptError
 
 logger = logging.getLogger(__name__)
 R = TypeVar("R")
@@ -214,7 +215,10 @@ class UrControlBox:
     def report(self, error: Tool0Error) -> None:
         """Tell clients and the log about an error."""
         logger.warning("%s: %s", self.arm, error)
-        self.messages.error(str(error))
+        if isinstance(error, URScriptError):
+            self.messages.exception(error)
+        else:
+            self.messages.error(str(error))
 
     # ---- the arm --------------------------------------------------------------------
 

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from enum import Enum
 from typing import NamedTuple, final
 
+from tool0.ur.urscript.errors import URScriptError
+
 
 class MessageKind(Enum):
     """The messages of UR's primary interface that occur."""
@@ -14,7 +16,9 @@ class MessageKind(Enum):
     """Of ``textmsg``."""
     POPUP = "popup"
     ERROR = "error"
-    """Of a program, or of the robot."""
+    """Of the robot, or of a program as a whole."""
+    EXCEPTION = "exception"
+    """Of a program, at a place in its text."""
     PROGRAM = "program"
     """The name of the program that runs now; empty when it has ended."""
 
@@ -26,6 +30,12 @@ class Message(NamedTuple):
     text: str
     title: str = ""
     """Of a popup."""
+    code: int = 0
+    """Of an error, as UR numbers them; 0 for those that it does not have."""
+    is_warning: bool = False
+    """Whether an error is one that the arm can go on after."""
+    place: tuple[int, int] = (1, 1)
+    """Line and column of an exception."""
 
 
 @final
@@ -41,9 +51,17 @@ class Messages:
         """Send a line of ``textmsg``."""
         self._send(Message(MessageKind.TEXT, text))
 
-    def error(self, text: str) -> None:
-        """Send an error."""
-        self._send(Message(MessageKind.ERROR, text))
+    def error(self, text: str, code: int = 0, *, is_warning: bool = False) -> None:
+        """Send an error, with UR's number for it."""
+        self._send(Message(MessageKind.ERROR, text, code=code, is_warning=is_warning))
+
+    def exception(self, error: URScriptError) -> None:
+        """Send an error of a program; clients know some by UR's words for them."""
+        if error.key:
+            self.text(error.message)
+        text = error.key or error.message
+        place = error.line, error.column
+        self._send(Message(MessageKind.EXCEPTION, text, place=place))
 
     def program(self, name: str) -> None:
         """Tell which program runs now."""

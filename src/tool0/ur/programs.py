@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections.abc import Coroutine
 from enum import IntEnum
 from typing import Any, Generic, Protocol, TypeVar, final
 
@@ -79,6 +80,8 @@ class ProgramSlot(Generic[BoxT]):
         """Of the program that runs, or ran last."""
         self.n_stops = 0
         """A program that was sent before the last stop is not started after it."""
+        self._n_stops_before = 0
+        """Those before the program that runs was sent."""
 
     @property
     def is_running(self) -> bool:
@@ -120,16 +123,23 @@ class ProgramSlot(Generic[BoxT]):
                 await self._release()
                 raise
             self.name = program.name
+            self._n_stops_before = n_stops
             self.state = RuntimeState.PLAYING
             self._gate.set()
             self._box.messages.program(program.name)
             self._task = asyncio.create_task(self._run(program))
 
-    async def stop(self) -> None:
-        """Stop the program and the arm, and start none that was sent before."""
+    def stop(self) -> Coroutine[Any, Any, None]:
+        """Stop the program and the arm, when awaited, and start none sent before.
+
+        What is sent after this call is started, also if this is not awaited yet.
+        """
         self.n_stops += 1
+        return self._stop(self.n_stops)
+
+    async def _stop(self, number: int) -> None:
         async with self._changing:
-            if await self._cancel():
+            if self._n_stops_before < number and await self._cancel():
                 await self._release()
                 self._box.messages.program("")
 

@@ -11,7 +11,8 @@ import tool0
 from tool0.protocol.control_box_state import RobotMode
 from tool0.ur.client_interface.scripts import UNNAMED, Script
 from tool0.ur.client_interface.uploads import Uploads
-from tool0.ur.messages import MessageKind
+from tool0.ur.messages import Message, MessageKind
+from tool0.ur.program_watch import ProgramWatch
 
 LONG = 30.0  # [wall s]; only a failing test waits so long
 
@@ -52,6 +53,56 @@ def test_a_stop_waits_behind_no_program_and_none_starts_after_it() -> None:
         refused = asyncio.run(scenario(robot))
     for number, text in enumerate(refused):
         assert text.startswith(f"program_{number}: not started, since a stop")
+
+
+def test_a_program_that_is_sent_with_a_stop_before_it_is_started() -> None:
+    async def scenario(robot: tool0.Robot) -> None:
+        async with control_box(robot) as box:
+            uploads = Uploads(box)
+            for name in ("first", "second"):
+                uploads.put(line("stop program"))
+                uploads.put(waiting(name))
+                await asyncio.wait_for(
+                    box.until(
+                        lambda name=name: (
+                            box.programs.is_running and box.programs.name == name
+                        )
+                    ),
+                    LONG,
+                )
+            await box.next_update()
+            assert box.programs.is_running
+            await uploads.close()
+            await box.programs.stop()
+
+    with tool0.bringup(arm="ur5e", ros2_control=True) as robot:
+        asyncio.run(scenario(robot))
+
+
+def test_a_protective_stop_is_a_warning_with_a_number_and_is_unlocked_at_once() -> None:
+    async def scenario(robot: tool0.Robot) -> list[Message]:
+        async with control_box(robot) as box:
+            watch = ProgramWatch(box)
+            await watch.start("", 0)
+            errors: list[Message] = []
+            box.messages.listeners.add(
+                lambda m: errors.append(m) if m.kind is MessageKind.ERROR else None
+            )
+            uploads = Uploads(box)
+            uploads.put(line("protective_stop()"))
+            stopped = lambda: bool(box.state.protective_stop)  # noqa: E731
+            await asyncio.wait_for(box.until(stopped), LONG)
+            uploads.put(line("set unlock protective stop"))
+            await asyncio.wait_for(box.until(lambda: not stopped()), LONG)
+            await uploads.close()
+            await watch.close()
+            return errors
+
+    with tool0.bringup(arm="ur5e", ros2_control=True) as robot:
+        (error,) = asyncio.run(scenario(robot))
+        assert (error.code, error.is_warning) == (209, True)
+        with pytest.raises(tool0.ControlError, match="is not in a protective stop"):
+            robot.arm.control_box.unlock()
 
 
 @pytest.mark.parametrize("count", [1, 40])

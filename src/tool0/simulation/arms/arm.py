@@ -130,15 +130,16 @@ class Arm:
             self.box.change(protective_stop=reason)
             self._set(now, safety=SafetyMode.PROTECTIVE_STOP)
 
-    def unlock(self, now: JointState) -> None:
+    def unlock(self, now: JointState, *, at_once: bool) -> None:
         """End a protective stop; the arm holds until its program is played.
 
         Raises:
-            ControlError: If there is none, or it occurred less than 5 s ago.
+            ControlError: If there is none, or it occurred less than 5 s ago and this is
+                not to be ``at_once``.
         """
         if self._modes.safety is not SafetyMode.PROTECTIVE_STOP:
             raise ControlError(f"the arm '{self.name}' is not in a protective stop")
-        if 0.0 <= now.time - self._stopped_at < UNLOCK_AFTER:
+        if not at_once and 0.0 <= now.time - self._stopped_at < UNLOCK_AFTER:
             raise ControlError(_TOO_SOON)
         self._set(now, safety=SafetyMode.NORMAL)
 

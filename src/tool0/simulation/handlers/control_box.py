@@ -106,6 +106,13 @@ handles(StopProtectively, in_tick=True)(
 )
 
 
+handles(UnlockProtectiveStop, in_tick=True)(
+    lambda sim, request: sim.core.arms.find(request.arm).unlock(
+        sim.core.state, at_once=request.at_once
+    )
+)
+
+
 def _handles_mode(kind: type[ArmRequest[None]], change: Callable[..., None]) -> None:
     """Register a change of an arm's mode as the handler of ``kind``."""
     handles(kind, in_tick=True)(
@@ -118,5 +125,4 @@ _handles_mode(StopProgram, Arm.stop)
 _handles_mode(PowerOff, Arm.power_off)
 _handles_mode(PowerOn, Arm.power_on)
 _handles_mode(ReleaseBrakes, Arm.release_brakes)
-_handles_mode(UnlockProtectiveStop, Arm.unlock)
 _handles_mode(RestartSafety, Arm.restart_safety)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final, final
 
@@ -32,8 +31,6 @@ BUILD_DATE: Final = "01-01-2024, 00:00:00"
 _SCRIPT_COST: Final = 5e-3
 """Of compiling and starting a program [s]."""
 _CHUNK: Final = 1 << 16
-_PLACE: Final = re.compile(r"[^:]*:(\d+):(\d+): (.*)", re.DOTALL)
-"""Where an error of a program is."""
 
 
 @final
@@ -163,7 +160,13 @@ class ClientInterface:
                     time, message.title, message.text, is_warning=False, is_error=False
                 )
             case MessageKind.ERROR:
-                packet = _error(time, message.text)
+                packet = robot_messages.error_message(
+                    time, message.text, message.code, is_warning=message.is_warning
+                )
+            case MessageKind.EXCEPTION:
+                packet = robot_messages.exception_message(
+                    time, message.place, message.text
+                )
             case MessageKind.PROGRAM:
                 if message.text:
                     self._program = message.text
@@ -175,14 +178,6 @@ class ClientInterface:
 
     def _send(self, packet: bytes) -> None:
         send_to_readers(self._peers(PRIMARY), packet)
-
-
-def _error(time: float, text: str) -> bytes:
-    place = _PLACE.fullmatch(text)
-    if place is None:
-        return robot_messages.error_message(time, text)
-    line, column = int(place[1]), int(place[2])
-    return robot_messages.exception_message(time, line, column, place[3])
 
 
 def _periods(time: float, period: float) -> int:

@@ -82,20 +82,18 @@ def key_message(time: float, title: str, text: str) -> bytes:
     return _message(time, Kind.KEY, head + heading + _cut(text))
 
 
-def exception_message(time: float, line: int, column: int, text: str) -> bytes:
-    """Return an error of a program, at a place counted from 1."""
-    head = Struct(">ii").pack(line, column)
+def exception_message(time: float, place: tuple[int, int], text: str) -> bytes:
+    """Return an error of a program; line and column count from 1."""
+    head = Struct(">ii").pack(*place)
     return _message(
         time, Kind.RUNTIME_EXCEPTION, head + _cut(text), Source.REAL_TIME_MACHINE
     )
 
 
-def error_message(time: float, text: str) -> bytes:
-    """Return an error of the robot.
-
-    UR numbers its errors; ours have no number.
-    """
-    head = Struct(">iiiII").pack(0, 0, ReportLevel.VIOLATION, _UNSIGNED_DATA, 0)
+def error_message(time: float, text: str, code: int, *, is_warning: bool) -> bytes:
+    """Return an error of the robot; ``code`` is UR's number, 0 without one."""
+    level = ReportLevel.WARNING if is_warning else ReportLevel.VIOLATION
+    head = Struct(">iiiII").pack(code, 0, level, _UNSIGNED_DATA, 0)
     return _message(time, Kind.ERROR_CODE, head + _cut(text), Source.REAL_TIME_MACHINE)
 
 

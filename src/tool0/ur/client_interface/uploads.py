@@ -49,7 +49,7 @@ class Uploads:
             "power on": lambda: box.call(PowerOn(arm=arm)),
             "set robotmode run": lambda: box.call(ReleaseBrakes(arm=arm)),
             "set unlock protective stop": lambda: box.call(
-                UnlockProtectiveStop(arm=arm)
+                UnlockProtectiveStop(arm=arm, at_once=True)
             ),
         }
         """Lines that are no URScript; UR's own client library sends these."""
@@ -102,10 +102,10 @@ class Uploads:
             logger.exception("the program '%s' could not be started", script.name)
             self._box.messages.error(f"{script.name}: {error!r}")
 
-    async def _power_off(self) -> None:
+    def _power_off(self) -> Awaitable[object]:
         """Switch the arm off, and start nothing that was sent before."""
         self._box.programs.n_stops += 1
-        await self._box.call(PowerOff(arm=self._box.arm))
+        return self._box.call(PowerOff(arm=self._box.arm))
 
     async def _execute(self, script: Script, n_stops: int) -> None:
         self._box.programs.require_no_stop(script.name, n_stops)

@@ -71,8 +71,8 @@ class Checker:
                     item.at,
                 )
 
-    def _fail(self, message: str, at: Place) -> NoReturn:
-        raise URScriptError(message, at, self._program)
+    def _fail(self, message: str, at: Place, *, key: str = "") -> NoReturn:
+        raise URScriptError(message, at, self._program, key)
 
     # ---- statements -----------------------------------------------------------------
 
@@ -169,7 +169,8 @@ class Checker:
                 f"'{name.name}' is a function; call it with {name.name}(…)", name.at
             )
         known = [*scope.locals, *scope.globals, "True", "False"]
-        self._fail(f"unknown variable '{name.name}'" + _near(name.name, known), name.at)
+        message = f"unknown variable '{name.name}'" + _near(name.name, known)
+        self._fail(message, name.at, key=_not_found(name.name))
 
     def _items(
         self, items: tuple[s.Expression, ...], at: Place, *, is_pose: bool
@@ -278,7 +279,7 @@ class Checker:
             self._fail(f"'{call.name}' is not supported: {reason}", call.at)
         known = [*self._scope.visible_functions(), *library()]
         message = f"unknown function '{call.name}'" + _near(call.name, known)
-        self._fail(message, call.at)
+        self._fail(message, call.at, key=_not_found(call.name))
 
     def _bind(
         self,
@@ -340,6 +341,11 @@ class Checker:
         if problem is not None:
             message = f"argument '{parameter.name}' of {call.name}: {problem}"
             self._fail(message, argument.at)
+
+
+def _not_found(name: str) -> str:
+    """Return what UR's controller says of an unknown name."""
+    return f"compile_error_name_not_found:{name}:"
 
 
 def _near(name: str, valid: list[str]) -> str:

@@ -174,13 +174,18 @@ class Statements:
         return CompiledStatement(run, is_async=True, at=at)
 
     def _kill(self, statement: s.Kill) -> CompiledStatement:
-        def finish(frame: CallFrame, value: Value) -> None:
-            if not isinstance(value, Handle):
-                message = f"'kill' ends a thread, not {described(value)}"
-                raise self._expressions.error(message, statement.at)
-            value.kill()
+        handle = self._expressions.node(statement.handle)
 
-        return self._then(statement.handle, statement.at, finish)
+        async def run(frame: CallFrame) -> Outcome:
+            (thread,) = await evaluated([handle], frame)
+            if isinstance(thread, Handle):
+                await thread.kill()
+            elif type(thread) is not int:  # a variable for a thread, before the first
+                message = f"'kill' ends a thread, not {described(thread)}"
+                raise self._expressions.error(message, statement.at)
+            return None
+
+        return CompiledStatement(run, is_async=True, at=statement.at)
 
     def _condition(self, expression: s.Expression) -> Node:
         node = self._expressions.node(expression)
@@ -250,7 +255,7 @@ def _simple(statement: s.Simple) -> CompiledStatement:
         case "pause":
             return CompiledStatement(_pause, is_async=True, at=at)
         case "enter_critical":
-            return CompiledStatement(_enter_critical, is_async=False, at=at)
+            return CompiledStatement(_enter_critical, is_async=True, at=at)
         case "exit_critical":
             return CompiledStatement(_exit_critical, is_async=False, at=at)
         case "pass":
@@ -266,10 +271,9 @@ async def _pause(frame: CallFrame) -> None:
     await frame.thread.hold()
 
 
-def _enter_critical(frame: CallFrame) -> None:
-    frame.thread.execution.critical = frame.thread
+async def _enter_critical(frame: CallFrame) -> None:
+    await frame.thread.execution.critical.enter(frame.thread)
 
 
 def _exit_critical(frame: CallFrame) -> None:
-    if frame.thread.execution.critical is frame.thread:
-        frame.thread.execution.critical = None
+    frame.thread.execution.critical.leave(frame.thread)

@@ -18,12 +18,22 @@ class Place(NamedTuple):
 class URScriptError(Tool0Error):
     """A program that cannot be executed, or that failed while it was executed."""
 
-    def __init__(self, message: str, place: Place, program: str = "program") -> None:
-        """Report ``message`` as ``program:line:column: message``."""
+    def __init__(
+        self, message: str, place: Place, program: str = "program", key: str = ""
+    ) -> None:
+        """Report ``message`` as ``program:line:column: message``.
+
+        Args:
+            message: What is wrong.
+            place: Where.
+            program: The name of its source.
+            key: What UR's controller calls this error; empty if that is not known.
+        """
         super().__init__(f"{program}:{place.line}:{place.column}: {message}")
         self.message = message
         self.line, self.column = place
         self.program = program
+        self.key = key
 
 
 @final

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping
-from typing import TYPE_CHECKING, Final, Protocol, final
+from typing import TYPE_CHECKING, Final, Protocol, TypeVar, final
 
 from tool0.ur.tool_contact import ToolHistory
+from tool0.ur.urscript.critical import CriticalSection
 from tool0.ur.urscript.errors import Place, URScriptError, ValueProblem
 from tool0.ur.urscript.sockets import Sockets
 from tool0.ur.urscript.values import Handle, Value
@@ -18,6 +19,8 @@ from tool0.ur.urscript.values import Handle, Value
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
     from tool0.ur.moves import Moves
+
+T = TypeVar("T")
 
 MAX_THREADS: Final = 50
 MAX_VARIABLES: Final = 2_000
@@ -96,13 +99,23 @@ class Thread:
         await self.hold()
         return value
 
+    async def apart(self, action: Awaitable[T]) -> T:
+        """Wait for another program; meanwhile this is outside of a critical section.
+
+        UR's driver relies on that: its program reads a socket in a critical section.
+        """
+        critical = self.execution.critical
+        was_inside = critical.is_inside(self)
+        critical.leave(self)
+        result = await action
+        if was_inside:
+            await critical.enter(self)
+        return result
+
     async def hold(self) -> None:
         """Wait while the program is paused, or another thread is critical."""
-        while True:
-            await self.execution.gate()
-            if self.execution.critical in {None, self}:
-                return
-            await self.box.next_update()
+        await self.execution.gate()
+        await self.execution.critical.wait(self)
 
     async def until_shown(self, condition: Callable[[], bool]) -> None:
         """Wait until the updates show what a request has changed."""
@@ -158,8 +171,7 @@ class Execution:
         self.force_gain = 1.0
         """Scales the gain of the next force mode."""
         self.globals: dict[str, Value] = {}
-        self.critical: Thread | None = None
-        """The thread that entered its critical section."""
+        self.critical = CriticalSection()
         self.mover: Thread | None = None
         """The thread that moves the robot."""
         self._tasks: set[asyncio.Task[Value]] = set()
@@ -228,8 +240,7 @@ class Execution:
         except Exception as error:  # whoever runs the program reports it
             self._finish(error)
         finally:
-            if self.critical is thread:
-                self.critical = None
+            self.critical.leave(thread)
         return None
 
     def _finish(self, error: Exception | None) -> None:

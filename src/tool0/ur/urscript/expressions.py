@@ -327,10 +327,12 @@ class Expressions:
 
         async def run(frame: CallFrame) -> Value:
             (thread,) = await evaluated([handle], frame)
-            if not isinstance(thread, Handle):
-                message = f"'join' waits for a thread, not for {described(thread)}"
-                raise self.error(message, expression.at)
-            return await frame.thread.timed(thread.end())
+            if isinstance(thread, Handle):
+                return await frame.thread.timed(thread.end())
+            if type(thread) is int:  # of a variable for threads, before the first
+                return None
+            message = f"'join' waits for a thread, not for {described(thread)}"
+            raise self.error(message, expression.at)
 
         return Node(run, is_async=True)
 

@@ -15,11 +15,18 @@ MAX_NESTING: Final = 100
 _CLOSERS: Final = {"_CLOSE": "(", "RSQB": "["}
 _OPENERS: Final = {"_OPEN": ")", "LIST_OPEN": "]"}
 _BLOCKS: Final = ("IF", "WHILE", "DEFINE")
+_INFIX: Final = frozenset(
+    {"OR", "XOR", "AND", "NOT", "COMPARE", "EQUAL", "SIGN", "FACTOR", "COMMA"}
+)
+"""After these, a statement goes on in the next line."""
 
 
 @final
 class Layout(PostLex):
-    """Keeps the new lines that end a statement, and adds those that are left out."""
+    """Keeps the new lines that end a statement, and adds those that are left out.
+
+    In brackets and after an operator, a statement goes on in the next line.
+    """
 
     always_accept = ()
 
@@ -33,7 +40,8 @@ class Layout(PostLex):
         for token in stream:
             kind = token.type
             if kind == "_NL":
-                if not in_brackets and not is_fresh:
+                is_open = last is not None and last.type in _INFIX
+                if not in_brackets and not is_fresh and not is_open:
                     is_fresh = True
                     yield token
                 continue

@@ -8,6 +8,7 @@ import ipaddress
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final, TypeVar, final
 
+from tool0.errors import ControlError
 from tool0.ur.urscript.errors import ValueProblem
 
 if TYPE_CHECKING:
@@ -94,8 +95,10 @@ class Sockets:
     async def open(self, address: str, port: int, name: str) -> bool:
         """Connect, and return whether it worked.  A name in use is closed first.
 
+        Clients are told if the address is not allowed.
+
         Raises:
-            ValueProblem: The address is not allowed, or there are too many.
+            ValueProblem: There are too many.
         """
         self.close(name)
         if len(self._connections) >= MAX_SOCKETS:
@@ -105,10 +108,13 @@ class Sockets:
         if (host, port) == OWN_GRIPPER and gripper and gripper.address:
             host, port = gripper.address
         if not self._box.allow_sockets and not _is_loopback(host):
-            raise ValueProblem(
-                f"programs connect to this machine only, not to '{address}'; other "
-                "machines need the option --ur-sockets"
+            self._box.report(
+                ControlError(
+                    f"programs connect to this machine only, not to '{address}'; other "
+                    "machines need the option --ur-sockets"
+                )
             )
+            return False
         try:
             reader, writer = await asyncio.wait_for(
                 asyncio.open_connection(host, port, limit=_CHUNK), OPEN_TIMEOUT

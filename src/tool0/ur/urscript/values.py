@@ -39,9 +39,12 @@ class Handle:
         self.name = name
         self._task = task
 
-    def kill(self) -> None:
-        """End the thread at its next statement that waits."""
+    async def kill(self) -> None:
+        """End the thread, and return when it moves nothing any more."""
         self._task.cancel()
+        if self._task is asyncio.current_task():
+            await asyncio.sleep(0)  # it ends itself
+        await asyncio.wait([self._task])
 
     async def end(self) -> Value:
         """Return what the thread returns when it ends; nothing if it was killed."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import socket
 
 import pytest
 from urscript_rig import TimeBox, run_in_time
@@ -126,8 +127,8 @@ FAILURES = {
     "x = forever(k)": "forever: calls are nested deeper than 100 levels",
     "x = nothing()": "there is no value to assign",
     "x = later": "variable 'later' has no value yet",
-    "join k": "'join' waits for a thread, not for an integer",
-    "kill k": "'kill' ends a thread, not an integer",
+    "join one": "'join' waits for a thread, not for a string",
+    "kill one": "'kill' ends a thread, not a string",
     "sleep(-k)": "the time is -2, less than 0",
     "one[0] = k": "a string has no elements",
     "x = str_cat(long, long)": "at most 1023 bytes, not 2000",
@@ -138,7 +139,6 @@ FAILURES = {
     "x = 2147483647 * k": "32 bits",
     "set_gravity([k, 0, 0])": "upright",
     "rq_open()": "rq_open: the arm carries no gripper",
-    'x = socket_open("10.0.0.1", 80)': "this machine only, not to '10.0.0.1'",
 }
 
 
@@ -330,6 +330,99 @@ def test_a_critical_section_holds_other_threads() -> None:
     exit_critical
     sleep(0.005)
     """)[2:5] == ["in", "out", "other"]
+
+
+def test_threads_enter_a_critical_section_in_turn() -> None:
+    loop = """
+    thread {0}():
+      while True:
+        enter_critical
+        textmsg("{0}")
+        sync()
+        exit_critical
+      end
+    end
+    """
+    run = run_in_time(
+        loop.format("first")
+        + loop.format("second")
+        + "a = run first()\nb = run second()\nsleep(0.1)\nhalt"
+    )
+    assert run.error is None
+    counts = [run.texts.count(name) for name in ("first", "second")]
+    assert min(counts) >= 20
+    assert max(counts) - min(counts) <= 1
+
+
+def test_a_thread_that_reads_a_socket_in_a_critical_section_holds_nobody() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        run = run_in_time(f"""
+        thread other():
+          while True:
+            textmsg("other")
+            sync()
+          end
+        end
+        socket_open("127.0.0.1", {port})
+        enter_critical
+        t = run other()
+        socket_read_binary_integer(1, timeout=0.2)
+        textmsg("read")
+        sleep(0.1)
+        textmsg("out")
+        exit_critical
+        """)
+    assert run.error is None
+    assert "other" in run.texts[: run.texts.index("read")]
+    assert run.texts[run.texts.index("read") :][:2] == ["read", "out"]
+
+
+def test_join_and_kill_of_a_thread_that_was_not_started_do_nothing() -> None:
+    assert texts("""
+    worker = 0
+    join worker
+    kill worker
+    textmsg("on")
+    """) == ["on"]
+
+
+def test_after_kill_another_thread_can_move_at_once() -> None:
+    run = run_in_time("""
+    thread other():
+      while True:
+        sync()
+      end
+    end
+    t = run other()
+    sleep(0.01)
+    kill t
+    join t
+    textmsg("ended")
+    """)
+    assert (run.error, run.texts) == (None, ["ended"])
+
+
+def test_a_statement_goes_on_after_an_operator_or_in_brackets() -> None:
+    assert texts("""
+    x = 1 +
+      2
+    if x == 3 and
+        not False or
+        False:
+      textmsg(str_cat("x is ",
+        x))
+    end
+    y =
+      4
+    textmsg(y)
+    """) == ["x is 3", "4"]
+
+
+def test_a_socket_to_another_machine_is_not_opened() -> None:
+    run = run_in_time('textmsg(socket_open("10.0.0.1", 80))')
+    assert (run.error, run.texts) == (None, ["False"])
+    assert "this machine only, not to '10.0.0.1'" in run.errors[0]
 
 
 def test_halt_and_errors_in_a_thread_end_the_program() -> None:

@@ -162,7 +162,7 @@ def test_kinematics_agree_and_an_unreachable_pose_ends_the_program(
         "identity True",
     ]
     (error,) = run.errors
-    assert error.startswith("p:21:7: get_inverse_kin: no inverse kinematics solution")
+    assert error.startswith("21:7: get_inverse_kin: no inverse kinematics solution")
 
 
 # ---- motion -------------------------------------------------------------------------

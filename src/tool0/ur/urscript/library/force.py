@@ -18,6 +18,7 @@ from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import (
+    Bool,
     Flags,
     Integer,
     Kind,
@@ -172,6 +173,26 @@ def get_target_payload_cog(thread: Thread) -> Value:
     return tuple(thread.box.state.payload.center_of_gravity)
 
 
+def ft_rtde_input_enable(
+    enable: Bool,
+    sensor_mass: Number = 0.0,
+    sensor_measuring_offset: Vector = (0.0, 0.0, 0.0),
+    sensor_cog: Vector = (0.0, 0.0, 0.0),
+) -> None:
+    """Accept that the wrist's own sensor counts; that of RTDE is refused."""
+    del sensor_mass, sensor_measuring_offset, sensor_cog
+    if enable:
+        raise ValueProblem(
+            "wrenches come from the simulated wrist, not from RTDE's "
+            "external_force_torque"
+        )
+
+
+def get_freedrive_status() -> int:
+    """Return 0: freedrive resists no more near singularities."""
+    return 0
+
+
 def set_gravity(d: Vector) -> None:
     """Accept the gravity of an upright mounting, which is the only one."""
     x, y, z = d
@@ -203,6 +224,9 @@ FUNCTIONS: Final[tuple[Function, ...]] = (
     function(freedrive_mode, "teach_mode", physical=True),
     *(function(item) for item in (end_force_mode, end_freedrive_mode)),
     function(end_freedrive_mode, "end_teach_mode"),
+    function(ft_rtde_input_enable),
+    function(ft_rtde_input_enable, "enable_external_ft_sensor"),
+    function(get_freedrive_status),
     *(function(item) for item in (force_mode_set_damping, force_mode_set_gain_scaling)),
     *(function(item) for item in (get_gravity, get_target_payload)),
     *(function(item) for item in (get_target_payload_cog, protective_stop)),

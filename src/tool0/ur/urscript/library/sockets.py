@@ -46,7 +46,7 @@ async def socket_open(
     thread: Thread, address: Text, port: PortNumber, socket_name: Text = DEFAULT
 ) -> bool:
     """Connect to a server within 2 s; return whether it worked."""
-    return await thread.execution.sockets.open(address, port, socket_name)
+    return await thread.apart(thread.execution.sockets.open(address, port, socket_name))
 
 
 async def socket_close(thread: Thread, socket_name: Text = DEFAULT) -> None:
@@ -66,7 +66,9 @@ async def _receive(
     timeout: float,
 ) -> T | None:
     connection = thread.execution.sockets.find(name)
-    return None if connection is None else await connection.receive(find, timeout)
+    if connection is None:
+        return None
+    return await thread.apart(connection.receive(find, timeout))
 
 
 async def socket_send_string(

@@ -154,15 +154,18 @@ def tool_contact(thread: Thread, direction: Spatial | None = None) -> Value:
     return thread.execution.history.contact(motion)
 
 
-FUNCTIONS: Final[tuple[Function, ...]] = tuple(
-    function(item)
-    for item in (
-        *(force, get_actual_joint_positions, get_actual_joint_positions_history),
-        *(get_actual_joint_speeds, get_actual_tcp_pose, get_actual_tcp_speed),
-        *(get_actual_tool_flange_pose, get_forward_kin, get_inverse_kin),
-        *(get_inverse_kin_has_solution, get_joint_torques, get_target_joint_positions),
-        *(get_target_joint_speeds, get_target_tcp_pose, get_target_tcp_speed),
-        *(get_tcp_force, get_tcp_offset, is_steady, is_within_safety_limits),
-        tool_contact,
-    )
+FUNCTIONS: Final[tuple[Function, ...]] = (
+    *(
+        function(item)
+        for item in (
+            *(force, get_actual_joint_positions, get_actual_joint_positions_history),
+            *(get_actual_joint_speeds, get_actual_tcp_pose, get_actual_tcp_speed),
+            *(get_actual_tool_flange_pose, get_forward_kin, get_inverse_kin),
+            *(get_inverse_kin_has_solution, get_joint_torques),
+            *(get_target_joint_positions, get_target_joint_speeds),
+            *(get_target_tcp_pose, get_target_tcp_speed, get_tcp_force),
+            *(get_tcp_offset, is_steady, is_within_safety_limits, tool_contact),
+        )
+    ),
+    function(get_actual_joint_positions, "get_joint_positions"),
 )
