@@ -16,7 +16,7 @@ from tool0.protocol.socket_channel import SocketChannel
 from tool0.protocol.state import ArmSample, ArmSetpoint
 from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.messages import Message, MessageKind, Messages
-from tool0.ur.registers import Registers
+from tool0.ur.registers import N_FLAGS, Registers
 from tool0.ur.urscript.execution import Execution
 from tool0.ur.urscript.program import compile_program
 
@@ -93,6 +93,7 @@ class TimeBox:
         self.ticks = 0
         self.messages = Messages()
         self.registers = Registers()
+        self.flags = [False] * N_FLAGS
         self.programs = _Slot(self)
         self.when_updated: set[Callable[[], None]] = set()
         self.arm_sample = ArmSample(

@@ -40,7 +40,7 @@ from tool0.protocol.subscriptions import Subscribe
 from tool0.ur.messages import Messages
 from tool0.ur.pose import pose_of, transform_of
 from tool0.ur.programs import ProgramSlot
-from tool0.ur.registers import Registers
+from tool0.ur.registers import N_FLAGS, Registers
 from tool0.ur.robotiq.gripper import RobotiqGripper
 from tool0.ur.urscript.errors import URScriptError
 
@@ -109,6 +109,8 @@ class UrControlBox:
         self.rate = 500.0 if self.is_e_series else 125.0
         """Of RTDE and the real-time interface [Hz]."""
         self.registers = Registers()
+        self.flags = [False] * N_FLAGS
+        """Of programs, which they share one after another."""
         self.messages = Messages()
         self.programs = ProgramSlot(self)
         self.when_updated: set[Callable[[], None]] = set()

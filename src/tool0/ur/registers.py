@@ -11,6 +11,9 @@ N_BITS: Final = 128
 N_NUMBERS: Final = 48
 """Integer and double registers of each direction; 24 and up are for RTDE clients."""
 
+N_FLAGS: Final = 32
+"""Of programs."""
+
 
 @final
 @dataclass(slots=True)

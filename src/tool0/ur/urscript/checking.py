@@ -9,10 +9,12 @@ from tool0.ur.urscript import syntax as s
 from tool0.ur.urscript.errors import Place, URScriptError, ValueProblem
 from tool0.ur.urscript.functions import Function, Parameter
 from tool0.ur.urscript.library.table import library
+from tool0.ur.urscript.lists import LIST_METHODS
 from tool0.ur.urscript.scopes import Scope
 from tool0.ur.urscript.unsupported import reason_against
 from tool0.ur.urscript.values import (
     ARITHMETIC,
+    Member,
     Value,
     boolean,
     checked_list,
@@ -138,6 +140,13 @@ class Checker:
                 return self._items(items, at, is_pose=False)
             case s.PoseOf(items=items, at=at):
                 return self._pose(items, at)
+            case s.StructOf(values=values):
+                for item in values:
+                    self._fold(item)
+            case s.MemberName(name=name):
+                return Member(name)
+            case s.Method():
+                self._method(expression)
             case s.Index():
                 return self._element(expression)
             case s.Unary():
@@ -237,6 +246,26 @@ class Checker:
             return cast("Value", compute())  # type: ignore[operator]
         except ValueProblem as problem:
             self._fail(str(problem), at)
+
+    def _method(self, call: s.Method) -> None:
+        self._fold(call.base)
+        for argument in call.arguments:
+            self._fold(argument)
+        method = LIST_METHODS.get(call.name)
+        if method is None:
+            known = ", ".join(LIST_METHODS)
+            self._fail(f"unknown method '{call.name}'; lists have {known}", call.at)
+        if len(call.arguments) != method.n_arguments:
+            count = method.n_arguments
+            plural = "s" * (count != 1)
+            self._fail(
+                f"'{call.name}' takes {count} argument{plural}, not "
+                f"{len(call.arguments)}",
+                call.at,
+            )
+        base = call.base.base if isinstance(call.base, s.Index) else call.base
+        if method.changes and not isinstance(base, s.Name):
+            self._fail(f"'{call.name}' changes a list, which is a variable", call.at)
 
     # ---- calls ----------------------------------------------------------------------
 

@@ -7,6 +7,7 @@ program, and whatever contains them.  All else is evaluated by ordinary function
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import Any, cast, final
 
 from tool0.errors import Tool0Error
@@ -23,18 +24,22 @@ from tool0.ur.urscript.code import (
 from tool0.ur.urscript.errors import Place, URScriptError, ValueProblem
 from tool0.ur.urscript.functions import Function, Parameter
 from tool0.ur.urscript.library.table import library
+from tool0.ur.urscript.lists import LIST_METHODS
 from tool0.ur.urscript.scopes import Scope
 from tool0.ur.urscript.values import (
     ARITHMETIC,
     Handle,
+    Member,
     Value,
     boolean,
     checked_list,
     checked_pose,
+    checked_struct,
     described,
     element,
     negated,
     positive,
+    with_element,
 )
 
 
@@ -66,8 +71,16 @@ class Expressions:
                 if len(items) == 1:  # a variable that is named p
                     return self._index(s.Index(at, s.Name(at, "p"), items))
                 return self._made([self.node(x) for x in items], checked_pose, at)
+            case s.StructOf(at=at, names=names, values=values):
+                nodes = [self.node(x) for x in values]
+                return self._made(nodes, partial(checked_struct, names), at)
+            case s.MemberName(name=name):
+                member = Member(name)
+                return Node(lambda frame: member, is_async=False)
             case s.Index():
                 return self._index(expression)
+            case s.Method():
+                return self._method(expression)
             case s.Unary():
                 return self._unary(expression)
             case s.Chain():
@@ -125,6 +138,34 @@ class Expressions:
             return value
 
         return combined(nodes, combine)
+
+    def _method(self, call: s.Method) -> Node:
+        """Return a method; one that changes its list assigns the new one."""
+        method = LIST_METHODS[call.name]
+        nodes = [self.node(call.base), *map(self.node, call.arguments)]
+        whole = call.base
+        base, places = (
+            (whole.base, whole.indexes) if isinstance(whole, s.Index) else (whole, ())
+        )
+        indexes = [self.node(item) for item in places] if method.changes else []
+
+        async def run(frame: CallFrame) -> Value:
+            value, *arguments = await evaluated(nodes, frame)
+            path = await evaluated(indexes, frame)
+            try:
+                items, result = method.apply(value, arguments)
+                if method.changes:
+                    assert isinstance(base, s.Name)  # checked
+                    is_local = base.name in self._scope.locals
+                    variables = frame.locals if is_local else frame.globals
+                    old = variables[base.name]
+                    new = with_element(old, path, items) if path else items
+                    variables[base.name] = charged(frame, new)
+            except ValueProblem as problem:
+                raise self.error(f"{call.name}: {problem}", call.at) from None
+            return charged(frame, result)
+
+        return Node(run, is_async=True)
 
     def _unary(self, expression: s.Unary) -> Node:
         at = expression.at

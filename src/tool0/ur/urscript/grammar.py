@@ -43,7 +43,10 @@ parameter: NAME [EQUAL expression]
 ?sum: product (SIGN product)*
 ?product: signed (FACTOR signed)*
 ?signed: indexed | SIGN signed -> sign
-?indexed: atom (LIST_OPEN _items "]")*
+?indexed: atom | element | member | method
+element: indexed LIST_OPEN _items "]"
+member: indexed DOT NAME
+method: indexed DOT NAME _OPEN [_items] _CLOSE
 _items: expression ("," expression)*
 ?atom: literal | name | call | list_ | run | join | _OPEN expression _CLOSE
 literal: INTEGER | FLOAT | STRING | TRUE | FALSE
@@ -86,6 +89,7 @@ STRING: /"[^"\n]*"/
 COMPARE: "==" | "!=" | "<=" | ">=" | "<" | ">"
 EQUAL: "="
 SIGN: "+" | "-"
+DOT: "."
 FACTOR: "*" | "/" | "%"
 LIST_OPEN: "["
 _OPEN: "("

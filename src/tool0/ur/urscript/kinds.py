@@ -13,6 +13,7 @@ from typing import Annotated, Any, Final, TypeAlias, cast, final
 from tool0.description.transform import FARTHEST
 from tool0.protocol.state import Six
 from tool0.ur.urscript.errors import ValueProblem
+from tool0.ur.urscript.trees import INT_RANGE
 from tool0.ur.urscript.values import Pose, Value, described, is_number
 
 
@@ -45,6 +46,9 @@ def _number(value: Value) -> float:
 
 
 def _integer(value: Value) -> int:
+    """Return an integer; as on the robot, a float without a fraction is one."""
+    if type(value) is float and value.is_integer() and value in INT_RANGE:
+        return int(value)
     if type(value) is not int:
         raise _wrong("an integer", value)
     return value

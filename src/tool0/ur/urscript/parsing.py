@@ -22,7 +22,6 @@ _NEVER: Final = {
     "import": "'import' is not supported: a program is one text",
     "class": "URScript has no classes",
     "try": "URScript has no exceptions",
-    "assert": "'assert' is a function here: write it with an 'if' and 'halt'",
 }
 _KEYWORDS: Final = frozenset(
     {
@@ -34,7 +33,6 @@ _KEYWORDS: Final = frozenset(
 _CHARACTERS: Final = {
     "'": 'strings are written with double quotes: "text"',
     '"': "this string has no closing quote on its line",
-    ".": "structs and methods are not supported",
     "!": "write 'not' in place of '!'",
     "&": "write 'and' in place of '&'",
     "|": "write 'or' in place of '|'",

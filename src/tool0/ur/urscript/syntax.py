@@ -51,12 +51,42 @@ class PoseOf:
 
 @final
 @dataclass(frozen=True, slots=True)
+class StructOf:
+    """``struct(name = value, …)``."""
+
+    at: Place
+    names: tuple[str, ...]
+    values: tuple[Expression, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class MemberName:
+    """The name of a member of a struct: an index of it."""
+
+    at: Place
+    name: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
 class Index:
-    """``base[i][j]`` or ``base[i, j]``."""
+    """``base[i][j]``, ``base[i, j]`` or ``base.member``."""
 
     at: Place
     base: Expression
     indexes: tuple[Expression, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Method:
+    """``base.name(arguments)``."""
+
+    at: Place
+    base: Expression
+    name: str
+    arguments: tuple[Expression, ...]
 
 
 @final
@@ -129,14 +159,26 @@ class Join:
 
 
 Expression: TypeAlias = (
-    Literals | Name | ListOf | PoseOf | Index | Unary | Chain | Call | Run | Join
+    Literals
+    | Name
+    | ListOf
+    | PoseOf
+    | StructOf
+    | MemberName
+    | Index
+    | Method
+    | Unary
+    | Chain
+    | Call
+    | Run
+    | Join
 )
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Assign:
-    """``[local | global] name[i] = value``."""
+    """``[local | global] name[i].member = value``."""
 
     at: Place
     scope: Literal["local", "global"] | None

@@ -15,6 +15,7 @@ INT_RANGE: Final = range(-(2**31), 2**31)
 MAX_TEXT: Final = 1023
 """Longest string [bytes], as on the robot."""
 _POSE: Final = "p"
+_STRUCT: Final = "struct"
 _DIGITS: Final = re.compile("[0-9]{1,10}")
 
 # Children are what the rules below return, mixed with tokens: lark types them as Any.
@@ -62,7 +63,7 @@ class Trees(Transformer[Token, s.Block]):
                 f"{value.name}(), or assign to a variable with =",
                 value.at,
             )
-        if not isinstance(value, s.Call | s.Run | s.Join):
+        if not isinstance(value, s.Call | s.Method | s.Run | s.Join):
             raise URScriptError("this value is not used", value.at)
         return s.Evaluate(value.at, value)
 
@@ -114,20 +115,20 @@ class Trees(Transformer[Token, s.Block]):
     def sign(self, children: Children) -> s.Unary:
         return s.Unary(place(children[0]), str(children[0]), children[1])
 
-    def indexed(self, children: Children) -> s.Expression:
-        base, *rest = children
-        groups: list[list[s.Expression]] = []
-        for child in rest:
-            if isinstance(child, Token):
-                groups.append([])
-            else:
-                groups[-1].append(child)
+    def element(self, children: Children) -> s.Expression:
+        base, _, *items = children
         if isinstance(base, s.Name) and base.name == _POSE:
-            base = s.PoseOf(base.at, tuple(groups.pop(0)))
-        indexes = tuple(item for group in groups for item in group)
-        return (
-            s.Index(base.at, base, indexes) if indexes else cast("s.Expression", base)
-        )
+            return s.PoseOf(base.at, tuple(items))
+        return _indexed(base, tuple(items))
+
+    def member(self, children: Children) -> s.Expression:
+        base, _, name = children
+        return _indexed(base, (s.MemberName(place(name), str(name)),))
+
+    def method(self, children: Children) -> s.Method:
+        base, _, name, *arguments = children
+        given = tuple(item for item in arguments if item is not None)
+        return s.Method(place(name), base, str(name), given)
 
     def literal(self, children: Children) -> s.Literals:
         token = children[0]
@@ -136,9 +137,11 @@ class Trees(Transformer[Token, s.Block]):
     def name(self, children: Children) -> s.Name:
         return s.Name(place(children[0]), str(children[0]))
 
-    def call(self, children: Children) -> s.Call:
+    def call(self, children: Children) -> s.Call | s.StructOf:
         name, *arguments = children
         given = tuple(item for item in arguments if item is not None)
+        if name == _STRUCT:
+            return _struct(place(name), given)
         return s.Call(place(name), str(name), given)
 
     def argument(self, children: Children) -> s.Argument:
@@ -163,6 +166,19 @@ class Trees(Transformer[Token, s.Block]):
 
     def join(self, children: Children) -> s.Join:
         return s.Join(place(children[0]), children[1])
+
+
+def _indexed(base: s.Expression, indexes: tuple[s.Expression, ...]) -> s.Index:
+    if isinstance(base, s.Index):
+        return s.Index(base.at, base.base, base.indexes + indexes)
+    return s.Index(base.at, base, indexes)
+
+
+def _struct(at: Place, arguments: tuple[s.Argument, ...]) -> s.StructOf:
+    names = tuple(item.name for item in arguments if item.name is not None)
+    if not names or len(names) < len(arguments) or len(set(names)) < len(names):
+        raise URScriptError("a struct has members with different names: a = 1, …", at)
+    return s.StructOf(at, names, tuple(item.value for item in arguments))
 
 
 def _constant(token: Token) -> s.Constant:

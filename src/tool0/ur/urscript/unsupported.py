@@ -10,8 +10,6 @@ _REASONS: Final = (
     (r"(get|set|reset|stop|track)_conveyor.*", "there is no conveyor encoder"),
     (r"conveyor_.*|track_.*|encoder_.*", "there is no conveyor encoder"),
     (r"rpc_factory", "there are no remote procedure calls (XML-RPC)"),
-    (r"struct|make_struct", "use variables or lists in place of structs"),
-    (r"time", "it returns a struct; measure with get_steptime()"),
     (r"interpreter_mode|.*_interpreter", "the interpreter mode is not supported"),
     (r"request_.*_from_primary_client", "there is no operator's screen"),
     (r"optimove[jl]", "OptiMove is not supported; use movej or movel"),

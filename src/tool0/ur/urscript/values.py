@@ -11,6 +11,7 @@ import asyncio
 import math
 import operator
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Final, TypeAlias, Union, final
 
 from tool0.ur.urscript.errors import ValueProblem
@@ -29,6 +30,22 @@ class Pose(tuple[float, ...]):
     """``p[x, y, z, rx, ry, rz]`` [m, rad], also a wrench or a twist."""
 
     __slots__ = ()
+
+
+@final
+class Member(str):
+    """The name of a member of a struct, as an index."""
+
+    __slots__ = ()
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Struct:
+    """Values with names."""
+
+    names: tuple[str, ...]
+    values: tuple[Value, ...]
 
 
 @final
@@ -52,7 +69,9 @@ class Handle:
         return None if self._task.cancelled() else self._task.result()
 
 
-Value: TypeAlias = Union[bool, int, float, str, Pose, "tuple[Value, ...]", Handle, None]
+Value: TypeAlias = Union[
+    bool, int, float, str, Pose, "tuple[Value, ...]", Struct, Handle, None
+]
 _FAMILIES: Final[dict[type, str]] = {
     bool: "a boolean",
     int: "an integer",
@@ -60,6 +79,7 @@ _FAMILIES: Final[dict[type, str]] = {
     str: "a string",
     Pose: "a pose",
     tuple: "a list",
+    Struct: "a struct",
     Handle: "a thread",
     type(None): "nothing",
 }
@@ -98,10 +118,24 @@ def checked_list(items: Sequence[Value]) -> tuple[Value, ...]:
     return tuple(items)
 
 
+def checked_struct(names: tuple[str, ...], values: Sequence[Value]) -> Struct:
+    """Return a struct; its members have values, and not too many."""
+    if any(item is None or isinstance(item, Handle) for item in values):
+        raise ValueProblem("a member of a struct has a value, and is no thread")
+    if sum(map(_weight, values)) > MAX_LIST:
+        raise ValueProblem(f"structs have at most {MAX_LIST} values")
+    return Struct(names, tuple(values))
+
+
 def weight(items: Sequence[Value]) -> int:
-    """Return how many values a list has, with those of its rows or poses."""
-    first = items[0] if items else None
-    return len(items) * (len(first) if isinstance(first, tuple) else 1)
+    """Return how many values a list has, with those of its rows, poses or structs."""
+    return len(items) * _weight(items[0]) if items else 0
+
+
+def _weight(value: Value) -> int:
+    if isinstance(value, Struct):
+        return sum(map(_weight, value.values))
+    return weight(value) if isinstance(value, tuple) else 1
 
 
 def checked_pose(items: Sequence[Value]) -> Pose:
@@ -141,6 +175,9 @@ def to_text(value: Value) -> str:
                 raise ValueProblem(f"a list of more than {size} is no text")
             start = "p[" if isinstance(value, Pose) else "["
             return start + ", ".join(to_text(item) for item in value) + "]"
+        case Struct(names, values):
+            pairs = zip(names, map(to_text, values), strict=True)
+            return f"struct({', '.join(f'{name} = {text}' for name, text in pairs)})"
         case _:
             raise ValueProblem(f"{described(value)} cannot be written as text")
 
@@ -149,26 +186,49 @@ def to_text(value: Value) -> str:
 
 
 def element(value: Value, index: Value) -> Value:
-    """Return an element of a list or a pose, or a row of a matrix."""
-    return _items(value)[_checked_index(value, index)]
+    """Return an element of a list or a pose, a row of a matrix, a struct's member."""
+    k = _checked_index(value, index)
+    return _items(value)[k]
 
 
 def with_element(value: Value, indexes: Sequence[Value], new: Value) -> Value:
-    """Return a list, matrix or pose with another element."""
-    items = list(_items(value))
+    """Return a list, matrix, pose or struct with another element."""
     k = _checked_index(value, indexes[0])
+    items = list(_items(value))
     rest = indexes[1:]
-    items[k] = with_element(items[k], rest, new) if rest else new
+    changed = with_element(items[k], rest, new) if rest else new
+    if isinstance(value, Struct) and not _is_alike(items[k], changed):
+        raise ValueProblem(
+            f"the member '{value.names[k]}' is {described(items[k])}, and cannot "
+            f"become {described(changed)}"
+        )
+    items[k] = changed
+    if isinstance(value, Struct):
+        return checked_struct(value.names, items)
     return checked_pose(items) if isinstance(value, Pose) else checked_list(items)
 
 
+def _is_alike(a: Value, b: Value) -> bool:
+    return type(a) is type(b) or (is_number(a) and is_number(b))
+
+
 def _items(value: Value) -> tuple[Value, ...]:
+    if isinstance(value, Struct):
+        return value.values
     if not isinstance(value, tuple):
         raise ValueProblem(f"{described(value)} has no elements")
     return value
 
 
 def _checked_index(value: Value, index: Value) -> int:
+    if isinstance(index, Member):
+        if not isinstance(value, Struct):
+            raise ValueProblem(f"{described(value)} has no member '{index}'")
+        if index not in value.names:
+            raise ValueProblem(
+                f"the struct has no member '{index}'; it has {', '.join(value.names)}"
+            )
+        return value.names.index(index)
     if type(index) is not int:
         raise ValueProblem(f"an index is an integer, not {described(index)}")
     size = len(_items(value))
@@ -319,10 +379,8 @@ def positive(value: Value) -> Value:
 
 
 def truth(value: Value) -> bool:
-    """Return a boolean, or whether a string has characters, as a condition."""
-    if type(value) is bool:
-        return value
-    if type(value) is str:
+    """Return whether a condition holds: True, a number but 0, a string but ""."""
+    if type(value) in {bool, int, float, str}:
         return bool(value)
     raise ValueProblem(f"a condition is a boolean, not {described(value)}")
 

@@ -131,6 +131,13 @@ FAILURES = {
     "kill one": "'kill' ends a thread, not a string",
     "sleep(-k)": "the time is -2, less than 0",
     "one[0] = k": "a string has no elements",
+    "one.x = k": "a string has no member 'x'",
+    "x = struct(a = k).b": "the struct has no member 'b'; it has a",
+    "pair.a = one": "the member 'a' is an integer, and cannot become a string",
+    "x = k.length()": "length: an integer has no methods",
+    "items.append(one)": "append: a list has elements of one kind",
+    "items.insert(9, k)": "insert: index 9 of a list of 2 elements",
+    "assert(k == 3)": "assert: the assertion does not hold",
     "x = str_cat(long, long)": "at most 1023 bytes, not 2000",
     "x = pose_inv(p[0, 0, 0, 1e200 * k, 0, 0])": "pose_inv: 2e+200 is too large",
     "x = get_inverse_kin(p[1e7 * k, 0, 0, 0, 0, 0])": "'x' of get_inverse_kin: 2e+07",
@@ -148,6 +155,7 @@ def test_a_program_that_fails_stops_with_its_place(statement: str) -> None:
         "def forever(n):\n  return forever(n + 1)\nend\ndef nothing():\n  pass\nend\n"
         'k = 2\none = "one"\nlong = "1234567890"\nwhile str_len(long) < 1000:\n'
         "  long = str_cat(long, str_sub(long, 0, 10))\nend\n"
+        "pair = struct(a = 1)\nitems = [1, 2]\n"
         f'{statement}\ntextmsg("not reached")\nlater = 1\n'
     )
     words = FAILURES[statement].removeprefix("1:1: ")
@@ -156,7 +164,7 @@ def test_a_program_that_fails_stops_with_its_place(statement: str) -> None:
     assert str(run.error).startswith("p:")
     assert run.texts == []
     line = int(str(run.error).split(":")[1])
-    assert line in {2, 13}
+    assert line in {2, 15}
 
 
 def texts(text: str) -> list[str]:
@@ -376,6 +384,53 @@ def test_a_thread_that_reads_a_socket_in_a_critical_section_holds_nobody() -> No
     assert run.error is None
     assert "other" in run.texts[: run.texts.index("read")]
     assert run.texts[run.texts.index("read") :][:2] == ["read", "out"]
+
+
+def test_structs_are_values_with_named_members() -> None:
+    assert texts("""
+    def changed(x):
+      x.count = 9
+      return x
+    end
+    s = struct(count = 1, name = "two", q = [1, 2], inner = struct(e = 1.5))
+    s.count = 5
+    s.q[1] = 7
+    s.inner.e = 2
+    other = changed(s)
+    textmsg(s)
+    textmsg(other.count, s[1])
+    items = make_list(2, struct(k = 1))
+    items[0].k = 3
+    textmsg(items[0].k - .5, items)
+    """) == [
+        "struct(count = 5, name = two, q = [1, 7], inner = struct(e = 2))",
+        "9two",
+        "2.5[struct(k = 3), struct(k = 1)]",
+    ]
+
+
+def test_methods_of_lists() -> None:
+    assert texts("""
+    items = [1, 2, 3]
+    items.append(4)
+    items.insert(0, 0)
+    textmsg(items.pop(), items)
+    items.remove(0)
+    items.extend([8, 9])
+    textmsg(items.length(), items.slice(1, 3))
+    s = struct(q = [1])
+    s.q.append(3)
+    textmsg(s.q.to_string())
+    items.clear()
+    textmsg(items)
+    """) == ["4[0, 1, 2, 3]", "5[2, 3]", "[1, 3]", "[]"]
+
+
+def test_time_is_a_struct_and_flags_last_between_programs() -> None:
+    box = TimeBox()
+    assert run_in_time("set_flag(3, True)\nsleep(1.5)", box).error is None
+    run = run_in_time("t = time()\ntextmsg(t)\ntextmsg(get_flag(3), get_flag(4))", box)
+    assert run.texts == ["struct(sec = 1, nanosec = 500000000)", "TrueFalse"]
 
 
 def test_join_and_kill_of_a_thread_that_was_not_started_do_nothing() -> None:

@@ -634,7 +634,9 @@ def release_brakes(*, arm: str | None = _UNSET) -> Request[None]:
     return Request("release_brakes", locals())
 
 
-def unlock_protective_stop(*, arm: str | None = _UNSET) -> Request[None]:
+def unlock_protective_stop(
+    *, at_once: bool = _UNSET, arm: str | None = _UNSET
+) -> Request[None]:
     return Request("unlock_protective_stop", locals())
 
 

@@ -193,6 +193,18 @@ def get_freedrive_status() -> int:
     return 0
 
 
+def get_target_payload_inertia() -> Value:
+    """Return zeros: the inertia of a payload has no effect."""
+    return (0.0,) * 6
+
+
+def position_deviation_warning(enabled: Bool, threshold: Number = 0.8) -> None:
+    """Accept: there is no warning before a protective stop."""
+    del enabled
+    if not 0.0 <= threshold <= 1.0:
+        raise ValueProblem(f"threshold is {threshold}; it is from 0 to 1")
+
+
 def set_gravity(d: Vector) -> None:
     """Accept the gravity of an upright mounting, which is the only one."""
     x, y, z = d
@@ -227,6 +239,8 @@ FUNCTIONS: Final[tuple[Function, ...]] = (
     function(ft_rtde_input_enable),
     function(ft_rtde_input_enable, "enable_external_ft_sensor"),
     function(get_freedrive_status),
+    function(get_target_payload_inertia),
+    function(position_deviation_warning),
     *(function(item) for item in (force_mode_set_damping, force_mode_set_gain_scaling)),
     *(function(item) for item in (get_gravity, get_target_payload)),
     *(function(item) for item in (get_target_payload_cog, protective_stop)),

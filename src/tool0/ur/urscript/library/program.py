@@ -8,7 +8,7 @@ from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import AnyValue, Bool, Number, Text
-from tool0.ur.urscript.values import to_text
+from tool0.ur.urscript.values import Value, checked_struct, to_text
 
 _MESSAGE: Final = 25
 """Statements that a message counts as, so that clients can follow."""
@@ -29,6 +29,18 @@ async def sync(thread: Thread) -> None:
 def get_steptime(thread: Thread) -> float:
     """Return the control period [s]."""
     return 1.0 / thread.box.rate
+
+
+def time(thread: Thread) -> Value:
+    """Return the simulated time as a struct: seconds, and nanoseconds beyond them."""
+    nanoseconds = round(thread.box.time * 1e9)
+    return checked_struct(("sec", "nanosec"), divmod(nanoseconds, 10**9))
+
+
+def _assert(condition: Bool) -> None:
+    """End the program with an error unless a condition holds."""
+    if not condition:
+        raise ValueProblem("the assertion does not hold")
 
 
 def textmsg(thread: Thread, s1: AnyValue, s2: AnyValue = "") -> None:
@@ -62,5 +74,5 @@ def shown(text: str) -> str:
 FUNCTIONS: Final[tuple[Function, ...]] = (
     function(sleep, physical=True),
     function(sync, physical=True),
-    *(function(item) for item in (get_steptime, popup, textmsg)),
+    *(function(item) for item in (_assert, get_steptime, popup, textmsg, time)),
 )

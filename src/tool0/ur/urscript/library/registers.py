@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Final, TypeAlias, TypeVar
 
-from tool0.ur.registers import N_BITS, N_NUMBERS, RegisterBank
+from tool0.ur.registers import N_BITS, N_FLAGS, N_NUMBERS, RegisterBank
 from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
@@ -28,6 +28,7 @@ def address_kind(count: int) -> Kind:
 
 Bit: TypeAlias = Annotated[int, address_kind(N_BITS)]
 Address: TypeAlias = Annotated[int, address_kind(N_NUMBERS)]
+Flag: TypeAlias = Annotated[int, address_kind(N_FLAGS)]
 
 
 def write_output_boolean_register(thread: Thread, address: Bit, value: Bool) -> None:
@@ -47,6 +48,16 @@ def write_output_float_register(
 ) -> None:
     """Write a number that RTDE clients read."""
     thread.box.registers.outputs.doubles[address] = float(value)
+
+
+def set_flag(thread: Thread, n: Flag, b: Bool) -> None:
+    """Set a flag, which keeps its value between programs."""
+    thread.box.flags[n] = b
+
+
+def get_flag(thread: Thread, n: Flag) -> bool:
+    """Return a flag."""
+    return thread.box.flags[n]
 
 
 def _reader(
@@ -69,6 +80,7 @@ def _outputs(thread: Thread) -> RegisterBank:
 
 
 FUNCTIONS: Final[tuple[Function, ...]] = (
+    *(function(item) for item in (get_flag, set_flag)),
     function(write_output_boolean_register),
     function(write_output_integer_register),
     function(write_output_float_register),

@@ -40,6 +40,11 @@ def get_target_joint_speeds(thread: Thread) -> Value:
     return thread.box.target_qd
 
 
+def get_target_joint_accelerations(thread: Thread) -> Value:
+    """Return the setpoint of the joint accelerations [rad/s²]."""
+    return thread.box.target_qdd
+
+
 def get_actual_tcp_pose(thread: Thread) -> Value:
     """Return the measured pose of the TCP."""
     return Pose(thread.box.tcp_pose())
@@ -162,7 +167,8 @@ FUNCTIONS: Final[tuple[Function, ...]] = (
             *(get_actual_joint_speeds, get_actual_tcp_pose, get_actual_tcp_speed),
             *(get_actual_tool_flange_pose, get_forward_kin, get_inverse_kin),
             *(get_inverse_kin_has_solution, get_joint_torques),
-            *(get_target_joint_positions, get_target_joint_speeds),
+            *(get_target_joint_accelerations, get_target_joint_positions),
+            get_target_joint_speeds,
             *(get_target_tcp_pose, get_target_tcp_speed, get_tcp_force),
             *(get_tcp_offset, is_steady, is_within_safety_limits, tool_contact),
         )

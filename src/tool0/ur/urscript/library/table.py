@@ -9,8 +9,8 @@ from tool0.ur.urscript.functions import Function
 
 
 @cache
-def library() -> dict[str, Function]:
-    """Return the functions that programs can call."""
+def modules() -> dict[str, tuple[Function, ...]]:
+    """Return the functions that programs can call, by the module that has them."""
     from tool0.ur.urscript.library import (
         arithmetic,
         force,
@@ -26,12 +26,19 @@ def library() -> dict[str, Function]:
         strings,
     )
 
-    modules = (
+    found = (
         *(arithmetic, force, gripper, inputs_outputs, motion, poses, program),
         *(registers, settings, sockets, state, strings),
     )
-    found: dict[str, Function] = {}
-    for module in modules:
-        for item in cast("tuple[Function, ...]", module.FUNCTIONS):
-            found[item.name] = item
-    return found
+    return {
+        module.__name__.rpartition(".")[2]: cast(
+            "tuple[Function, ...]", module.FUNCTIONS
+        )
+        for module in found
+    }
+
+
+@cache
+def library() -> dict[str, Function]:
+    """Return the functions that programs can call, by name."""
+    return {item.name: item for items in modules().values() for item in items}

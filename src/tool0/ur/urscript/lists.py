@@ -1,0 +1,118 @@
+"""Methods of lists: ``items.append(1)``.
+
+Source: URScript manual 5.15 and later, "Lists and Structs".  A list of UR has a
+capacity; here, only the limit of all lists counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Final, NamedTuple, TypeAlias, final
+
+from tool0.ur.urscript.errors import ValueProblem
+from tool0.ur.urscript.values import (
+    MAX_LIST,
+    Value,
+    checked_list,
+    checked_text,
+    described,
+    element,
+    to_text,
+    weight,
+)
+
+Items: TypeAlias = tuple[Value, ...]
+
+
+class Outcome(NamedTuple):
+    """What a method does."""
+
+    items: Sequence[Value]
+    """The list after it."""
+    value: Value
+    """What it returns."""
+
+
+@final
+class ListMethod(NamedTuple):
+    """A method of lists."""
+
+    call: Callable[..., Outcome]
+    n_arguments: int
+    changes: bool
+    """Whether it changes the list, which must be a variable then."""
+
+    def apply(self, value: Value, arguments: Sequence[Value]) -> tuple[Items, Value]:
+        """Return the list after the method, and what the method returns.
+
+        Raises:
+            ValueProblem: The value is no list, or the arguments are not possible.
+        """
+        if type(value) is not tuple:
+            raise ValueProblem(f"{described(value)} has no methods; a list has")
+        items, result = self.call(value, *arguments)
+        return (checked_list(items) if self.changes else value), result
+
+
+def _position(items: Items, index: Value, last: int) -> int:
+    if type(index) is not int:
+        raise ValueProblem(f"an index is an integer, not {described(index)}")
+    if not 0 <= index <= last:
+        raise ValueProblem(f"index {index} of a list of {len(items)} elements")
+    return index
+
+
+def _append(items: Items, value: Value) -> Outcome:
+    return Outcome((*items, value), None)
+
+
+def _extend(items: Items, others: Value) -> Outcome:
+    if type(others) is not tuple:
+        raise ValueProblem(f"a list is needed, not {described(others)}")
+    return Outcome((*items, *others), None)
+
+
+def _insert(items: Items, index: Value, value: Value) -> Outcome:
+    k = _position(items, index, len(items))
+    return Outcome((*items[:k], value, *items[k:]), None)
+
+
+def _remove(items: Items, index: Value) -> Outcome:
+    k = _position(items, index, len(items) - 1)
+    return Outcome((*items[:k], *items[k + 1 :]), None)
+
+
+def _pop(items: Items) -> Outcome:
+    if not items:
+        raise ValueProblem("the list is empty")
+    return Outcome(items[:-1], element(items, len(items) - 1))
+
+
+def _slice(items: Items, start: Value, end: Value) -> Outcome:
+    last = _position(items, end, len(items))
+    return Outcome(items, items[_position(items, start, last) : last])
+
+
+def _capacity(items: Items) -> Outcome:
+    return Outcome(items, MAX_LIST)
+
+
+def _excess_capacity(items: Items) -> Outcome:
+    return Outcome(items, MAX_LIST - weight(items))
+
+
+LIST_METHODS: Final = {
+    "append": ListMethod(_append, 1, changes=True),
+    "capacity": ListMethod(_capacity, 0, changes=False),
+    "clear": ListMethod(lambda items: Outcome((), None), 0, changes=True),
+    "excess_capacity": ListMethod(_excess_capacity, 0, changes=False),
+    "extend": ListMethod(_extend, 1, changes=True),
+    "insert": ListMethod(_insert, 2, changes=True),
+    "length": ListMethod(lambda items: Outcome(items, len(items)), 0, changes=False),
+    "pop": ListMethod(_pop, 0, changes=True),
+    "remove": ListMethod(_remove, 1, changes=True),
+    "slice": ListMethod(_slice, 2, changes=False),
+    "to_string": ListMethod(
+        lambda items: Outcome(items, checked_text(to_text(items))), 0, changes=False
+    ),
+}
