@@ -76,7 +76,7 @@ def test_it_greets_and_ends(rig):
         ("addToLog Cell 7 is ready", "Added log message"),
         ("addToLog", "No log message to add"),
         ("get operational mode", "NONE"),
-        ("set operational mode manual", "Setting operational mode: MANUAL"),
+        ("set operational mode manual", "Operational mode 'MANUAL' is set"),
         ("set operational mode fast", "Failed setting operational mode: fast"),
         (
             "clear operational mode",

@@ -73,7 +73,10 @@ class Dashboard:
     """The dashboard server of one control box."""
 
     def __init__(self, box: UrControlBox, programs: Path | None = None) -> None:
-        """Serve ``box``; programs are loaded from the folder ``programs``."""
+        """Serve ``box``; programs are loaded from the folder ``programs``.
+
+        If it is left out, the folder is ``default_programs``.
+        """
         self._box, self._files = box, ProgramFiles(programs)
         self._port = Port("dashboard server", self._serve)
         self._loaded: ProgramFile | None = None
@@ -310,7 +313,7 @@ class Dashboard:
         if mode.lower() not in OPERATIONAL_MODES:
             return f"Failed setting operational mode: {mode}"
         self._mode = mode.upper()
-        return f"Setting operational mode: {self._mode}"
+        return f"Operational mode '{self._mode}' is set"
 
     def _clear_mode(self, _: str) -> str:
         mode, self._mode = self._mode, "NONE"
