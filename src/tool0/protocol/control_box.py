@@ -27,6 +27,8 @@ Fraction = Annotated[float, Meta(ge=0.01, le=1.0)]
 MOST_PROGRAM: Final = 200
 """Characters of a program's name."""
 
+MOST_REASON: Final = 500
+"""Of a protective stop [characters]."""
 MOST_POPUP: Final = 1000
 """Characters of a popup."""
 
@@ -130,7 +132,7 @@ class StopProtectively(ArmRequest[None], frozen=True):
     is_urgent = True
     revokes = ("unlock_protective_stop", "restart_safety")
 
-    reason: Annotated[str, Meta(min_length=1, max_length=500)]
+    reason: Annotated[str, Meta(min_length=1, max_length=MOST_REASON)]
     """For people."""
 
 

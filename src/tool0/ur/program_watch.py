@@ -27,8 +27,8 @@ class ProgramWatch:
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._task: asyncio.Task[None] | None = None
-        self._told = ""
-        """Why the arm had stopped when clients were told last."""
+        self._seen = self._told = ""
+        """Why the arm had stopped at the last update, and when clients were told."""
 
     async def start(self, host: str, port_base: int) -> None:
         """Watch from now on; there is no port."""
@@ -48,23 +48,28 @@ class ProgramWatch:
             has_lost = True
         self._tell()
         if has_lost and self._task is None:
+            if box.stopped and not self._reason:
+                box.messages.error(box.stopped)
             self._task = asyncio.create_task(self._stop())
 
+    @property
+    def _reason(self) -> str:
+        """Why the arm has stopped by itself; empty if it has not."""
+        return self._box.state.protective_stop or self._box.state.motion_failure
+
     def _tell(self) -> None:
-        """Tell clients why the arm has stopped, once."""
-        box, state = self._box, self._box.state
-        why = state.protective_stop or state.motion_failure
-        if not why and box.programs.is_running:
-            why = box.stopped
-        if why and why != self._told:
-            code = 0
-            if state.protective_stop:
-                code = PROTECTIVE_STOP
-            elif state.motion_failure:
-                code = PATH_DEVIATION
-            is_warning = code == PROTECTIVE_STOP  # the arm can be unlocked
-            box.messages.error(box.stopped, code, is_warning=is_warning)
-        self._told = why
+        """Tell clients why the arm has stopped, once.
+
+        Not at the first update that shows it: clients know the safety mode before.
+        """
+        box, reason = self._box, self._reason
+        if reason == self._seen and reason != self._told:
+            self._told = reason
+            if box.state.protective_stop:
+                box.messages.error(box.stopped, PROTECTIVE_STOP, is_warning=True)
+            elif reason:
+                box.messages.error(box.stopped, PATH_DEVIATION)
+        self._seen = reason
 
     async def _stop(self) -> None:
         await self._box.programs.stop()

@@ -92,6 +92,7 @@ def test_a_protective_stop_is_a_warning_with_a_number_and_is_unlocked_at_once() 
             uploads.put(line("protective_stop()"))
             stopped = lambda: bool(box.state.protective_stop)  # noqa: E731
             await asyncio.wait_for(box.until(stopped), LONG)
+            await asyncio.wait_for(box.until(lambda: bool(errors)), LONG)
             uploads.put(line("set unlock protective stop"))
             await asyncio.wait_for(box.until(lambda: not stopped()), LONG)
             await uploads.close()

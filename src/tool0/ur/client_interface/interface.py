@@ -120,6 +120,7 @@ class ClientInterface:
         if box.state.safety_mode is not self._safety_mode:
             self._safety_mode = box.state.safety_mode
             self._send(robot_messages.safety_message(box.time, self._safety_mode))
+            self._send_state()
         n_states = _periods(box.time, STATE_PERIOD)
         if n_states != self._n_states:
             self._n_states = n_states

@@ -47,7 +47,7 @@ def _number(value: Value) -> float:
 
 def _integer(value: Value) -> int:
     """Return an integer; as on the robot, a float without a fraction is one."""
-    if type(value) is float and value.is_integer() and value in INT_RANGE:
+    if type(value) is float and value.is_integer() and int(value) in INT_RANGE:
         return int(value)
     if type(value) is not int:
         raise _wrong("an integer", value)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import ipaddress
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Final, TypeVar, final
+from collections.abc import Callable, Coroutine
+from typing import TYPE_CHECKING, Any, Final, TypeVar, final
 
 from tool0.errors import ControlError
 from tool0.ur.urscript.errors import ValueProblem
@@ -44,10 +43,9 @@ class Connection:
             return False
         try:
             self._writer.write(data)
-            await asyncio.wait_for(self._writer.drain(), OPEN_TIMEOUT)
-        except (OSError, asyncio.TimeoutError):
+            return await _within(_drained(self._writer), OPEN_TIMEOUT) is not None
+        except OSError:
             return False
-        return True
 
     async def receive(
         self, find: Callable[[bytearray], T | None], timeout: float
@@ -61,10 +59,12 @@ class Connection:
         Returns:
             None after the timeout, or if the connection has ended.
         """
-        with contextlib.suppress(asyncio.TimeoutError, OSError):
-            limit = timeout if timeout > 0.0 else None
-            return await asyncio.wait_for(self._receive(find), limit)
-        return None
+        try:
+            return await _within(
+                self._receive(find), timeout if timeout > 0.0 else None
+            )
+        except OSError:
+            return None
 
     async def _receive(self, find: Callable[[bytearray], T | None]) -> T | None:
         while True:
@@ -116,12 +116,14 @@ class Sockets:
             )
             return False
         try:
-            reader, writer = await asyncio.wait_for(
+            streams = await _within(
                 asyncio.open_connection(host, port, limit=_CHUNK), OPEN_TIMEOUT
             )
-        except (OSError, OverflowError, UnicodeError, asyncio.TimeoutError):
+        except (OSError, OverflowError, UnicodeError):
             return False
-        self._connections[name] = Connection(reader, writer)
+        if streams is None:
+            return False
+        self._connections[name] = Connection(*streams)
         return True
 
     def find(self, name: str) -> Connection | None:
@@ -138,6 +140,26 @@ class Sockets:
         """Close all connections."""
         for name in tuple(self._connections):
             self.close(name)
+
+
+async def _within(action: Coroutine[Any, Any, T], timeout: float | None) -> T | None:
+    """Return the result of an action; None if it is not done in time [wall s].
+
+    Whoever waits here can be cancelled at any moment.  Before Python 3.12,
+    asyncio.wait_for drops a cancellation that comes together with the result.
+    """
+    task = asyncio.ensure_future(action)
+    try:
+        await asyncio.wait({task}, timeout=timeout)
+    finally:
+        if not task.done():
+            task.cancel()
+    return task.result() if task.done() else None
+
+
+async def _drained(writer: asyncio.StreamWriter) -> bool:
+    await writer.drain()
+    return True
 
 
 def _is_loopback(host: str) -> bool:

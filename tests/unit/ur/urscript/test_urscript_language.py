@@ -74,6 +74,7 @@ EXPRESSIONS = {
     "size([[1, 2], [3, 4], [5, 6]])": "[3, 2]",
     "get_list_length([1, 3, 3, 6, 2])": "5",
     "make_list(3, 0)": "[0, 0, 0]",
+    "make_list(6 / 2, 0)": "[0, 0, 0]",
     "binary_list_to_integer([True, False, False, True])": "9",
     "binary_list_to_integer(integer_to_binary_list(-57))": "-57",
     "inv([[0, 1, 0], [0, 0, 1], [1, 0, 0]])": "[[0, 0, 1], [1, 0, 0], [0, 1, 0]]",
@@ -110,6 +111,8 @@ def test_expressions_have_the_values_of_the_manual() -> None:
 
 FAILURES = {
     "x = [1, 2][k]": "1:1: index 2 of a list of 2 elements",
+    "x = make_list(k + 0.5, 0)": "an integer is needed, not a float",
+    "x = make_list(k * 1e18, 0)": "an integer is needed, not a float",
     "x = 1 / (k - 2)": "division by zero",
     "x = 1e308 * 10 * k % 2": "remainder of inf",
     "x = sin(1e308 * 10 * k)": "a finite number is needed, not inf",

@@ -6,10 +6,11 @@ and v [m/s].
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Final
 
 from tool0.errors import UnreachableError
+from tool0.protocol.control_box import MOST_REASON, StopProtectively
 from tool0.protocol.state import Six
 from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
@@ -45,6 +46,21 @@ def _check(a: float, v: float, t: float = 0.0, r: float = 0.0) -> None:
         raise ValueProblem("acceleration and speed are greater than 0")
 
 
+async def _follow(thread: Thread, motion: Callable[[], Awaitable[None]]) -> None:
+    """Execute a motion along a path of the tool.
+
+    As on a robot, the arm stops protectively if the path cannot be followed; here, it
+    does so before it moves.
+    """
+    box = thread.box
+    try:
+        await thread.moving(motion)
+    except UnreachableError as error:
+        await box.call(StopProtectively(arm=box.arm, reason=str(error)[:MOST_REASON]))
+        await box.until(lambda: bool(box.stopped))
+        raise
+
+
 async def movej(
     thread: Thread,
     q: Target,
@@ -70,7 +86,7 @@ async def movel(
     """Move the TCP on a straight line."""
     _check(a, v, t, r)
     goal = _pose(thread, pose)
-    await thread.moving(lambda: thread.moves.movel(goal, a, v, t, r))
+    await _follow(thread, lambda: thread.moves.movel(goal, a, v, t, r))
 
 
 async def movep(
@@ -79,7 +95,7 @@ async def movep(
     """Move the TCP with constant speed and circular blends."""
     _check(a, v, 0.0, r)
     goal = _pose(thread, pose)
-    await thread.moving(lambda: thread.moves.movep(goal, a, v, r))
+    await _follow(thread, lambda: thread.moves.movep(goal, a, v, r))
 
 
 async def movec(
@@ -96,7 +112,7 @@ async def movec(
     if mode not in {0, 1}:
         raise ValueProblem(f"mode is {mode}; it can be 0 or 1")
     via, goal = _pose(thread, pose_via), _pose(thread, pose_to)
-    await thread.moving(lambda: thread.moves.movec(via, goal, a, v, r, mode))
+    await _follow(thread, lambda: thread.moves.movec(via, goal, a, v, r, mode))
 
 
 async def servoj(
@@ -123,7 +139,7 @@ async def servoc(
     """Follow poses of the TCP on arcs."""
     _check(a, v, 0.0, r)
     goal = _pose(thread, pose)
-    await thread.moving(lambda: thread.moves.servoc(goal, a, v, r))
+    await _follow(thread, lambda: thread.moves.servoc(goal, a, v, r))
 
 
 async def speedj(
