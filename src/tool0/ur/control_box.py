@@ -42,7 +42,7 @@ from tool0.ur.pose import pose_of, transform_of
 from tool0.ur.programs import ProgramSlot
 from tool0.ur.registers import N_FLAGS, Registers
 from tool0.ur.robotiq.gripper import RobotiqGripper
-from tool0.ur.urscript.errors import URScriptError
+from tool0.ur.urscript_errors import URScriptError
 
 logger = logging.getLogger(__name__)
 R = TypeVar("R")
@@ -316,6 +316,17 @@ class UrControlBox:
         """Return the pose of the TCP at joint positions ``q`` [rad]."""
         T_tip_tcp = transform_of(self.tcp if tcp is None else tcp)
         return pose_of(self._postures_of.forward(q).flange @ T_tip_tcp)
+
+    def velocity_at(self, q: Sequence[float], qd: Sequence[float]) -> Six:
+        """Return the TCP's velocity in the base frame's axes [m/s, rad/s].
+
+        Args:
+            q: Joint positions [rad].
+            qd: Joint velocities [rad/s].
+        """
+        posture = self._postures_of.forward(q)
+        linear, angular = posture.velocity(posture.flange.apply(self.tcp[:3]), qd)
+        return (*linear, *angular)
 
     def inverse(
         self,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from enum import Enum
 from typing import NamedTuple, final
 
-from tool0.ur.urscript.errors import URScriptError
+from tool0.ur.urscript_errors import URScriptError
 
 
 class MessageKind(Enum):

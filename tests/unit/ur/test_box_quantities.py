@@ -13,7 +13,9 @@ from ur_box_rig import control_box
 
 import tool0
 from tool0.errors import ControlError
+from tool0.protocol.arm_motion import ReturnArm, TakeArm
 from tool0.ur.control_box import UrControlBox
+from tool0.ur.moves import Moves
 from tool0.ur.rtde.inputs import InputRecipe
 from tool0.ur.rtde.outputs import OUTPUTS, OutputRecipe
 from tool0.ur.rtde.protocol import LENGTHS
@@ -76,6 +78,29 @@ def test_speeds_are_the_derivatives_of_positions(robot: tool0.Robot) -> None:
         middle = (0.5 * (speed[1:] + speed[:-1]))[near]
         assert np.abs(speed).max() > 0.05
         np.testing.assert_allclose(slope, middle, atol=5e-3)
+
+
+def test_accelerations_are_the_derivatives_of_speeds(robot: tool0.Robot) -> None:
+    async def taken() -> list[Any]:
+        async with control_box(robot) as box:
+            await box.call(TakeArm(arm=box.arm, by="test"))
+            await Moves(box).speedj((0.0, 0.0, 0.6, 0.3, 0.0, 0.0), a=2.0, t=0.0)
+            await box.until(lambda: 0.05 < box.target_qd[2] < 0.3)
+            rows = []
+            while max(map(abs, box.target_qdd)) > 0.5:
+                names = ("target_TCP_speed", "target_TCP_acceleration")
+                rows.append((box.time, *(values(box, name) for name in names)))
+                await box.next_update()
+            await box.call(ReturnArm(arm=box.arm))
+            return rows
+
+    time, speed, acceleration = map(np.array, zip(*asyncio.run(taken()), strict=True))
+    elapsed = np.diff(time)
+    assert len(elapsed) > 10
+    slope = np.diff(speed, axis=0) / elapsed[:, None]
+    middle = 0.5 * (acceleration[1:] + acceleration[:-1])
+    assert np.abs(middle).max() > 0.3
+    np.testing.assert_allclose(slope, middle, atol=0.05)
 
 
 def test_every_output_can_be_packed(robot: tool0.Robot) -> None:

@@ -80,3 +80,19 @@ def test_long_lines_and_programs_are_refused():
     endless = b"def f():\n" + b"  sync()\n" * (MAX_PROGRAM // 9 + 1)
     with pytest.raises(TransportError, match=f"program has more than {MAX_PROGRAM}"):
         list(ScriptReader().read(endless))
+
+
+def test_a_call_of_the_program_before_it_starts_nothing_else() -> None:
+    text = PICK + "pick()\n" + "pick()  # now\n" + "other()\n"
+    assert list(ScriptReader().read(text.encode())) == [
+        Script(PICK, "pick"),
+        Script("other()\n", UNNAMED),
+    ]
+
+
+def test_a_program_without_its_end_has_a_name() -> None:
+    reader = ScriptReader()
+    assert list(reader.read(PICK.removesuffix("end\n").encode())) == []
+    assert reader.unfinished == "pick"
+    assert len(list(reader.read(b"end\n"))) == 1
+    assert reader.unfinished == ""

@@ -101,6 +101,13 @@ class ClientInterface:
                 except TransportError as error:
                     self._box.report(error)
                     return
+            if reader.unfinished:
+                self._box.report(
+                    TransportError(
+                        f"{reader.unfinished}: not started, since the connection ended "
+                        "before its 'end'"
+                    )
+                )
 
         return serve
 

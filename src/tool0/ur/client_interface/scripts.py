@@ -1,7 +1,8 @@
 """Programs in the text that clients send: complete blocks, or single lines.
 
 A block is ``def`` or ``sec`` … ``end``, with everything that is nested in it; any other
-line is a program of its own.  Text may arrive in pieces of any size.
+line is a program of its own.  A line that only calls the block before it is left out:
+the block is the program, and runs already.  Text may arrive in pieces of any size.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ UNNAMED: Final = "unnamed"
 _CODE: Final = re.compile(r"\"[^\"]*\"?|'[^']*'?|#.*|[^\W\d]\w*")
 """Strings, comments and words of a line."""
 _OPENING: Final = frozenset({"def", "sec", "thread", "if", "while", "for", "switch"})
+_CALL: Final = re.compile(r"\s*(\w+)\(\s*\)\s*(?:#.*)?")
 _HEAD: Final = re.compile(r"\s*(def|sec)\s+(\w+)")
 
 
@@ -40,6 +42,13 @@ class ScriptReader:
     def __init__(self) -> None:
         self._rest = bytearray()
         self._block: _Block | None = None
+        self._last = ""
+        """The name of the block that ended last."""
+
+    @property
+    def unfinished(self) -> str:
+        """The name of the block whose ``end`` has not arrived; empty without."""
+        return "" if self._block is None else self._block.name
 
     def read(self, data: bytes) -> Iterator[Script]:
         """Return the programs that are complete with ``data``.
@@ -67,11 +76,15 @@ class ScriptReader:
                 return None
             head = _HEAD.match(line)
             if head is None:
+                call = _CALL.fullmatch(line)
+                if call is not None and call[1] == self._last:
+                    return None
                 return Script(f"{line}\n", UNNAMED)
             self._block = _Block(head[2], is_secondary=head[1] == "sec")
         script = self._block.take(line)
         if script is not None:
             self._block = None
+            self._last = script.name
         return script
 
 
@@ -80,7 +93,7 @@ class _Block:
     """The lines of ``def`` or ``sec`` so far."""
 
     def __init__(self, name: str, *, is_secondary: bool) -> None:
-        self._name, self._is_secondary = name, is_secondary
+        self.name, self._is_secondary = name, is_secondary
         self._lines: list[str] = []
         self._size = self._depth = 0
 
@@ -95,4 +108,4 @@ class _Block:
         if self._depth > 0:
             return None
         text = "\n".join((*self._lines, ""))
-        return Script(text, self._name, self._is_secondary)
+        return Script(text, self.name, self._is_secondary)

@@ -2,7 +2,8 @@
 
 Names and types are those of UR's guide.  Fields of the e-Series are offered by every
 box.  Without meaning in a simulation, and therefore constant, are encoders, the
-injection moulding machine's interface, momentum and execution time.
+injection moulding machine's interface, momentum, energies, the window of currents,
+collision detection, forces on the base and execution times.
 """
 
 from __future__ import annotations
@@ -92,7 +93,10 @@ OUTPUTS: Final[dict[str, OutputField]] = {
     "actual_q": OutputField("VECTOR6D", lambda box: box.q),
     "actual_qd": OutputField("VECTOR6D", lambda box: box.qd),
     "actual_current": OutputField("VECTOR6D", q.currents),
+    "actual_current_window": _constant("VECTOR6D", (0.0,) * 6),
+    "actual_current_as_torque": OutputField("VECTOR6D", lambda box: box.effort),
     "joint_control_output": OutputField("VECTOR6D", q.currents),
+    "joint_position_deviation_ratio": OutputField("DOUBLE", q.deviation_ratio),
     "joint_temperatures": _constant("VECTOR6D", (q.ROOM_TEMPERATURE,) * 6),
     "joint_mode": OutputField("VECTOR6INT32", q.joint_modes),
     "actual_joint_voltage": OutputField("VECTOR6D", lambda box: (q.voltage(box),) * 6),
@@ -102,6 +106,11 @@ OUTPUTS: Final[dict[str, OutputField]] = {
     "actual_TCP_force": OutputField("VECTOR6D", lambda box: box.tcp_wrench()),
     "target_TCP_pose": OutputField("VECTOR6D", lambda box: box.tcp_pose(target=True)),
     "target_TCP_speed": OutputField("VECTOR6D", lambda box: box.tcp_speed(target=True)),
+    "actual_TCP_acceleration": OutputField("VECTOR6D", q.tcp_acceleration),
+    "target_TCP_acceleration": OutputField(
+        "VECTOR6D", lambda box: q.tcp_acceleration(box, target=True)
+    ),
+    "wrench_calc_from_currents": OutputField("VECTOR6D", lambda box: box.tcp_wrench()),
     "tcp_force_scalar": OutputField("DOUBLE", q.tcp_force),
     "tcp_offset": OutputField("VECTOR6D", lambda box: box.tcp),
     "ft_raw_wrench": OutputField("VECTOR6D", lambda box: box.arm_sample.wrench),
@@ -124,8 +133,18 @@ OUTPUTS: Final[dict[str, OutputField]] = {
     "target_speed_fraction": OutputField("DOUBLE", lambda box: box.state.speed_slider),
     "script_control_line": _constant("UINT32", 0),
     "actual_execution_time": _constant("DOUBLE", 0.0),
+    "target_execution_time": _constant("DOUBLE", 0.0),
+    "control_step": OutputField("UINT64", lambda box: round(box.time * box.rate)),
+    "time_scale_source": _constant("INT32", 0),
+    "collision_detection_ratio": _constant("DOUBLE", 0.0),
     "actual_momentum": _constant("DOUBLE", 0.0),
+    # ---- the base ----
+    "target_gravity": _constant("VECTOR3D", (0.0, 0.0, q.GRAVITY)),
+    "target_base_acceleration": _constant("VECTOR6D", (0.0,) * 6),
+    "target_base_wrench": _constant("VECTOR6D", (0.0,) * 6),
     # ---- supply ----
+    "actual_robot_energy_consumed": _constant("DOUBLE", 0.0),
+    "actual_robot_braking_energy_dissipated": _constant("DOUBLE", 0.0),
     "actual_main_voltage": _constant("DOUBLE", q.SUPPLY_VOLTAGE),
     "actual_robot_voltage": OutputField("DOUBLE", q.voltage),
     "actual_robot_current": OutputField("DOUBLE", q.robot_current),

@@ -17,10 +17,10 @@ from tool0.errors import TransportError
 PORT: Final = 30004
 VERSIONS: Final = (1, 2)
 """Versions of the protocol; a connection starts with 1."""
-MAX_PACKET: Final = 4096
+MAX_PACKET: Final = 65535
 """The longest packet that a client may send [B]."""
-MAX_NAMES: Final = 2048
-"""The longest list of field names, as in UR's guide [B]."""
+MAX_NAMES: Final = 1 << 15
+"""The longest list of field names [B]; those of all fields have 9 kB."""
 
 _HEADER: Final = Struct(">HB")
 

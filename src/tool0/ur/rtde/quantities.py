@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from tool0.protocol.control_box_state import AnalogDomain, RobotMode, SafetyMode
 from tool0.protocol.state import Six
+from tool0.sensing.stalls import LARGEST_LAG
 from tool0.ur.programs import RuntimeState
 
 if TYPE_CHECKING:
@@ -31,6 +32,9 @@ ROOM_TEMPERATURE: Final = 25.0
 """Of joints; nothing heats them [°C]."""
 GRAVITY: Final = 9.80665
 """Standard gravity, of an arm that stands upright [m/s²]."""
+
+_STEP: Final = 1e-5
+"""Over which velocities are compared [s]."""
 
 JOINT_MODES: Final = {
     RobotMode.POWER_OFF: 239,
@@ -140,6 +144,33 @@ def elbow_velocity(box: UrControlBox) -> Three:
     """Return the velocity of that point [m/s]."""
     linear, _ = box.posture().velocity(elbow_position(box), box.qd, n_joints=2)
     return linear
+
+
+def tcp_acceleration(box: UrControlBox, *, target: bool = False) -> Six:
+    """Return the acceleration of the TCP in the base frame's axes [m/s², rad/s²].
+
+    It is that of the measured motion, or the setpoint's.  Joints' accelerations are
+    not measured: both have the setpoint's.
+    """
+    q, qd = (box.target_q, box.target_qd) if target else (box.q, box.qd)
+    changes = zip(q, qd, box.target_qdd, strict=True)
+    later = [(x + _STEP * v, v + _STEP * a) for x, v, a in changes]
+    now = box.velocity_at(q, qd)
+    then = box.velocity_at([x for x, _ in later], [v for _, v in later])
+    a, b, c, d, e, f = ((y - x) / _STEP for x, y in zip(now, then, strict=True))
+    return (a, b, c, d, e, f)
+
+
+def deviation_ratio(box: UrControlBox) -> float:
+    """Return the largest distance of a joint from its setpoint.
+
+    1.0 is that from which an arm counts as kept off its path.
+    """
+    speeds = [joint.limits.velocity for joint in box.chain.joints]
+    return max(
+        abs(x - y) / (LARGEST_LAG * speed)
+        for x, y, speed in zip(box.q, box.target_q, speeds, strict=True)
+    )
 
 
 def tcp_force(box: UrControlBox) -> float:

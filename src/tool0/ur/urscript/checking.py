@@ -6,7 +6,6 @@ from typing import Final, NoReturn, TypeAlias, cast, final
 
 from tool0.errors import nearest_name
 from tool0.ur.urscript import syntax as s
-from tool0.ur.urscript.errors import Place, URScriptError, ValueProblem
 from tool0.ur.urscript.functions import Function, Parameter
 from tool0.ur.urscript.library.table import library
 from tool0.ur.urscript.lists import LIST_METHODS
@@ -24,6 +23,7 @@ from tool0.ur.urscript.values import (
     positive,
     truth,
 )
+from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
 
 
 @final

@@ -8,9 +8,9 @@ from enum import Enum
 from typing import Any, Final, NamedTuple, TypeAlias, final
 
 from tool0.ur.urscript import syntax as s
-from tool0.ur.urscript.errors import Place, ValueProblem
 from tool0.ur.urscript.execution import MAX_DEPTH, Thread
 from tool0.ur.urscript.values import Value, weight
+from tool0.ur.urscript_errors import Place, ValueProblem
 
 _LONG: Final = 5
 """Elements of a list from which on its size counts."""

@@ -18,11 +18,11 @@ from tool0.ur.urscript.code import (
     evaluated,
     not_compiled,
 )
-from tool0.ur.urscript.errors import Place, ValueProblem
 from tool0.ur.urscript.execution import Halted
 from tool0.ur.urscript.expressions import Expressions
 from tool0.ur.urscript.scopes import Scope
 from tool0.ur.urscript.values import Handle, Value, described, truth, with_element
+from tool0.ur.urscript_errors import Place, ValueProblem
 
 
 class CompiledStatement(NamedTuple):

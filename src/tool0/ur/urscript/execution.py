@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Final, Protocol, TypeVar, final
 
 from tool0.ur.tool_contact import ToolHistory
 from tool0.ur.urscript.critical import CriticalSection
-from tool0.ur.urscript.errors import Place, URScriptError, ValueProblem
 from tool0.ur.urscript.sockets import Sockets
 from tool0.ur.urscript.values import Handle, Value
+from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox

@@ -21,7 +21,6 @@ from tool0.ur.urscript.code import (
     combined,
     evaluated,
 )
-from tool0.ur.urscript.errors import Place, URScriptError, ValueProblem
 from tool0.ur.urscript.functions import Function, Parameter
 from tool0.ur.urscript.library.table import library
 from tool0.ur.urscript.lists import LIST_METHODS
@@ -41,6 +40,7 @@ from tool0.ur.urscript.values import (
     positive,
     with_element,
 )
+from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
 
 
 @final

@@ -8,7 +8,7 @@ from typing import Final, final
 from lark import Token
 from lark.lark import PostLex
 
-from tool0.ur.urscript.errors import Place, URScriptError
+from tool0.ur.urscript_errors import Place, URScriptError
 
 MAX_NESTING: Final = 100
 """Of blocks and brackets together, and of signs in a row."""

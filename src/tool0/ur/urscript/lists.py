@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple, TypeAlias, final
 
-from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.values import (
     MAX_LIST,
     Value,
@@ -20,6 +19,7 @@ from tool0.ur.urscript.values import (
     to_text,
     weight,
 )
+from tool0.ur.urscript_errors import ValueProblem
 
 Items: TypeAlias = tuple[Value, ...]
 

@@ -6,8 +6,8 @@ import re
 from typing import TYPE_CHECKING, Final, cast
 
 from tool0.ur.urscript import syntax
-from tool0.ur.urscript.errors import Place, URScriptError
 from tool0.ur.urscript.grammar import parser
+from tool0.ur.urscript_errors import Place, URScriptError
 
 if TYPE_CHECKING:
     from lark import Token

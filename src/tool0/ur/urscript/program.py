@@ -9,10 +9,10 @@ from tool0.ur.urscript import syntax as s
 from tool0.ur.urscript.checking import Checker
 from tool0.ur.urscript.code import Code
 from tool0.ur.urscript.compiling import Compiler
-from tool0.ur.urscript.errors import Place, URScriptError
 from tool0.ur.urscript.execution import Execution
 from tool0.ur.urscript.parsing import parse
 from tool0.ur.urscript.scopes import program_scope
+from tool0.ur.urscript_errors import Place, URScriptError
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox

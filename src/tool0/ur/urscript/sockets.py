@@ -8,7 +8,7 @@ from collections.abc import Callable, Coroutine
 from typing import TYPE_CHECKING, Any, Final, TypeVar, final
 
 from tool0.errors import ControlError
-from tool0.ur.urscript.errors import ValueProblem
+from tool0.ur.urscript_errors import ValueProblem
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox

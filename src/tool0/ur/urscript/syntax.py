@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, final
 
-from tool0.ur.urscript.errors import Place
+from tool0.ur.urscript_errors import Place
 
 Constant: TypeAlias = bool | int | float | str
 

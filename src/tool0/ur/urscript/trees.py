@@ -8,7 +8,7 @@ from typing import Any, Final, cast, final
 from lark import Token, Transformer
 
 from tool0.ur.urscript import syntax as s
-from tool0.ur.urscript.errors import Place, URScriptError
+from tool0.ur.urscript_errors import Place, URScriptError
 
 INT_RANGE: Final = range(-(2**31), 2**31)
 """Integers of URScript have 32 bits."""

@@ -8,7 +8,6 @@ from tool0.ur.rtde.outputs import NOT_FOUND, OUTPUTS, output_types
 from tool0.ur.rtde.protocol import (
     FORMATS,
     MAX_NAMES,
-    MAX_PACKET,
     Level,
     PacketBuffer,
     PacketType,
@@ -36,7 +35,7 @@ def test_packets_survive_any_cuts() -> None:
         assert got == sent
 
 
-@pytest.mark.parametrize("size", [0, 2, MAX_PACKET + 1, 65535])
+@pytest.mark.parametrize("size", [0, 1, 2])
 def test_impossible_sizes_are_refused(size: int) -> None:
     with pytest.raises(TransportError, match=f"packet of {size} bytes"):
         list(PacketBuffer().feed(struct.pack(">HB", size, PacketType.DATA)))
@@ -49,7 +48,7 @@ def test_a_comma_at_the_end_of_names_means_nothing() -> None:
 
 
 def test_names_must_be_short_and_ascii() -> None:
-    with pytest.raises(TransportError, match="at most 2048"):
+    with pytest.raises(TransportError, match="at most 32768"):
         field_names(b"a," * MAX_NAMES)
     with pytest.raises(TransportError, match="ASCII"):
         field_names(b"\xff\xfe")

@@ -10,10 +10,10 @@ from raises_naming import raises_naming
 from tools.urscript_docs import PAGE, page
 
 from tool0.errors import Tool0Error
-from tool0.ur.urscript.errors import URScriptError
 from tool0.ur.urscript.library.table import library
 from tool0.ur.urscript.program import compile_program
 from tool0.ur.urscript.unsupported import reason_against
+from tool0.ur.urscript_errors import URScriptError
 
 DATA = Path(__file__).parents[3] / "data" / "urscript"
 CASES = re.findall(

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from urscript_rig import PROGRAMS, run_in_time
 
-from tool0.ur.urscript.errors import URScriptError
 from tool0.ur.urscript.program import compile_program
+from tool0.ur.urscript_errors import URScriptError
 
 WORDS = [
     "def",

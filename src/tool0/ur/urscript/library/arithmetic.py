@@ -8,7 +8,6 @@ from typing import Final, cast
 
 import numpy as np
 
-from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import AnyValue, Integer, ListLike, Number, Numbers
 from tool0.ur.urscript.library.poses import pose_inv
@@ -21,6 +20,7 @@ from tool0.ur.urscript.values import (
     checked_list,
     described,
 )
+from tool0.ur.urscript_errors import ValueProblem
 
 _BITS: Final = 32
 _MAX_MATRIX: Final = 100

@@ -14,7 +14,7 @@ from tool0.protocol.arm_motion import (
 )
 from tool0.protocol.control_box import SetPayload, SetTcp, StopProtectively
 from tool0.protocol.state import Six
-from tool0.ur.urscript.errors import ValueProblem
+from tool0.ur.rtde.quantities import payload_moments
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import (
@@ -29,6 +29,7 @@ from tool0.ur.urscript.kinds import (
     Vector,
 )
 from tool0.ur.urscript.values import Pose, Value, described
+from tool0.ur.urscript_errors import ValueProblem
 
 STANDARD_GRAVITY: Final = 9.82
 """The value in UR's programs [m/s²]; g differs by less than the tolerance."""
@@ -193,9 +194,9 @@ def get_freedrive_status() -> int:
     return 0
 
 
-def get_target_payload_inertia() -> Value:
-    """Return zeros: the inertia of a payload has no effect."""
-    return (0.0,) * 6
+def get_target_payload_inertia(thread: Thread) -> Value:
+    """Return Ixx … Iyz at the payload's centre, which follow from its mass [kg·m²]."""
+    return payload_moments(thread.box)
 
 
 def position_deviation_warning(enabled: Bool, threshold: Number = 0.8) -> None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
 
-from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import AnyValue, Kind, Number
 from tool0.ur.urscript.values import Value
+from tool0.ur.urscript_errors import ValueProblem
 
 if TYPE_CHECKING:
     from tool0.ur.robotiq.gripper import RobotiqGripper

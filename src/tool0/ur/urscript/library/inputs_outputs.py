@@ -6,12 +6,12 @@ from typing import Annotated, Any, Final, Literal, TypeAlias, cast
 
 from tool0.protocol.control_box import SetAnalogOutput, SetIO
 from tool0.protocol.control_box_state import AnalogDomain, AnalogPin
-from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import Bool, Integer, Number
 from tool0.ur.urscript.library.registers import address_kind
 from tool0.ur.urscript.values import Value
+from tool0.ur.urscript_errors import ValueProblem
 
 CONFIGURABLE: Final = 8
 """Number of the first configurable pin among all digital ones."""

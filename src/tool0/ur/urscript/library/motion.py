@@ -12,11 +12,11 @@ from typing import Final
 from tool0.errors import UnreachableError
 from tool0.protocol.control_box import MOST_REASON, StopProtectively
 from tool0.protocol.state import Six
-from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import Integer, Joints, Number, Spatial, Target
 from tool0.ur.urscript.values import Pose
+from tool0.ur.urscript_errors import ValueProblem
 
 _LOOKAHEAD: Final = (0.03, 0.2)
 """[s]"""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import AnyValue, Bool, Number, Text
 from tool0.ur.urscript.values import Value, checked_struct, to_text
+from tool0.ur.urscript_errors import ValueProblem
 
 _MESSAGE: Final = 25
 """Statements that a message counts as, so that clients can follow."""

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import Annotated, Final, TypeAlias, TypeVar
 
 from tool0.ur.registers import N_BITS, N_FLAGS, N_NUMBERS, RegisterBank
-from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import Bool, Integer, Kind, Number
 from tool0.ur.urscript.values import Value
+from tool0.ur.urscript_errors import ValueProblem
 
 T = TypeVar("T", bool, int, float)
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import AnyValue, Bool, Integer, Number, Text
+from tool0.ur.urscript_errors import ValueProblem
 
 
 def set_input_actions_to_default() -> None:

@@ -8,11 +8,11 @@ import struct
 from collections.abc import Callable
 from typing import Annotated, Final, TypeAlias, TypeVar
 
-from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import AnyValue, Bool, Integer, Kind, Number, Text
 from tool0.ur.urscript.values import Value, checked_integer, to_text
+from tool0.ur.urscript_errors import ValueProblem
 
 T = TypeVar("T")
 

@@ -6,11 +6,11 @@ import math
 from typing import Final
 
 from tool0.errors import UnreachableError
-from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import Integer, Joints, Number, PoseLike, Spatial, Target
 from tool0.ur.urscript.values import Pose, Value
+from tool0.ur.urscript_errors import ValueProblem
 
 _AT_FLANGE: Final = (0.0,) * 6
 

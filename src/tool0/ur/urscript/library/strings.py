@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from tool0.ur.urscript.errors import ValueProblem
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import AnyValue, Integer, Text
 from tool0.ur.urscript.values import Value, checked_integer, checked_text, to_text
+from tool0.ur.urscript_errors import ValueProblem
 
 _INTEGER: Final = re.compile(r"[+-]?[0-9]{1,11}")
 _FLOAT: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
