@@ -73,8 +73,8 @@ const loadPlots = () => import("./plots");
 const loadCameras = () => import("./cameras");
 const loadEpisodes = () => import("./panels/episodes");
 
-/** Scene and controls are side by side. */
-const WIDE = "(min-width: 1100px)";
+/** Scene and controls are side by side, as in layout.css. */
+const WIDE = "(min-width: 960px)";
 
 export function App() {
   const isWide = useMedia(WIDE);
@@ -118,7 +118,7 @@ export function App() {
             label={t("layout.columnWidth")}
             name="column"
             grows="right"
-            min={320}
+            min={336}
             max={() => window.innerWidth * 0.6}
             initial={392}
           />

@@ -6,7 +6,7 @@ import { notices, view } from "./store";
 
 export type Severity = Notice["severity"];
 
-const KEEP = 500;
+const KEEP = 2_000;
 const SHOW = 4;
 const SHOWN_FOR_MS: Record<Severity, number> = {
   info: 4_000,

@@ -33,4 +33,11 @@ describe("the texts", () => {
     expect(t("poses.saved", { name: "home" })).toBe("Saved as home");
     expect(t("poses.saved")).toContain("{name}");
   });
+
+  it("have the word for one, and for several", () => {
+    const say = (episodes: number) => t("episodes.count", { episodes, succeeded: 1 });
+    expect(say(1)).toBe("1 episode, 1 succeeded");
+    expect(say(2)).toBe("2 episodes, 1 succeeded");
+    expect(say(0)).toBe("0 episodes, 1 succeeded");
+  });
 });

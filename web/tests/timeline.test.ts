@@ -178,6 +178,15 @@ describe("scrolling back", () => {
     ]);
   });
 
+  it("marks a spell in which the simulation falls behind once", () => {
+    const overrun = { code: "overrun", severity: "warning" } as const;
+    for (const at of [1, 2, 3, 4, 5]) {
+      const changes = { number: at, time: at, wall_time: 10 * at };
+      FakeSocket.newest.say(notice({ ...changes, ...overrun }));
+    }
+    expect(past.markers.value.map(({ at }) => at)).toEqual([1]);
+  });
+
   it("marks that a gripper meets something", () => {
     const gripper = (motion: "moving" | "holding_inside") =>
       status({

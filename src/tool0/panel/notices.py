@@ -21,6 +21,8 @@ NOTICES_KEPT: Final = 200
 _REPEAT_AFTER: Final = 5.0
 """Wall time after which the same refusal is noted again [s]: sliders repeat it
 with other numbers."""
+_ONE_OVERRUN: Final = 60.0
+"""Wall time within which a simulation that falls behind is one event [s]."""
 _NUMBER: Final = re.compile(r"-?\d+(\.\d+)?")
 
 
@@ -48,8 +50,18 @@ class NoticeBook:
             code=notification.code,
             text=text,
         )
+        self._forget_overrun(notice)
         self.kept.append(notice)
         return notice
+
+    def _forget_overrun(self, now: Notice) -> None:
+        """Keep only the newest of a busy spell: others would push out what matters."""
+        for earlier in reversed(self.kept):
+            if now.wall_time - earlier.wall_time > _ONE_OVERRUN:
+                return
+            if now.code == earlier.code == "overrun":
+                self.kept.remove(earlier)
+                return
 
     def _is_repeated(self, text: str, now: float) -> bool:
         self._refusals = {

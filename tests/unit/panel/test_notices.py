@@ -166,3 +166,16 @@ def test_a_joint_that_pushes_and_does_not_move_is_reported(
     view.close()
     assert (stall.joint, stall.effort) == ("elbow_joint", 150.0)
     assert ("wrist_1_link", "upper_arm_link") in stall.contacts
+
+
+def test_a_busy_machine_takes_one_place_of_the_notices_kept() -> None:
+    book = NoticeBook()
+    for count in (9, 0, 8, 0, 7):
+        text = f"{count} late ticks"
+        book.note(
+            Notification(severity="warning", code="overrun", text=text, time=1.0)
+        )
+        book.note(Notification(severity="info", code="reset", text=text, time=1.0))
+    assert [notice.code for notice in book.kept].count("overrun") == 1
+    assert [notice.code for notice in book.kept].count("reset") == 5
+    assert book.kept[-2].text == "7 late ticks"

@@ -17,7 +17,8 @@ export const en = {
   "theme.dark": "Dark",
 
   "episodes.title": "Demonstrations",
-  "episodes.count": "{episodes} episodes, {succeeded} succeeded",
+  "episodes.count":
+    "{episodes} {episodes|episode|episodes}, {succeeded} succeeded",
   "episodes.recording": "Episode {number}: {seconds} s",
   "episodes.start": "Start",
   "episodes.success": "Success",
@@ -90,7 +91,7 @@ export const en = {
   "connection.outdatedBanner":
     "The server uses another version of the protocol than this page. Reload the page.",
   "connection.retry": "Try again",
-  "connection.clients": "{count} pages connected",
+  "connection.clients": "{count} {count|page|pages} connected",
   "connection.noAnswer": "The server did not answer.",
   "connection.notSent": "Not sent: there is no connection to the server.",
   "connection.malformed":
@@ -209,7 +210,7 @@ export const en = {
   "tool.collision":
     "{first} and {second} would collide on the way to the target, {depth} mm deep. Press Go anyway to move nevertheless.",
   "tool.posture": "Posture of the arm",
-  "tool.nearest": "Nearest of {count} postures",
+  "tool.nearest": "Nearest of {count} {count|posture|postures}",
   "tool.shoulder.left": "Shoulder left",
   "tool.shoulder.right": "Shoulder right",
   "tool.elbow.up": "elbow up",
@@ -262,7 +263,7 @@ export const en = {
 
   "objects.title": "Objects in the scene",
   "objects.none": "There are no objects.",
-  "objects.parts": "{count} parts",
+  "objects.parts": "{count} {count|part|parts}",
   "objects.still": "fixed",
   "objects.move": "Move",
   "objects.moveLong": "Move {name}",
@@ -383,7 +384,7 @@ export const en = {
     "Protective stop of {arm}: {reason}. Inspect the cause, unlock, then play the program.",
   "box.unlock": "Unlock",
   "box.ur": "UR protocols",
-  "box.clients": "{count} connections",
+  "box.clients": "{count} {count|connection|connections}",
   "box.registers": "Registers that are not zero",
   "box.noRegisters": "All registers are zero.",
   "box.digital.inputs": "Digital inputs",
@@ -438,7 +439,7 @@ export const en = {
   "log.empty": "No entries yet.",
   "notices.label": "Notices",
   "notices.dismiss": "Dismiss",
-  "notices.earlier": "{count} warnings or errors before this page opened. See the log.",
+  "notices.earlier": "{count} {count|warning or error|warnings or errors} before this page opened. See the log.",
   "severity.info": "Info",
   "severity.warning": "Warning",
   "severity.error": "Error",
@@ -518,7 +519,7 @@ export const en = {
   "program.opened": "open",
   "program.while": "while {condition}",
   "program.forever": "forever",
-  "program.times": "{count} times",
+  "program.times": "{count} {count|time|times}",
   "program.target": "Target",
   "program.target.joints": "Taught joints",
   "program.target.pose": "Pose of the tool",

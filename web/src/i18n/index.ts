@@ -28,9 +28,20 @@ export function speak(chosen: Language): void {
   remember("language", chosen);
 }
 
-/** Return a text in the user's language, `{name}` replaced by `values.name`. */
+const PLACEHOLDER = /\{(\w+)(?:\|([^|}]*)\|([^|}]*))?\}/g;
+
+/**
+ * Return a text in the user's language: `{name}` becomes `values.name`, and
+ * `{name|page|pages}` the word for so many.
+ */
 export function t(key: Key, values: Record<string, string | number> = {}): string {
-  return current.value[key].replace(/\{(\w+)\}/g, (whole, name: string) =>
-    String(values[name] ?? whole),
+  return current.value[key].replace(
+    PLACEHOLDER,
+    (whole, name: string, one?: string, many?: string) => {
+      const value = values[name];
+      if (value === undefined) return whole;
+      if (many === undefined) return String(value);
+      return String(value === 1 ? one : many);
+    },
   );
 }

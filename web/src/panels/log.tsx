@@ -2,6 +2,7 @@ import { signal } from "@preact/signals";
 import { t } from "../i18n";
 import { report } from "../notices";
 import type { Notice } from "../protocol";
+import { gathered, type Entry } from "../repeats";
 import { passedNotices } from "../replayed";
 import { IconButton } from "../ui/button";
 import { Segmented } from "../ui/choice";
@@ -64,13 +65,15 @@ export function LogPanel() {
       </header>
       {shown.length === 0 && <p class="muted">{t("log.empty")}</p>}
       <ol>
-        {shown.map((notice, index) => <Entry key={index} notice={notice} />).reverse()}
+        {gathered(shown)
+          .map((entry, index) => <Row key={index} entry={entry} />)
+          .reverse()}
       </ol>
     </section>
   );
 }
 
-function Entry({ notice }: { notice: Notice }) {
+function Row({ entry: { notice, count } }: { entry: Entry }) {
   const Icon = SEVERITY_ICONS[notice.severity];
   return (
     <li class={notice.severity} data-testid="log-entry" data-code={notice.code}>
@@ -80,6 +83,7 @@ function Entry({ notice }: { notice: Notice }) {
           <span class="visually-hidden">{t(`severity.${notice.severity}`)} </span>
           <time>{clock(notice)}</time>
           {notice.time !== null && <span>t = {notice.time.toFixed(2)} s</span>}
+          {count > 1 && <span>×{count}</span>}
         </p>
         <p>{notice.text}</p>
       </div>

@@ -21,12 +21,15 @@ const TONES: Record<typeof connectionState.value, Tone> = {
   outdated: "danger",
 };
 
-/** One row does not hold everything on a phone. */
-const NARROW = "(max-width: 699px)";
+/** One row holds neither the time controls nor the preferences, as in layout.css. */
+const NARROW = "(max-width: 959px)";
+/** One row does not hold the preferences. */
+const MEDIUM = "(max-width: 1099px)";
 
 export function TopBar() {
   const robot = view.value?.robot;
   const isNarrow = useMedia(NARROW);
+  const hasMenu = useMedia(MEDIUM);
   const hasTime = view.value?.mode === "simulation";
   return (
     <header class="bar">
@@ -60,9 +63,9 @@ export function TopBar() {
           </span>
         )}
         <Connection />
-        {isNarrow ? (
+        {hasMenu ? (
           <Menu label={t("layout.menu")} icon={<MenuIcon />} data-testid="menu">
-            {hasTime && (
+            {hasTime && isNarrow && (
               <div class="simulation">
                 <TimeControls />
                 <Readings />

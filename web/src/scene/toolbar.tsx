@@ -95,8 +95,13 @@ export function Toolbar({ viewer }: { viewer: Viewer }) {
     const close = (event: PointerEvent) => {
       if (!menu.current?.contains(event.target as Node)) open.value = false;
     };
+    const closeOnEscape = (event: KeyboardEvent) => {
+      if (event.key === "Escape") open.value = false;
+    };
     document.addEventListener("pointerdown", close);
+    document.addEventListener("keydown", closeOnEscape);
     return () => {
+      document.removeEventListener("keydown", closeOnEscape);
       document.removeEventListener("pointerdown", close);
     };
   }, []);

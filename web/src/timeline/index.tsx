@@ -85,17 +85,23 @@ function Bar({ now, renewed }: { now: Player; renewed: number }) {
 
 /** The time that is shown, and how far back that is. */
 function Clock({ now }: { now: Player }) {
-  const text = useRef<HTMLOutputElement>(null);
+  const time = useRef<HTMLSpanElement>(null);
+  const rest = useRef<HTMLSpanElement>(null);
   useLive((frame) => {
-    if (!text.current) return;
+    if (!time.current || !rest.current) return;
     const { end } = now.range();
     const back = end - now.position();
-    const time = `${frame.time.toFixed(2)} s`;
     const isLive = now.isLive && !shown.isPast.peek();
-    const rest = now.isLive ? `−${back.toFixed(1)} s` : `/ ${end.toFixed(2)} s`;
-    text.current.textContent = isLive ? time : `${time} ${rest}`;
+    const away = now.isLive ? `−${back.toFixed(1)} s` : `/ ${end.toFixed(2)} s`;
+    time.current.textContent = `${frame.time.toFixed(2)} s`;
+    rest.current.textContent = isLive ? "" : ` ${away}`;
   });
-  return <output class="timeline-clock" ref={text} data-testid="timeline-time" />;
+  return (
+    <output class="timeline-clock" data-testid="timeline-time">
+      <span class="timeline-now" ref={time} />
+      <span ref={rest} />
+    </output>
+  );
 }
 
 function Speed({ now }: { now: Player }) {

@@ -3,7 +3,8 @@ import { effect, signal } from "@preact/signals";
 import { frames, shown } from "../frames";
 import { t } from "../i18n";
 import { moving } from "../moving";
-import type { GripperState } from "../protocol";
+import type { GripperState, Notice } from "../protocol";
+import { isSameOverrun } from "../repeats";
 import { notices, pastScene, scene, status, view } from "../store";
 import { History } from "./history";
 import { kindOf, type Marker } from "./markers";
@@ -31,6 +32,7 @@ export class Past implements Player {
   private request = 0;
   private playedAt = 0;
   private lastNotice = 0;
+  private overrun: Notice | undefined;
   private readonly gripping = new Map<string, boolean>();
 
   constructor(history = new History()) {
@@ -123,6 +125,7 @@ export class Past implements Player {
     this.history.clear();
     this.markers.value = [];
     this.lastNotice = 0;
+    this.overrun = undefined;
     this.gripping.clear();
   }
 
@@ -132,8 +135,10 @@ export class Past implements Player {
     let lastTime = -Infinity;
     for (const notice of fresh) {
       this.lastNotice = notice.number;
+      const isRepeated = isSameOverrun(notice, this.overrun);
+      if (notice.code === "overrun") this.overrun = notice;
       const kind = kindOf(notice);
-      if (kind === null || notice.time === null) continue;
+      if (kind === null || notice.time === null || isRepeated) continue;
       // before a reset that this page has not seen: nothing is known of it
       if (notice.code === "reset" && notice.time < lastTime) found = [];
       lastTime = notice.time;

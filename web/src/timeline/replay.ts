@@ -2,6 +2,8 @@
 import { computed, signal } from "@preact/signals";
 import { connection, sendRequest } from "../connection";
 import { shown } from "../frames";
+import type { Notice } from "../protocol";
+import { isSameOverrun } from "../repeats";
 import { notices, status, view } from "../store";
 import { kindOf, type Marker } from "./markers";
 import type { Player, Range } from "./player";
@@ -11,13 +13,16 @@ export class Replay implements Player {
   readonly isPlaying = computed(() => status.value?.paused === false);
   readonly speed = computed(() => status.value?.speed ?? 1);
   readonly loops = computed(() => status.value?.loops ?? false);
-  readonly markers = computed<readonly Marker[]>(() =>
-    notices.value.flatMap((notice) => {
+  readonly markers = computed<readonly Marker[]>(() => {
+    let overrun: Notice | undefined;
+    return notices.value.flatMap((notice) => {
+      const isRepeated = isSameOverrun(notice, overrun);
+      if (notice.code === "overrun") overrun = notice;
       const kind = kindOf(notice);
-      if (kind === null || notice.time === null) return [];
+      if (kind === null || notice.time === null || isRepeated) return [];
       return [{ at: notice.time, kind, text: notice.text }];
-    }),
-  );
+    });
+  });
   /** Where a drag is, which the server only follows. */
   private readonly wanted = signal<number | null>(null);
   private isSeeking = false;

@@ -17,9 +17,15 @@ export function Menu({ label, icon, children, ...rest }: MenuProps) {
     const close = (event: Event) => {
       if (!root.current?.contains(event.target as Node)) setOpen(false);
     };
+    // Escape stops the robot, wherever it is pressed; an open menu is closed as well
+    const closeOnEscape = (event: KeyboardEvent) => {
+      if (event.key === "Escape") setOpen(false);
+    };
+    document.addEventListener("keydown", closeOnEscape);
     document.addEventListener("pointerdown", close);
     document.addEventListener("focusin", close);
     return () => {
+      document.removeEventListener("keydown", closeOnEscape);
       document.removeEventListener("pointerdown", close);
       document.removeEventListener("focusin", close);
     };
