@@ -9,18 +9,30 @@ import type { RobotPartsInfo } from "./protocol";
 import { selected } from "./robots";
 import { jointIndex, view } from "./store";
 import type { UrdfModel } from "./urdf";
-import { remembered } from "./ui/memory";
+import { remembered, rememberedFlag } from "./ui/memory";
 
-export const TOOL_FRAMES = ["base", "world", "tool"] as const;
 /** `world` is the robot's root, `base` the frame of UR's controller. */
-export type ToolFrame = (typeof TOOL_FRAMES)[number];
+export const FRAMES = ["world", "base"] as const;
+export type NumberFrame = (typeof FRAMES)[number];
+export type ToolFrame = NumberFrame | "tool";
 
-/** The axes along which the tool is jogged and dragged. */
-export const toolFrame = remembered("tool-frame", TOOL_FRAMES, "base");
+/** In which the page shows all positions and orientations, if there is an arm. */
+export const chosenFrame = remembered<NumberFrame>("frame", FRAMES, "world");
+/** Whether the tool is jogged along its own axes, and not along those of the numbers. */
+export const jogsInTool = rememberedFlag("jog-axes", ["frame", "tool"]);
 
 /** The selected arm, or the only one; null without any. */
 export const arm = computed<RobotPartsInfo | null>(
   () => selected.value ?? view.value?.robot.robots[0] ?? null,
+);
+
+export const numberFrame = computed<NumberFrame>(() =>
+  arm.value === null ? "world" : chosenFrame.value,
+);
+
+/** The axes along which the tool is jogged and dragged. */
+export const toolFrame = computed<ToolFrame>(() =>
+  jogsInTool.value ? "tool" : numberFrame.value,
 );
 
 /** Return the link in whose axes the arm takes velocities: UR's `base`, or what carries the arm. */

@@ -17,8 +17,7 @@ export const en = {
   "theme.dark": "Dark",
 
   "episodes.title": "Demonstrations",
-  "episodes.count":
-    "{episodes} {episodes|episode|episodes}, {succeeded} succeeded",
+  "episodes.count": "{episodes} {episodes|episode|episodes}, {succeeded} succeeded",
   "episodes.recording": "Episode {number}: {seconds} s",
   "episodes.start": "Start",
   "episodes.success": "Success",
@@ -191,10 +190,12 @@ export const en = {
   "motion.actual": "Actual position",
   "motion.reset": "Double-click to return to the actual position",
 
+  "frame.choose": "Frame of all positions and orientations",
+  "frame.in": "{what} in {frame}",
+
   "tool.title": "Tool",
   "tool.pose": "Pose of the tool",
   "tool.target": "Target of the tool",
-  "tool.poseFrame": "Frame of the numbers",
   "tool.frame.base": "Base",
   "tool.frame.world": "World",
   "tool.frame.tool": "Tool",
@@ -421,7 +422,7 @@ export const en = {
   "tree.speedLimit": "Speed",
   "tree.effortLimit": "Effort",
   "tree.mimics": "Mimics",
-  "tree.position": "Position in {root}",
+  "tree.position": "Position",
   "tree.rotation": "Roll, pitch, yaw",
   "tree.type.revolute": "revolute",
   "tree.type.continuous": "continuous",
@@ -439,7 +440,8 @@ export const en = {
   "log.empty": "No entries yet.",
   "notices.label": "Notices",
   "notices.dismiss": "Dismiss",
-  "notices.earlier": "{count} {count|warning or error|warnings or errors} before this page opened. See the log.",
+  "notices.earlier":
+    "{count} {count|warning or error|warnings or errors} before this page opened. See the log.",
   "severity.info": "Info",
   "severity.warning": "Warning",
   "severity.error": "Error",

@@ -183,10 +183,12 @@ export const zh: Texts = {
   "motion.actual": "实际位置",
   "motion.reset": "双击：恢复为实际位置",
 
+  "frame.choose": "所有位置和姿态的坐标系",
+  "frame.in": "{what}（{frame}）",
+
   "tool.title": "工具",
   "tool.pose": "工具的位姿",
   "tool.target": "工具的目标",
-  "tool.poseFrame": "数值的坐标系",
   "tool.frame.base": "基座",
   "tool.frame.world": "世界",
   "tool.frame.tool": "工具",
@@ -408,7 +410,7 @@ export const zh: Texts = {
   "tree.speedLimit": "最大速度",
   "tree.effortLimit": "最大力/力矩",
   "tree.mimics": "跟随",
-  "tree.position": "在 {root} 中的位置",
+  "tree.position": "位置",
   "tree.rotation": "横滚、俯仰、偏航",
   "tree.type.revolute": "旋转关节",
   "tree.type.continuous": "连续旋转关节",

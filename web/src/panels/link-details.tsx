@@ -6,6 +6,7 @@ import type { Key } from "../i18n";
 import { en } from "../i18n/en";
 import { linkPose, toRpy } from "../kinematics";
 import { useLive } from "../live";
+import { frameName, inNumberFrame } from "../number-frame";
 import { jointIndex } from "../store";
 import { fixed } from "../ui/number-field";
 import { angleUnit, unitOf } from "../units";
@@ -20,7 +21,14 @@ function numbers(vector: Vector, digits: number): string {
   return vector.map((one) => fixed(one, digits)).join("  ");
 }
 
-export function LinkDetails({ tree, link }: { tree: UrdfModel; link: string | null }) {
+interface LinkDetailsProps {
+  tree: UrdfModel;
+  link: string | null;
+  /** Whether its name is there: not, where it is the title above. */
+  isNamed?: boolean;
+}
+
+export function LinkDetails({ tree, link, isNamed = true }: LinkDetailsProps) {
   const known = link === null ? undefined : tree.links.get(link);
   if (known === undefined) {
     return <p class="details hint">{t("tree.hint")}</p>;
@@ -28,9 +36,11 @@ export function LinkDetails({ tree, link }: { tree: UrdfModel; link: string | nu
   const joint = tree.parentJoint.get(known.name);
   return (
     <div class="details" data-testid="link-details">
-      <h3>
-        <code>{known.name}</code>
-      </h3>
+      {isNamed && (
+        <h3>
+          <code>{known.name}</code>
+        </h3>
+      )}
       <dl>
         <Fact name={t("tree.mass")}>
           {known.inertial === null
@@ -96,24 +106,29 @@ function LivePose({ tree, link }: { tree: UrdfModel; link: string }) {
   const rotation = useRef<HTMLSpanElement | null>(null);
   const unit = unitOf("revolute", angleUnit.value);
   useLive((frame) => {
-    const pose = linkPose(
-      tree,
-      link,
-      (joint) => frame.position[jointIndex.value.get(joint) ?? -1],
+    const pose = inNumberFrame(
+      linkPose(
+        tree,
+        link,
+        (joint) => frame.position[jointIndex.value.get(joint) ?? -1],
+      ),
     );
     const [roll, pitch, yaw] = toRpy(pose.R);
     const shown: Vector = [roll * unit.factor, pitch * unit.factor, yaw * unit.factor];
-    if (position.current) position.current.textContent = `${numbers(pose.p, 4)} m`;
+    const [x, y, z] = pose.p;
+    const millimetres: Vector = [x * 1000, y * 1000, z * 1000];
+    if (position.current)
+      position.current.textContent = `${numbers(millimetres, 1)} mm`;
     if (rotation.current) {
       rotation.current.textContent = `${numbers(shown, unit.digits)} ${unit.symbol}`;
     }
   });
   return (
     <>
-      <Fact name={t("tree.position", { root: tree.root })}>
+      <Fact name={t("frame.in", { what: t("tree.position"), frame: frameName() })}>
         <span ref={position} data-testid="link-position" />
       </Fact>
-      <Fact name={t("tree.rotation")}>
+      <Fact name={t("frame.in", { what: t("tree.rotation"), frame: frameName() })}>
         <span ref={rotation} />
       </Fact>
     </>

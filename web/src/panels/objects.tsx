@@ -5,6 +5,7 @@ import { useLive } from "../live";
 import { aimAt, begin, moving, putThere, setKind } from "../moving";
 import type { ViewObject } from "../protocol";
 import { canRedo, canUndo, redo, removeObjects, targetOf, undo } from "../scene-edits";
+import { frameName, shownTarget } from "../number-frame";
 import { select, selection } from "../selection";
 import { offers, scene, unlessOffered } from "../store";
 import { Button, IconButton } from "../ui/button";
@@ -13,6 +14,7 @@ import { RedoIcon, TrashIcon, UndoIcon } from "../ui/icons";
 import { fixed } from "../ui/number-field";
 import { angleUnit, unitOf } from "../units";
 import { AddObject } from "./add-object";
+import { FrameSwitch } from "./frame-switch";
 import { PoseFields } from "./pose-fields";
 import { UnitSwitch } from "./unit-switch";
 
@@ -23,7 +25,7 @@ export function ObjectsPanel() {
       <section class="group" aria-labelledby="objects-title">
         <header>
           <h2 id="objects-title">{t("objects.title")}</h2>
-          <span class="row grow">
+          <span class="header-buttons">
             <IconButton
               label={t("edit.undo")}
               disabled={!canUndo.value}
@@ -41,8 +43,11 @@ export function ObjectsPanel() {
               <RedoIcon />
             </IconButton>
           </span>
-          <UnitSwitch />
         </header>
+        <div class="row">
+          <FrameSwitch testId="objects-frame" />
+          <UnitSwitch />
+        </div>
         {objects.length === 0 && <p class="muted">{t("objects.none")}</p>}
         <ul class="objects">
           {grouped(objects).map(([whole, parts]) =>
@@ -206,18 +211,28 @@ function ObjectRow({ object }: { object: ViewObject }) {
   );
 }
 
-/** The pose of an object in the robot's root, as it changes. */
+/** The pose of an object, as it changes. */
 export function LivePose({ name, testId }: { name: string; testId: string }) {
-  const shown = useRef<HTMLParagraphElement | null>(null);
+  const place = useRef<HTMLSpanElement | null>(null);
+  const turn = useRef<HTMLSpanElement | null>(null);
   const unit = unitOf("revolute", angleUnit.value);
   useLive((frame) => {
-    const target = targetOf(name, frame);
-    if (!shown.current || target === undefined) return;
+    const now = targetOf(name, frame);
+    if (!place.current || !turn.current || now === undefined) return;
+    const target = shownTarget(now);
     const position = target.position.map((part) => fixed(part * 1000, 1)).join("  ");
     const angles = target.rpy
       .map((part) => fixed(part * unit.factor, unit.digits))
       .join("  ");
-    shown.current.textContent = `${position} mm    ${angles} ${unit.symbol}`;
+    place.current.textContent = `${position} mm`;
+    turn.current.textContent = `${angles} ${unit.symbol}`;
   });
-  return <p class="object-pose" ref={shown} data-testid={testId} />;
+  return (
+    <p class="object-pose">
+      <span class="muted">{frameName()}</span>
+      <span class="object-numbers" data-testid={testId}>
+        <span ref={place} /> <span ref={turn} />
+      </span>
+    </p>
+  );
 }

@@ -1,22 +1,30 @@
 /** The position and orientation of an object, as numbers. */
 import { t } from "../i18n";
 import type { Target } from "../moving";
+import { frameName, meantTarget, shownTarget } from "../number-frame";
 import { VectorField } from "../ui/vector-field";
 import { angleUnit, MILLIMETRES, unitOf } from "../units";
 
 /** The range that the server accepts [m]. */
 const FARTHEST = 1000;
 
+/** Fields for a pose in the root, or in the frame of the link that is given. */
 export function PoseFields(props: {
   value: Target;
+  link?: string | null;
   testId: string;
   onChange: (value: Target) => void;
 }) {
-  const { value, testId, onChange } = props;
+  const { link = null, testId } = props;
+  const value = link === null ? shownTarget(props.value) : props.value;
+  const frame = link ?? frameName();
+  const onChange = (changed: Target) => {
+    props.onChange(link === null ? meantTarget(changed) : changed);
+  };
   return (
     <>
       <VectorField
-        label={t("objects.position")}
+        label={t("frame.in", { what: t("objects.position"), frame })}
         unit={MILLIMETRES}
         min={-FARTHEST}
         max={FARTHEST}
@@ -27,7 +35,7 @@ export function PoseFields(props: {
         }}
       />
       <VectorField
-        label={t("objects.rotation")}
+        label={t("frame.in", { what: t("objects.rotation"), frame })}
         axes={["roll", "pitch", "yaw"]}
         unit={unitOf("revolute", angleUnit.value)}
         min={-2 * Math.PI}

@@ -3,7 +3,8 @@ import { useRef } from "preact/hooks";
 import { t } from "../i18n";
 import { hasArm } from "../jog";
 import { useLive } from "../live";
-import { arm, inFrame, toolPose } from "../tool";
+import { frameName, inNumberFrame } from "../number-frame";
+import { arm, toolPose } from "../tool";
 import { ChevronDownIcon, ChevronUpIcon } from "../ui/icons";
 import { Lazy } from "../ui/lazy";
 import { rememberedFlag } from "../ui/memory";
@@ -43,13 +44,17 @@ export function ToolSection() {
   );
 }
 
-/** Where the tool is in its base [mm], while the rest is folded. */
+/** Where the tool is [mm], while the rest is folded. */
 function Position() {
   const text = useRef<HTMLSpanElement | null>(null);
   useLive(() => {
     if (text.current === null) return;
-    const { p } = inFrame(toolPose(), "base");
+    const { p } = inNumberFrame(toolPose());
     text.current.textContent = `${p.map((x) => fixed(x * 1000, 1)).join("  ")} mm`;
   });
-  return <span class="muted" ref={text} data-testid="tool-position" />;
+  return (
+    <span class="muted tool-position">
+      {frameName()} <span ref={text} data-testid="tool-position" />
+    </span>
+  );
 }

@@ -5,6 +5,7 @@ import { language, t } from "../i18n";
 import { useLive } from "../live";
 import { model } from "../model";
 import { begin, moving, type MoveKind } from "../moving";
+import { FrameSwitch } from "../panels/frame-switch";
 import { LinkDetails } from "../panels/link-details";
 import { describeObject, LivePose } from "../panels/objects";
 import { placing } from "../placing";
@@ -30,6 +31,7 @@ export function SelectionCard() {
     >
       <header>
         <h3 class="grow ellipsis">{part ?? name}</h3>
+        <FrameSwitch testId="selection-frame" />
         <IconButton
           label={t("selection.close")}
           data-testid="selection-close"
@@ -43,7 +45,9 @@ export function SelectionCard() {
       {object ? (
         <ObjectFacts key={name} object={object} />
       ) : (
-        model.value && <LinkDetails tree={model.value} link={name} />
+        model.value && (
+          <LinkDetails tree={model.value} link={name} isNamed={part !== undefined} />
+        )
       )}
       {offers("read_contacts") && <Contacts key={name} name={name} />}
     </aside>

@@ -10,6 +10,8 @@ import { stepped } from "./slider";
 
 interface NumberFieldProps {
   label: string;
+  /** Before the number, for the eye: `label` says it as well. */
+  prefix?: string;
   unit?: string;
   /** Whether the unit follows the number; it does if this is left out. */
   showsUnit?: boolean;
@@ -65,6 +67,11 @@ export function NumberField(props: NumberFieldProps) {
     <span
       class={`field ${props.disabled === true ? "disabled" : ""} ${problem === undefined ? "" : "invalid"}`}
     >
+      {props.prefix !== undefined && (
+        <span class="prefix" aria-hidden="true">
+          {props.prefix}
+        </span>
+      )}
       <input
         class="number"
         id={id}

@@ -30,6 +30,7 @@ export function VectorField(props: VectorFieldProps) {
           <NumberField
             key={axis}
             label={`${props.label} ${axis}`}
+            prefix={axis}
             unit={unit.symbol}
             showsUnit={false}
             digits={unit.digits}

@@ -122,6 +122,7 @@ function Pose({ step, pose }: { step: MoveStep; pose: NonNullable<MoveStep["pose
   return (
     <PoseFields
       value={{ position: pose.xyz, rpy: pose.rpy ?? [0, 0, 0] }}
+      link={pose.relative_to ?? null}
       testId="step-pose"
       onChange={({ position, rpy }) => {
         change({ ...step, pose: { ...pose, xyz: [...position], rpy: [...rpy] } });

@@ -23,8 +23,8 @@ import {
   spaceMouse,
 } from "../../jogging/spacemouse";
 import { gizmoMoves, MOVES, showGizmo } from "../../tool-target";
-import { TOOL_FRAMES, toolFrame } from "../../tool";
-import { SignalChoice } from "../../ui/choice";
+import { jogsInTool, numberFrame, toolFrame } from "../../tool";
+import { Segmented, SignalChoice } from "../../ui/choice";
 import { Select } from "../../ui/select";
 import { Slider } from "../../ui/slider";
 import { uncapture } from "../../ui/pointer";
@@ -41,12 +41,17 @@ export function JogPanel() {
   return (
     <div class="jog" role="group" aria-label={t("jog.title")}>
       <div class="row">
-        <SignalChoice
+        <Segmented
           label={t("jog.frame")}
-          of={toolFrame}
-          among={TOOL_FRAMES}
-          name={(value) => t(`tool.frame.${value}`)}
-          testId="jog-frame"
+          value={toolFrame.value}
+          choices={([numberFrame.value, "tool"] as const).map((value) => ({
+            value,
+            label: t(`tool.frame.${value}`),
+            testId: `jog-frame-${value}`,
+          }))}
+          onChange={(value) => {
+            jogsInTool.value = value === "tool";
+          }}
         />
         <StepSelect />
       </div>

@@ -1,14 +1,9 @@
 /** The pose of tool0 as numbers: they follow it, and typed ones are a target. */
+import { Fragment } from "preact";
 import { useRef } from "preact/hooks";
 import { mayMove } from "../../driving";
 import { t } from "../../i18n";
-import {
-  compose,
-  fromRotationVector,
-  fromRpy,
-  toRotationVector,
-  toRpy,
-} from "../../kinematics";
+import { fromRotationVector, fromRpy, toRotationVector, toRpy } from "../../kinematics";
 import type { Pose } from "../../kinematics";
 import { useLive } from "../../live";
 import { offers, unlessOffered } from "../../store";
@@ -27,7 +22,8 @@ import {
   WAYS,
   way,
 } from "../../tool-target";
-import { framePose, inFrame, toolPose } from "../../tool";
+import { fromNumberFrame, inNumberFrame } from "../../number-frame";
+import { toolPose } from "../../tool";
 import { Button, IconButton } from "../../ui/button";
 import { SignalChoice } from "../../ui/choice";
 import { UndoIcon } from "../../ui/icons";
@@ -36,10 +32,9 @@ import { fixed, NumberField } from "../../ui/number-field";
 import { Select } from "../../ui/select";
 import { angleUnit, MILLIMETRES, unitOf } from "../../units";
 import type { Vector } from "../../urdf";
+import { FrameSwitch } from "../frame-switch";
 
-const FRAMES = ["base", "world"] as const;
 const ROTATIONS = ["rpy", "vector"] as const;
-const poseFrame = remembered("pose-frame", FRAMES, "base");
 const rotation = remembered("pose-rotation", ROTATIONS, "rpy");
 /** The range that the server accepts [m]. */
 const FARTHEST = 1000;
@@ -50,7 +45,7 @@ const NAMES = {
 
 /** Return position [m] and rotation [rad] of a pose of the root, as they are shown. */
 function numbersOf(pose: Pose): readonly number[] {
-  const { p, R } = inFrame(pose, poseFrame.value);
+  const { p, R } = inNumberFrame(pose);
   return [...p, ...(rotation.value === "rpy" ? toRpy(R) : toRotationVector(R))];
 }
 
@@ -59,7 +54,7 @@ function poseOfNumbers(numbers: readonly number[]): Pose {
   const [x = 0, y = 0, z = 0, a = 0, b = 0, c = 0] = numbers;
   const angles: Vector = [a, b, c];
   const R = rotation.value === "rpy" ? fromRpy(angles) : fromRotationVector(angles);
-  return compose(framePose(poseFrame.value), { p: [x, y, z], R });
+  return fromNumberFrame({ p: [x, y, z], R });
 }
 
 export function PosePanel() {
@@ -85,13 +80,7 @@ export function PosePanel() {
   return (
     <>
       <div class="row">
-        <SignalChoice
-          label={t("tool.poseFrame")}
-          of={poseFrame}
-          among={FRAMES}
-          name={(value) => t(`tool.frame.${value}`)}
-          testId="pose-frame"
-        />
+        <FrameSwitch testId="tool-frame" />
         <SignalChoice
           label={t("tool.rotation")}
           of={rotation}
@@ -119,11 +108,12 @@ export function PosePanel() {
           const unit = units[index] ?? MILLIMETRES;
           const limit = index < 3 ? FARTHEST : 2 * Math.PI;
           return (
-            <label key={label}>
-              <span class="caption">{label}</span>
+            <Fragment key={label}>
               <NumberField
                 label={`${t("tool.title")} ${label}`}
+                prefix={label}
                 unit={unit.symbol}
+                showsUnit={false}
                 digits={unit.digits}
                 min={-limit * unit.factor}
                 max={limit * unit.factor}
@@ -145,7 +135,8 @@ export function PosePanel() {
                   aimTool(poseOfNumbers(now));
                 }}
               />
-            </label>
+              {index % 3 === 2 && <span class="unit">{unit.symbol}</span>}
+            </Fragment>
           );
         })}
       </div>
