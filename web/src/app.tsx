@@ -75,6 +75,8 @@ const loadEpisodes = () => import("./panels/episodes");
 
 /** Scene and controls are side by side, as in layout.css. */
 const WIDE = "(min-width: 960px)";
+/** *Motion* has room beside *Program*, as in layout.css: who teaches needs both. */
+const TWO_COLUMNS = "(min-width: 1600px)";
 
 export function App() {
   const isWide = useMedia(WIDE);
@@ -173,8 +175,14 @@ function Column() {
   }).filter((name) => !OF_ARMS.includes(name) || boxes.value.length > 0);
   const shown = tabs.includes(tab.value) ? tab.value : "motion";
   const Panel = PANELS[shown];
+  const isDouble = useMedia(TWO_COLUMNS) && shown === "program";
   return (
-    <aside class="column" id="controls" tabIndex={-1} aria-label={t("app.controls")}>
+    <aside
+      class={isDouble ? "column double" : "column"}
+      id="controls"
+      tabIndex={-1}
+      aria-label={t("app.controls")}
+    >
       <DriveBar />
       <RobotBar />
       {(status.value?.episodes ?? null) !== null && <Lazy load={loadEpisodes} />}
@@ -190,6 +198,11 @@ function Column() {
           tab.value = chosen;
         }}
       />
+      {isDouble && (
+        <section class="panel beside" aria-label={t("tab.motion")}>
+          <MotionPanel />
+        </section>
+      )}
       <div
         class="panel"
         role="tabpanel"

@@ -120,7 +120,8 @@ class _Writer:
             assert move.pose is not None  # one of both
             target = _pose(self._T_base_root @ matrix_of(move.pose))
         blend = f", r={move.r:.6g}" if move.r and goes_on else ""
-        return f"{move}({target}, a={move.a:.6g}, v={move.v:.6g}{blend})"
+        label = f"  # {_one_line(step.label)}" if step.label else ""
+        return f"{move}({target}, a={move.a:.6g}, v={move.v:.6g}{blend}){label}"
 
     def _grip(self, step: GripperStep, path: StepPath) -> Iterator[str]:
         geometry = self._context.geometry

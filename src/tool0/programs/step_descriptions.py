@@ -53,6 +53,8 @@ def step_text(step: Step) -> str:
 
 
 def _target(step: MoveStep) -> str:
+    if step.label:
+        return f"'{step.label[:_LONGEST]}'"
     if step.named_pose is not None:
         return f"'{step.named_pose}'"
     if step.pose is not None:

@@ -60,6 +60,8 @@ class _Step(
 class _Move(_Step, frozen=True, kw_only=True):
     """A move to one target: joint positions, a pose of the tool, or a named pose."""
 
+    label: Annotated[str, Meta(max_length=200)] = ""
+    """Name of the target for people, such as ``above cube``."""
     joints: dict[str, float] | None = None
     """Joint → position [rad], for all joints of the arm.  In a cell, the robot's prefix
     may be left out."""

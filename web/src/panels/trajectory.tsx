@@ -1,6 +1,8 @@
 /** As rqt_joint_trajectory_controller: drives a controller by a slider for each joint. */
 import { useState } from "preact/hooks";
+import { shownBox } from "../control-box";
 import { choose, controllerOf, drive, goals, holdStill, speedScale } from "../driving";
+import { guided } from "../guiding";
 import { t } from "../i18n";
 import { hasArm } from "../jog";
 import { report } from "../notices";
@@ -39,9 +41,16 @@ export function TrajectoryPanel() {
   );
 }
 
+/** Return who moves the arm instead of its controllers, which run again after it. */
+function whoHasArm(): string | null {
+  if (guided.value !== null) return t("motion.guided");
+  const by = shownBox.value?.taken_by ?? "";
+  return by === "" ? null : t("motion.taken", { by });
+}
+
 /** Why nothing can be driven, where there is room for it: no control moves. */
 function Advice({ controller }: { controller: ControllerInfo }) {
-  const why = hasArm.value ? null : advice(controller);
+  const why = hasArm.value ? null : (whoHasArm() ?? advice(controller));
   return why === null ? null : (
     <p class="hint ellipsis" title={why}>
       {why}
@@ -84,9 +93,11 @@ function ControllerSelect({ controller }: { controller: ControllerInfo }) {
       data-testid="controller-select"
       options={ourControllers().map((one) => {
         const why = obstacle(one);
+        // it runs again by itself, when the arm is given back
+        const waits = one.name === controller.name && whoHasArm() !== null;
         return {
           value: one.name,
-          label: why === null ? one.name : `${one.name} – ${why}`,
+          label: waits || why === null ? one.name : `${one.name} – ${why}`,
           disabled: why !== null,
         };
       })}

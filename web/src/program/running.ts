@@ -6,6 +6,7 @@ import { letGo } from "../jog";
 import type { ErrorInfo, Program, ProgramRun } from "../protocol";
 import { robots, selected } from "../robots";
 import { status } from "../store";
+import { forgetStart, isAtStart } from "./approach";
 import { check, checkProgram } from "./checking";
 import { program } from "./editor";
 import type { Path } from "./steps";
@@ -41,8 +42,19 @@ export function requested(): Program {
   return { ...now, arm: selected.peek()?.name ?? null };
 }
 
-/** Run the program, or let it wait before its first step. */
-export async function start(paused = false): Promise<void> {
+/** Run the program, if the arm is where it begins; otherwise the user is asked. */
+export async function start(): Promise<void> {
+  const starting = program.peek();
+  if (await checkProgram(requested())) {
+    const found = check.peek();
+    if (found !== null && !isAtStart(found.motion, starting)) return;
+  }
+  await startHere();
+}
+
+/** Run the program from where the arm is, or let it wait before its first step. */
+export async function startHere(paused = false): Promise<void> {
+  forgetStart();
   await endGuiding();
   await letGo();
   const starting = program.peek();

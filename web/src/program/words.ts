@@ -46,7 +46,7 @@ export function detailOf(step: Step): string {
     case "move_linear":
       return detailOfMove(step, MM_PER_S);
     case "gripper":
-      return openingText(step.opening);
+      return gripText(step);
     case "wait":
       return waitText(step);
     case "until": {
@@ -75,9 +75,19 @@ function detailOfMove(step: MoveStep, unit: Unit): string {
   return [targetText(step), speed, ...(blend > 0 ? [`r ${radius}`] : [])].join(" · ");
 }
 
-function targetText({ named_pose: named, pose }: MoveStep): string {
+function targetText({ label = "", named_pose: named, pose }: MoveStep): string {
+  if (label !== "") return label;
   if (named != null) return named;
   return t(pose ? "program.toPose" : "program.toJoints");
+}
+
+function gripText({ opening, force = null }: GripLike): string {
+  const width = openingText(opening);
+  return force === null ? width : `${width} · ${quantity(force, NEWTONS)}`;
+}
+interface GripLike {
+  opening: number | "open" | "closed";
+  force?: number | null;
 }
 
 function openingText(opening: number | "open" | "closed"): string {

@@ -1,7 +1,7 @@
 /** A button that acts after it was held for a second, by pointer or key: never by accident. */
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { uncapture } from "./pointer";
+import { whileHeld } from "./held";
 
 export const HOLD_MS = 1000;
 
@@ -9,10 +9,6 @@ interface HoldButtonProps {
   onHeld: () => void;
   "data-testid"?: string;
   children: ComponentChildren;
-}
-
-function isPress({ key }: KeyboardEvent): boolean {
-  return key === "Enter" || key === " ";
 }
 
 export function HoldButton({ onHeld, ...rest }: HoldButtonProps) {
@@ -40,23 +36,7 @@ export function HoldButton({ onHeld, ...rest }: HoldButtonProps) {
     <button
       type="button"
       class={`button hold ${isHeld ? "held" : ""}`}
-      onPointerDown={(event) => {
-        uncapture(event);
-        if (event.button === 0) begin();
-      }}
-      onPointerUp={end}
-      onPointerLeave={end}
-      onPointerCancel={end}
-      onContextMenu={(event) => {
-        event.preventDefault(); // a long touch opens it
-      }}
-      onKeyDown={(event) => {
-        if (!isPress(event)) return;
-        event.preventDefault();
-        if (!event.repeat) begin();
-      }}
-      onKeyUp={end}
-      onBlur={end}
+      {...whileHeld(begin, end)}
       {...rest}
     />
   );

@@ -10,7 +10,7 @@ import { Button } from "../../ui/button";
 import { NumberField } from "../../ui/number-field";
 import { angleUnit, limitsOf, MILLIMETRES, unitOf } from "../../units";
 import { PoseFields } from "../pose-fields";
-import { Choice, Quantity } from "./fields";
+import { Choice, Quantity, Row } from "./fields";
 
 type Target = "joints" | "pose" | "named_pose";
 
@@ -38,6 +38,21 @@ export function MoveFields({ step }: { step: MoveStep }) {
   const { speed, acceleration } = DEFAULTS[step.kind];
   return (
     <>
+      <Row label={t("program.label")}>
+        <span class="field grow">
+          <input
+            type="text"
+            maxLength={200}
+            value={step.label ?? ""}
+            placeholder={t("program.labelHint")}
+            aria-label={t("program.label")}
+            data-testid="step-label"
+            onChange={(event) => {
+              change({ ...step, label: event.currentTarget.value.trim() });
+            }}
+          />
+        </span>
+      </Row>
       <Choice
         label={t("program.target")}
         value={target}

@@ -9,6 +9,7 @@ import {
   isChecking,
   showAt,
 } from "../../program/checking";
+import { approach, endApproach, start as away } from "../../program/approach";
 import { steps } from "../../program/editor";
 import {
   control,
@@ -17,12 +18,15 @@ import {
   requested,
   run,
   start,
+  startHere,
 } from "../../program/running";
 import { pathText } from "../../program/steps";
 import type { PlannedMotion, ProgramRun } from "../../protocol";
+import { unlessOffered } from "../../store";
 import { Badge, type Tone } from "../../ui/badge";
 import { Button } from "../../ui/button";
 import { PauseIcon, PlayIcon, StepIcon, StopIcon } from "../../ui/icons";
+import { whileHeld } from "../../ui/held";
 import { fixed } from "../../ui/number-field";
 import { Slider } from "../../ui/slider";
 import { CheckIcon } from "./icons";
@@ -74,7 +78,7 @@ export function RunBar() {
         <Button
           disabled={!mayMove.value || state === "running" || (isEmpty && !isPaused)}
           data-testid="program-single"
-          onClick={() => void (isPaused ? control("step_run") : start(true))}
+          onClick={() => void (isPaused ? control("step_run") : startHere(true))}
         >
           <StepIcon />
           {t("program.single")}
@@ -89,10 +93,40 @@ export function RunBar() {
         </Button>
       </div>
       {!mayMove.value && <p class="hint">{t("program.needsDrive")}</p>}
+      {away.value !== null && !isRunning.value && <Away />}
       <RunState />
       <Findings />
       {check.value && !isRunning.value && <Preview motion={check.value.motion} />}
     </section>
+  );
+}
+
+/** The arm is elsewhere: the way to the start, or the program from here. */
+function Away() {
+  useEffect(() => endApproach, []);
+  return (
+    <div class="away" data-testid="program-away">
+      <p role="status">{t("program.away")}</p>
+      <div class="row wrap">
+        <button
+          type="button"
+          class="button primary"
+          disabled={!mayMove.value}
+          data-testid="program-approach"
+          {...whileHeld(() => void approach(), endApproach)}
+          {...unlessOffered("move_joints")}
+        >
+          {t("program.holdToStart")}
+        </button>
+        <Button
+          disabled={!mayMove.value}
+          data-testid="program-run-here"
+          onClick={() => void startHere()}
+        >
+          {t("program.runFromHere")}
+        </Button>
+      </div>
+    </div>
   );
 }
 

@@ -27,7 +27,7 @@ import { jogsInTool, numberFrame, toolFrame } from "../../tool";
 import { Segmented, SignalChoice } from "../../ui/choice";
 import { Select } from "../../ui/select";
 import { Slider } from "../../ui/slider";
-import { uncapture } from "../../ui/pointer";
+import { whileHeld } from "../../ui/held";
 import { SignalToggle, Toggle } from "../../ui/toggle";
 import { MILLIMETRES, unitOf, angleUnit } from "../../units";
 import { fixed } from "../../ui/number-field";
@@ -133,23 +133,7 @@ function JogButton({ name, axis, sign }: JogButtonProps) {
       aria-label={t("jog.along", { axis: `${name}${sign > 0 ? "+" : "−"}` })}
       disabled={!mayMove.value}
       data-testid={`jog-${name}-${sign > 0 ? "plus" : "minus"}`}
-      onPointerDown={(event) => {
-        uncapture(event);
-        if (event.button === 0) press();
-      }}
-      onPointerUp={end}
-      onPointerLeave={end}
-      onPointerCancel={end}
-      onContextMenu={(event) => {
-        event.preventDefault(); // a long touch opens it
-      }}
-      onKeyDown={(event) => {
-        if (event.key !== " " && event.key !== "Enter") return;
-        event.preventDefault();
-        if (!event.repeat) press();
-      }}
-      onKeyUp={end}
-      onBlur={end}
+      {...whileHeld(press, end)}
     >
       {name}
       {sign > 0 ? "+" : "−"}
