@@ -5,6 +5,7 @@ import { watchDriving } from "./driving";
 import { watchGuiding } from "./guiding";
 import { watchJog } from "./jog";
 import { watchModel } from "./model";
+import { watchRecording } from "./recording";
 import { watchSilence } from "./silence";
 import "./styles/tokens.css";
 import "./styles/base.css";
@@ -18,6 +19,7 @@ watchJog();
 watchGuiding();
 watchModel();
 watchSilence();
+watchRecording();
 connection.open();
 
 const app = document.getElementById("app");

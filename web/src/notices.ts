@@ -20,6 +20,14 @@ export interface Toast {
   readonly text: string;
   /** Number of repetitions. */
   readonly count: number;
+  /** What the user can do about it; it stays until it is dismissed. */
+  readonly actions: readonly Action[];
+}
+
+export interface Action {
+  readonly name: string;
+  readonly label: string;
+  readonly run: () => void;
 }
 
 export const toasts = signal<readonly Toast[]>([]);
@@ -38,13 +46,13 @@ function kind(text: string): string {
   return text.replace(/-?\d+(\.\d+)?/g, "#");
 }
 
-function show(severity: Severity, text: string): void {
+function show(severity: Severity, text: string, actions: readonly Action[] = []): void {
   const same = toasts.value.find(
     (toast) => kind(toast.text) === kind(text) && toast.severity === severity,
   );
   const toast = same
-    ? { ...same, text, count: same.count + 1 }
-    : { key: nextKey++, severity, text, count: 1 };
+    ? { ...same, text, actions, count: same.count + 1 }
+    : { key: nextKey++, severity, text, actions, count: 1 };
   if (same) {
     toasts.value = toasts.value.map((other) =>
       other.key === same.key ? toast : other,
@@ -59,7 +67,7 @@ function show(severity: Severity, text: string): void {
     toasts.value = [...kept, toast];
   }
   clearTimeout(timers.get(toast.key));
-  if (SHOWN_FOR_MS[severity] === Infinity) return;
+  if (SHOWN_FOR_MS[severity] === Infinity || actions.length > 0) return;
   timers.set(
     toast.key,
     setTimeout(() => {
@@ -73,7 +81,11 @@ function keep(notice: Notice): void {
 }
 
 /** Report something that this page noticed itself; its number in the log is 0. */
-export function report(severity: Severity, text: string): void {
+export function report(
+  severity: Severity,
+  text: string,
+  actions: readonly Action[] = [],
+): void {
   keep({
     type: "notice",
     number: 0,
@@ -83,7 +95,7 @@ export function report(severity: Severity, text: string): void {
     code: "log",
     text,
   });
-  show(severity, text);
+  show(severity, text, actions);
 }
 
 /** Shown elsewhere on the page: by a banner, in the bar, or beside the control. */

@@ -14,7 +14,7 @@ from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
-from tool0.errors import ModelError, RenderError
+from tool0.errors import ModelError, RecordingError, RenderError
 from tool0.panel.address import Endpoint
 from tool0.panel.camera_images import MAX_WIDTH, MIN_WIDTH, ImageKind
 from tool0.panel.connection_limits import Visitor
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from tool0.panel.camera_images import CameraImages
+    from tool0.panel.last_recording import LastRecording
     from tool0.panel.robot_info import RobotFiles
 
 POLICY: Final = "; ".join(
@@ -53,7 +54,7 @@ _HEADERS: Final = {
 }
 _HTTP_COST: Final = 1e-3
 """Of answering a request [s]."""
-_SECRET_PATHS: Final = ("/ws", "/robot.urdf", "/meshes/", "/cameras/")
+_SECRET_PATHS: Final = ("/ws", "/robot.urdf", "/meshes/", "/cameras/", "/recording")
 _READING: Final = frozenset({"GET", "HEAD"})
 
 
@@ -134,6 +135,7 @@ NO_PAGE: Final = (
     "The panel's page is not built: `make run` builds it, or `npm run build` in web/.\n"
     "The robot still runs: programs can connect to /ws.\n"
 )
+_NO_RECORDING: Final = "nothing was recorded, or the file is gone\n"
 _REVALIDATE: Final = {"cache-control": "no-cache"}
 _UNKEPT: Final = {"cache-control": "no-store"}
 _IMMUTABLE: Final = "public, max-age=31536000, immutable"
@@ -160,9 +162,28 @@ def build_app(
     serve_page: Callable[[WebSocket], Awaitable[None]],
     endpoint: Endpoint,
     static: Path,
+    *,
+    recording: LastRecording,
     images: CameraImages | None = None,
 ) -> ASGIApp:
     """Return the guarded application; ``static`` is the page, made from ``web/``."""
+
+    async def download(request: Request) -> Response:
+        file = await recording.file()
+        if file is None:
+            return PlainTextResponse(_NO_RECORDING, 404)
+        # it is compressed already
+        headers = {**_UNKEPT, "content-encoding": "identity"}
+        return FileResponse(file, filename=file.name, headers=headers)
+
+    async def replay(request: Request) -> Response:
+        file = await recording.file()
+        if file is None:
+            return PlainTextResponse(_NO_RECORDING, 404)
+        try:
+            return PlainTextResponse(await recording.replay(file))
+        except RecordingError as error:
+            return PlainTextResponse(f"{error}\n", 503)
 
     async def camera(request: Request) -> Response:
         if images is None:
@@ -208,6 +229,8 @@ def build_app(
             Route(URDF_PATH, urdf),
             Route("/meshes/{name}", mesh),
             Route("/cameras/{name}/{kind}", camera),
+            Route("/recording", download),
+            Route("/recording/replay", replay, methods=["POST"]),
             WebSocketRoute("/ws", serve_page),
             Mount("/assets", _ImmutableFiles(directory=assets, check_dir=False)),
         ]

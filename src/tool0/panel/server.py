@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from tool0.panel.camera_images import CameraImages
     from tool0.panel.connection_limits import Entrance
+    from tool0.panel.last_recording import LastRecording
     from tool0.panel.replay.view import Replay
     from tool0.panel.view import RobotView
     from tool0.panel.view_feed import ViewFeed, ViewSource
@@ -106,6 +107,7 @@ class WebService:
         self._shown = threading.Event()
         self._feed: ViewFeed | None = None
         self._images: CameraImages | None = None
+        self._recording: LastRecording | None = None
         self._server: uvicorn.Server | None = None
         self._serving: asyncio.Task[None] | None = None
         self._entrance: Entrance | None = None
@@ -123,6 +125,7 @@ class WebService:
         from tool0.panel.app import build_app
         from tool0.panel.camera_images import CameraImages
         from tool0.panel.connection_limits import Entrance
+        from tool0.panel.last_recording import LastRecording
         from tool0.panel.view_feed import ViewFeed
 
         source = self._make_source()
@@ -131,12 +134,14 @@ class WebService:
         self._feed = ViewFeed(source, hub)
         if source.cameras is not None:
             self._images = CameraImages(source.cameras)
+        self._recording = LastRecording(hub.backend, self._endpoint.host)
         app = build_app(
             source.files,
             self._serve_page(hub),
             self._endpoint,
             STATIC,
-            self._images,
+            recording=self._recording,
+            images=self._images,
         )
         self._server = server = uvicorn.Server(_configuration(app))
         logging.getLogger("uvicorn.error").addFilter(_is_problem)
@@ -157,6 +162,8 @@ class WebService:
             self._feed.close()
         if self._images is not None:
             self._images.close()
+        if self._recording is not None:
+            await self._recording.close()
 
     async def end(self) -> None:
         if self._server is not None and self._serving is not None:

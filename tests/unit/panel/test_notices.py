@@ -172,9 +172,7 @@ def test_a_busy_machine_takes_one_place_of_the_notices_kept() -> None:
     book = NoticeBook()
     for count in (9, 0, 8, 0, 7):
         text = f"{count} late ticks"
-        book.note(
-            Notification(severity="warning", code="overrun", text=text, time=1.0)
-        )
+        book.note(Notification(severity="warning", code="overrun", text=text, time=1.0))
         book.note(Notification(severity="info", code="reset", text=text, time=1.0))
     assert [notice.code for notice in book.kept].count("overrun") == 1
     assert [notice.code for notice in book.kept].count("reset") == 5

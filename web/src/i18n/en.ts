@@ -130,7 +130,11 @@ export const en = {
   "recording.stop": "Stop recording",
   "recording.progress": "{time} · {size} MB",
   "recording.file": "Recording to {file}",
-  "recording.done": "Recorded: {file}",
+  "recording.done": "Recorded {seconds} s, {size} MB: {file}",
+  "recording.replay": "Replay",
+  "recording.download": "Download",
+  "recording.noReplay": "There is no replay: {reason} Try: tool0 replay {file}",
+  "recording.replayAt": "The replay is at {address}",
   "recording.failed": "The recording has ended: {reason}",
   "simulation.fault": "The simulation has stopped: {reason} Reset it to continue.",
 

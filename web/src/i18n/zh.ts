@@ -125,7 +125,11 @@ export const zh: Texts = {
   "recording.stop": "停止录制",
   "recording.progress": "{time} · {size} MB",
   "recording.file": "正在录制到 {file}",
-  "recording.done": "已录制：{file}",
+  "recording.done": "已录制 {seconds} s，{size} MB：{file}",
+  "recording.replay": "回放",
+  "recording.download": "下载",
+  "recording.noReplay": "无法回放：{reason} 可尝试：tool0 replay {file}",
+  "recording.replayAt": "回放地址：{address}",
   "recording.failed": "录制已中止：{reason}",
   "simulation.fault": "仿真已停止：{reason} 重置后可重新开始。",
 

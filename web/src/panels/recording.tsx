@@ -2,6 +2,7 @@
 import { sendRequest } from "../connection";
 import { t } from "../i18n";
 import type { RecordingInfo } from "../protocol";
+import { megabytes } from "../recording";
 import { status } from "../store";
 import { IconButton } from "../ui/button";
 import { RecordIcon, StopIcon } from "../ui/icons";
@@ -10,7 +11,7 @@ export function RecordButton() {
   const recording = status.value?.recording ?? null;
   if (recording?.is_recording !== true) {
     return (
-      <span class="recording" title={outcome(recording)}>
+      <span class="recording">
         <IconButton
           label={t("recording.start")}
           data-testid="record-start"
@@ -40,17 +41,11 @@ export function RecordButton() {
   );
 }
 
-function progress({ seconds, size }: RecordingInfo): string {
+function progress(recording: RecordingInfo): string {
+  const { seconds } = recording;
   const rest = String(seconds % 60).padStart(2, "0");
   return t("recording.progress", {
     time: `${String(Math.floor(seconds / 60))}:${rest}`,
-    size: (size / 1e6).toFixed(1),
+    size: megabytes(recording),
   });
-}
-
-function outcome(last: RecordingInfo | null): string | undefined {
-  if (last === null) return undefined;
-  return last.error === null
-    ? t("recording.done", { file: last.file })
-    : t("recording.failed", { reason: last.error });
 }

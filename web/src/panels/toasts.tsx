@@ -1,7 +1,7 @@
 import { t } from "../i18n";
 import { dismiss, toasts } from "../notices";
 import type { Toast } from "../notices";
-import { IconButton } from "../ui/button";
+import { Button, IconButton } from "../ui/button";
 import { CloseIcon, ErrorIcon, InfoIcon, WarningIcon } from "../ui/icons";
 
 export const SEVERITY_ICONS = {
@@ -41,7 +41,18 @@ function ToastView({ toast }: { toast: Toast }) {
     >
       <Icon />
       <span class="visually-hidden">{t(`severity.${toast.severity}`)}: </span>
-      <p>{toast.text}</p>
+      <div class="toast-body">
+        <p>{toast.text}</p>
+        {toast.actions.length > 0 && (
+          <div class="row wrap">
+            {toast.actions.map(({ name, label, run }) => (
+              <Button key={name} data-testid={`notice-${name}`} onClick={run}>
+                {label}
+              </Button>
+            ))}
+          </div>
+        )}
+      </div>
       {toast.count > 1 && <span class="count">×{toast.count}</span>}
       <IconButton
         label={t("notices.dismiss")}
