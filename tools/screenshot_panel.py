@@ -1,6 +1,6 @@
 """Take a picture of the panel as a browser shows it.
 
-usage: python tools/screenshot_panel.py docs/images/panel.png [--width 1440] …
+usage: python tools/screenshot_panel.py docs/images/panel.webp [--width 1440] …
 
 It brings the example's scene up, or a cell (``--robots``), moves the arms with the
 plots open, and waits until the page has drawn it.  Needs Chromium
@@ -10,6 +10,7 @@ plots open, and waits until the page has drawn it.  Needs Chromium
 from __future__ import annotations
 
 import argparse
+import base64
 import sys
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from tool0.panel.server import Panel
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENE = "table_and_cubes"
+_QUALITY = 88
 _SLOW = 120_000
 """Longest wait for software GL at its best quality [ms]."""
 
@@ -61,7 +63,7 @@ def main() -> None:
             gripper.move(opening=0.6 * gripper.geometry.max_opening).wait(60.0)
         _wait_for_frames(page, 4)
         _wait_for_real_time(page)
-        page.screenshot(path=options.output, full_page=True)
+        options.output.write_bytes(_picture(page))
         browser.close()
 
 
@@ -69,6 +71,13 @@ def _robot(robots: list[str] | None) -> tool0.Robot:
     if robots is None:
         return tool0.bringup(scene=SCENE)
     return tool0.bringup(cell=parse_robots(robots))
+
+
+def _picture(page: Page) -> bytes:
+    """Return a picture of the page as WebP, a sixth of the size of a PNG."""
+    browser = page.context.new_cdp_session(page)
+    settings = {"format": "webp", "quality": _QUALITY}
+    return base64.b64decode(browser.send("Page.captureScreenshot", settings)["data"])
 
 
 def _wait_for_frames(page: Page, count: int) -> None:

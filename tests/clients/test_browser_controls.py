@@ -130,6 +130,15 @@ def shown(time: float) -> str:
     return f"{received.quantize(Decimal('0.01'), ROUND_HALF_UP)} s"
 
 
+def test_escape_stops_the_robot_while_a_list_is_open(
+    tab: Tab, robot: tool0.Robot
+) -> None:
+    tab.get("sim-speed").click()
+    tab.page.keyboard.press("Escape")
+    tab.get("estop-banner").wait_for()
+    assert robot.snapshot.is_stopped
+
+
 def test_time_is_paused_stepped_resumed_and_reset(tab: Tab, robot: tool0.Robot) -> None:
     assert tab.get("sim-step").is_disabled()
     tab.get("sim-pause").click()

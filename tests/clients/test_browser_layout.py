@@ -147,6 +147,66 @@ def test_the_first_view_is_small(panel: Panel, open_tab: OpenTab) -> None:
     assert sum(sizes.values()) <= FIRST_VIEW
 
 
-def test_every_tab_is_in_sight(tab: Tab) -> None:
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_every_tab_is_in_sight(tab: Tab, language: str) -> None:
+    tab.get(f"language-{language}").click()
     strip = tab.page.locator(".column [role=tablist]")
     assert strip.evaluate("(tabs) => tabs.scrollWidth - tabs.clientWidth") <= 0
+    assert strip.evaluate("(tabs) => tabs.scrollHeight - tabs.clientHeight") <= 0
+
+
+def test_no_number_of_the_tool_is_cut_off(tab: Tab) -> None:
+    tab.get("tool-toggle").click()
+    tab.get("tool-5").wait_for()
+    fields = "[data-testid=tool-pose] input"
+    cut = "(all) => all.map((one) => one.scrollWidth - one.clientWidth)"
+    for unit in ("rad", "deg"):
+        tab.get(f"unit-{unit}").click()
+        assert max(tab.page.locator(fields).evaluate_all(cut)) <= 0
+
+
+def test_a_small_laptop_has_the_controls_beside_the_view(
+    browser: Browser, panel: Panel
+) -> None:
+    tab = Tab(browser, panel.url, width=1024, height=768)
+    view = tab.page.locator(".scene").bounding_box()
+    controls = tab.page.locator(".column").bounding_box()
+    assert view is not None
+    assert controls is not None
+    assert controls["x"] >= view["x"] + view["width"] - 1
+    assert bottom(tab, "tab-motion") < 200
+    tab.close()
+
+
+@pytest.mark.parametrize("size", [(390, 844), (820, 1180)])
+def test_the_view_stays_in_sight_above_the_controls(
+    browser: Browser, panel: Panel, size: tuple[int, int]
+) -> None:
+    tab = Tab(browser, panel.url, width=size[0], height=size[1])
+    line = tab.get("timeline")
+    line.wait_for()
+    tab.get("pose-save").scroll_into_view_if_needed()
+    assert tab.page.evaluate("scrollY") > 0
+    header = bottom(tab, "estop")
+    view = tab.page.locator(".scene").bounding_box()
+    strip = line.bounding_box()
+    assert view is not None
+    assert strip is not None
+    assert view["y"] == pytest.approx(header, abs=10)
+    assert view["height"] < 0.45 * size[1]
+    assert strip["y"] == pytest.approx(view["y"] + view["height"], abs=2)
+    assert strip["height"] < 50  # one row
+    tab.close()
+
+
+def test_motion_is_beside_the_program_where_there_is_room(
+    browser: Browser, panel: Panel
+) -> None:
+    tab = Tab(browser, panel.url, width=1680, height=1000)
+    tab.get("tab-program").click()
+    program = tab.get("program-add-wait").bounding_box()
+    motion = tab.get("joint-slider-elbow_joint").bounding_box()
+    assert program is not None
+    assert motion is not None
+    assert motion["x"] > program["x"] + program["width"]
+    tab.close()

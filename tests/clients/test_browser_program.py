@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 import pytest
-from browser import Tab, eventually
+from browser import Tab, comes_to_rest, eventually
 
 import tool0
 from conftest import OpenTab
@@ -76,6 +76,16 @@ def has_ended(robot: tool0.Robot, number: int) -> bool:
     return any(run.run == number and run.state in ENDED for run in runs)
 
 
+def runs_from_its_start(tab: Tab) -> None:
+    """Hold the button until the arm is where the program begins, and run it there."""
+    tab.get("program-run").click()
+    tab.get("program-approach").hover()
+    tab.page.mouse.down()
+    tab.get("program-away").wait_for(state="hidden")
+    tab.page.mouse.up()
+    tab.get("program-run").click()
+
+
 def ends(tab: Tab) -> None:
     """Wait until the program has ended well."""
     tab.see("[data-testid=program-stop][disabled]")
@@ -137,7 +147,7 @@ def test_a_taught_pick_with_ten_waypoints_succeeds_every_time(
     drive(tab)
     before = max((run.run for run in cell.channel.call(ReadRuns())), default=0)
     for number in range(before + 1, before + 4):
-        tab.get("program-run").click()
+        runs_from_its_start(tab)
         eventually(lambda n=number: has_ended(cell, n), f"run {number} has ended")
         ends(tab)
         assert is_in_bin(cell)
@@ -200,6 +210,12 @@ def test_a_program_is_taught_saved_and_run_by_keyboard_alone(
     keys.use("program-check", "Enter")
     tab.get("program-fine").wait_for()
     keys.use("program-run", "Enter")
+    tab.get("program-away").wait_for()
+    keys.go("program-approach")
+    tab.page.keyboard.down(" ")
+    tab.get("program-away").wait_for(state="hidden")
+    tab.page.keyboard.up(" ")
+    keys.use("program-run", "Enter")
     tab.text("program-now", "wave")
     ends(tab)
     assert cell.joint_state.position["wrist_3_joint"] == pytest.approx(-0.3, abs=0.01)
@@ -239,3 +255,28 @@ def test_steps_are_dragged_and_a_wrong_one_is_named(tab: Tab) -> None:
     tab.get("program-check").click()
     tab.text("program-problem", "Step 3")
     tab.get("program-remark-3").wait_for()
+
+
+def test_the_way_to_the_start_ends_with_the_press(tab: Tab, cell: tool0.Robot) -> None:
+    tab.get("program-add-move_joint").click()
+    fill(tab, "step-label", "above cube")
+    fill(tab, "step-joint-wrist_3_joint", "3")
+    tab.text("program-step-1", "above cube")
+    drive(tab)
+    cell.set_speed(1.0)
+    tab.get("program-run").click()
+    tab.get("program-approach").hover()
+    tab.page.mouse.down()
+    eventually(
+        lambda: cell.joint_state.velocity["wrist_3_joint"] > 0.1,
+        "the arm moves to the start",
+    )
+    tab.page.mouse.up()
+    comes_to_rest(cell)
+    assert cell.joint_state.position["wrist_3_joint"] < 2.5
+    cell.set_speed(SPEED)
+    number = 1 + max((run.run for run in cell.channel.call(ReadRuns())), default=0)
+    tab.get("program-run-here").click()
+    eventually(lambda: has_ended(cell, number), "the program has ended")
+    ends(tab)
+    assert cell.joint_state.position["wrist_3_joint"] == pytest.approx(3.0, abs=0.01)

@@ -143,7 +143,7 @@ def test_dragging_the_gizmo_moves_the_tool_to_the_ghost(
     opens_the_tool(tab)
     tab.get("jog-frame-world").click()
     tab.get("tool-gizmo").click()
-    tab.get("pose-frame-world").click()
+    tab.get("tool-frame-world").click()
     comes_to_rest(robot)
     start = position(robot)
     scene = tab.see("[data-testid=scene][data-gizmo]")
