@@ -146,7 +146,7 @@ def test_a_tablet_has_every_control_in_its_width(
     tab = Tab(browser, panel.url, width=820, height=1180)
     overflow = "document.documentElement.scrollWidth - innerWidth"
     assert tab.page.evaluate(overflow) <= 0
-    for name in ("estop", "language", "sim-pause", "enable-toggle"):
+    for name in ("estop", "menu", "sim-pause", "enable-toggle"):
         tab.get(name).scroll_into_view_if_needed()
         box = tab.get(name).bounding_box()
         assert box is not None

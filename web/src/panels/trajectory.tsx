@@ -7,7 +7,7 @@ import { t } from "../i18n";
 import { hasArm } from "../jog";
 import { report } from "../notices";
 import type { ControllerInfo } from "../protocol";
-import { isOurController } from "../robots";
+import { isOurController, withoutPrefix } from "../robots";
 import { joints, status, unlessOffered } from "../store";
 import { Button } from "../ui/button";
 import { StopIcon } from "../ui/icons";
@@ -93,11 +93,12 @@ function ControllerSelect({ controller }: { controller: ControllerInfo }) {
       data-testid="controller-select"
       options={ourControllers().map((one) => {
         const why = obstacle(one);
+        const name = withoutPrefix(one.name);
         // it runs again by itself, when the arm is given back
         const waits = one.name === controller.name && whoHasArm() !== null;
         return {
           value: one.name,
-          label: waits || why === null ? one.name : `${one.name} – ${why}`,
+          label: waits || why === null ? name : `${name} – ${why}`,
           disabled: why !== null,
         };
       })}
