@@ -42,7 +42,7 @@ EVERY_STEP = Program(
     tool=ToolPose(xyz=(0.0, 0.0, 0.14)),
     steps=(
         CommentStep(text='a "comment"\nin two lines'),
-        MoveJointStep(named_pose="home", blend=0.01),
+        MoveJointStep(label='a "label"\nin two lines', named_pose="home", blend=0.01),
         CommentStep(text="between two moves"),
         MoveLinearStep(pose=ToolPose(xyz=(0.45, 0.1, 0.06), rpy=(3.14, 0.0, 0.0))),
         LoopStep(

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from tool0.errors import ConfigError
 from tool0.programs.files import parse_program, program_text, read_program
+from tool0.programs.step_descriptions import step_text
 from tool0.protocol.program import (
     CommentStep,
     GripperStep,
@@ -49,6 +50,7 @@ poses = st.builds(ToolPose, xyz=places, rpy=places, relative_to=st.none() | text
 simple: st.SearchStrategy[Step] = st.one_of(
     st.builds(
         MoveJointStep,
+        label=st.just("") | texts,
         joints=st.none() | st.dictionaries(texts, numbers),
         pose=st.none() | poses,
         speed=positive,
@@ -133,3 +135,10 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 def test_steps_are_numbered_within_loops() -> None:
     paths = [path_text(path) for path, _ in walk(parse_program(TEXT).program.steps)]
     assert paths == ["1", "2", "2.1", "2.2"]
+
+
+def test_a_target_with_a_label_is_called_so() -> None:
+    pose = ToolPose(xyz=(0.4, 0.1, 0.2))
+    plain, named = MoveLinearStep(pose=pose), MoveLinearStep(label="above", pose=pose)
+    assert step_text(plain) == "move on a line to (0.400, 0.100, 0.200)"
+    assert step_text(named) == "move on a line to 'above'"

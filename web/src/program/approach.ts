@@ -1,5 +1,5 @@
 /** The way to where a program begins, while the user holds a button. */
-import { signal } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { connection } from "../connection";
 import { adopt, holdStill, mayMove } from "../driving";
 import { frames } from "../frames";
@@ -67,6 +67,10 @@ export function forgetStart(): void {
 }
 
 program.subscribe(forgetStart);
+// a button that is disabled hears no release
+effect(() => {
+  if (!mayMove.value) endApproach();
+});
 
 /** Move to the start for as long as the button is held. */
 export async function approach(): Promise<void> {
