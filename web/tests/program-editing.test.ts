@@ -1,4 +1,5 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
+import { start as beginning } from "../src/program/approach";
 import { check, checkProgram, isChecking } from "../src/program/checking";
 import { readDraft } from "../src/program/draft";
 import { add, EMPTY, isChanged, noteSaved, open, program } from "../src/program/editor";
@@ -10,7 +11,8 @@ import { FakeSocket, status, view } from "./fixtures";
 import { useFakeServer } from "./setup";
 
 const NOTE = { kind: "comment", text: "a" } as const;
-const FINE = { problems: [], warnings: [], motion: { points: [] } };
+const STILL = { joint_names: [], times: [], positions: [], points: [], steps: [] };
+const FINE = { problems: [], warnings: [], motion: STILL };
 
 const settle = () => vi.advanceTimersByTimeAsync(1);
 
@@ -91,12 +93,13 @@ describe("a program", () => {
     const again = checkProgram(program.peek());
     await answer("check_program", FINE);
     expect(await again).toBe(true);
-    expect(check.value).toEqual(FINE as unknown as ProgramCheck);
+    expect(check.value).toEqual(FINE);
   });
 
   it("shows the running step as long as it is the one that runs", async () => {
     open({ name: "p", steps: [NOTE] }, false);
     const begun = start();
+    await answer("check_program", FINE);
     await answer("run_program");
     await begun;
     const run = { run: 1, program: "p", arm: "arm", state: "running", step: [1] };
@@ -104,6 +107,32 @@ describe("a program", () => {
     expect(runningStep.value).toEqual([1]);
     add(NOTE);
     expect(runningStep.value).toBeNull();
+    open(EMPTY, false);
+  });
+
+  it("that begins elsewhere is not run without a question", async () => {
+    const move = { kind: "move_joint", named_pose: "home" } as const;
+    const motion = { ...STILL, joint_names: ["pan"], times: [0, 1] };
+    open({ name: "p", steps: [move] }, false);
+    const begun = start();
+    await answer("check_program", {
+      ...FINE,
+      motion: { ...motion, positions: [[0], [1]], steps: [[1], [1]] },
+    });
+    await begun;
+    expect(FakeSocket.newest.sentOf("run_program")).toEqual([]);
+    expect(beginning.value).toEqual({ pan: 1 });
+    open(EMPTY, false);
+    expect(beginning.value).toBeNull();
+  });
+
+  it("that is edited during its check is not run", async () => {
+    open({ name: "p", steps: [NOTE] }, false);
+    const begun = start();
+    add(NOTE);
+    await answer("check_program", FINE);
+    await begun;
+    expect(FakeSocket.newest.sentOf("run_program")).toEqual([]);
     open(EMPTY, false);
   });
 });

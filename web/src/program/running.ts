@@ -45,11 +45,11 @@ export function requested(): Program {
 /** Run the program, if the arm is where it begins; otherwise the user is asked. */
 export async function start(): Promise<void> {
   const starting = program.peek();
-  if (await checkProgram(requested())) {
-    const found = check.peek();
-    if (found !== null && !isAtStart(found.motion, starting)) return;
-  }
-  await startHere();
+  refusal.value = null;
+  const isFine = await checkProgram(requested());
+  const found = check.peek();
+  if (!isFine || found === null) return; // the findings say why, or it was edited
+  if (isAtStart(found.motion, starting)) await startHere();
 }
 
 /** Run the program from where the arm is, or let it wait before its first step. */
