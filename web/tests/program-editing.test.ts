@@ -5,7 +5,6 @@ import { readDraft } from "../src/program/draft";
 import { add, EMPTY, isChanged, noteSaved, open, program } from "../src/program/editor";
 import { renameSaved, save } from "../src/program/files";
 import { runningStep, start } from "../src/program/running";
-import type { ProgramCheck } from "../src/protocol";
 import * as store from "../src/store";
 import { FakeSocket, status, view } from "./fixtures";
 import { useFakeServer } from "./setup";
