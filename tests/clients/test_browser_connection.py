@@ -65,6 +65,12 @@ def test_a_page_comes_back_after_the_server_restarts(open_tab: OpenTab) -> None:
         tab.drive()
     tab.see(LOST)
     tab.get("connection-banner").wait_for()
+    for width in (1440, 1024, 960, 700, 390, 360):  # nothing pushes the stop out
+        tab.page.set_viewport_size({"width": width, "height": 800})
+        box = tab.get("estop").bounding_box()
+        assert box is not None
+        assert box["x"] + box["width"] <= width
+        assert box["y"] + box["height"] < 60
     with bringup_at(port):
         tab.see(CONNECTED)
         tab.get("connection-banner").wait_for(state="hidden")

@@ -109,6 +109,12 @@ def test_the_grasp_assist_is_shown_on_every_tab(open_tab: OpenTab) -> None:
         for name in ("motion", "log"):
             tab.get(f"tab-{name}").click()
             tab.text("grasp-assist", "assist")
+        for width in (1440, 1024, 390):  # beside the emergency stop, or over the view
+            tab.page.set_viewport_size({"width": width, "height": 800})
+            for test_id in ("grasp-assist", "estop"):
+                box = tab.get(test_id).bounding_box()
+                assert box is not None
+                assert box["x"] + box["width"] <= width
         tab.close()  # before its server
 
 

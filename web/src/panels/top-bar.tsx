@@ -56,7 +56,7 @@ export function TopBar() {
       )}
       <div class="settings">
         {view.value?.grasp_assist === true && (
-          <span title={t("assist.explain")}>
+          <span class="assist" title={t("assist.explain")}>
             <Badge tone="warning" data-testid="grasp-assist">
               {t("assist.badge")}
             </Badge>
