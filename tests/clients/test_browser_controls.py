@@ -71,6 +71,13 @@ def test_the_emergency_stop_stops_a_moving_arm(
         tab.page.keyboard.press("Escape")
     tab.get("estop-banner").wait_for()
     assert robot.snapshot.is_stopped
+    robot.emergency_stop(False)
+    tab.get("estop-banner").wait_for(state="hidden")
+    tab.page.set_viewport_size({"width": 390, "height": 844})
+    tab.get("menu").click()
+    tab.page.keyboard.press("Escape")
+    tab.get("language-zh").wait_for(state="hidden")
+    tab.get("estop-banner").wait_for()
     eventually(lambda: is_at_rest(robot), "the brakes hold")
     assert robot.joint_state.position["elbow_joint"] > 0.1  # short of the pose zero
     assert tab.get("enable-toggle").is_disabled()

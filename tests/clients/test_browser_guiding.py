@@ -44,6 +44,9 @@ def test_the_arm_is_dragged_and_stays(tab: Tab, robot: tool0.Robot) -> None:
     tab.get("guide-toggle").click()
     tab.see(GUIDING.format("true"))
     assert robot.arm.control_box.state.taken_by == "hand guiding"
+    tab.page.get_by_text("Guided by hand").wait_for()
+    chosen = tab.page.locator("[data-testid=controller-select] option:checked")
+    assert "not running" not in (chosen.text_content() or "")
     x, y = point_on_tool(tab)
     start = tool(robot)
     tab.page.mouse.move(x, y)

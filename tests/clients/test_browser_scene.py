@@ -171,3 +171,26 @@ def test_an_arrow_shows_the_wrench_at_the_tool(tab: Tab, robot: tool0.Robot) -> 
 
     eventually(lambda: abs(of_robot() - 30.0) < 1.0, "the robot feels it")
     eventually(lambda: abs(force() - 30.0) < 1.0, "the page shows it")
+
+
+def test_the_card_of_a_link_is_not_clipped(tab: Tab) -> None:
+    tab.see(READY)
+    tab.get("scene-view-tool").click()
+    box = tab.get("scene").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def is_selected() -> bool:
+        tab.page.mouse.click(x, y)  # the view is still turning, at first
+        return tab.page.locator("[data-testid=selection] dl").count() > 0
+
+    eventually(is_selected, "a link is selected")
+    beyond = tab.get("selection").evaluate(
+        """card => {
+            const { left, right } = card.getBoundingClientRect();
+            const parts = [...card.querySelectorAll("*")];
+            const places = parts.map(part => part.getBoundingClientRect());
+            return places.filter(at => at.left < left || at.right > right).length;
+        }"""
+    )
+    assert beyond == 0
