@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tool0.batch.batch import Batch
 from tool0.description.transform_arrays import quats_wxyz
 from tool0.gym.actions import Actions
+from tool0.gym.history import History
 from tool0.gym.options import EnvOptions
 from tool0.gym.tasks import Mask, State, make_task
 from tool0.gym.workspace import Workspace
@@ -59,6 +60,8 @@ class Copies:
         """
         self.n = n
         self.options = options
+        self._task_name = task
+        self._history = History(n)
         self.workspace = workspace = Workspace(options)
         self.task = make_task(task, workspace)
         self.actions = Actions(workspace, options)
@@ -90,6 +93,12 @@ class Copies:
         self._goal = np.zeros((n, width))
         self._state: State | None = None
 
+    def __deepcopy__(self, memo: dict[int, object]) -> Copies:
+        """Return other copies in the same state, by the same actions."""
+        twin = Copies(self._task_name, self.n, self.options)
+        self._history.repeat(twin)
+        return twin
+
     # ---- time -----------------------------------------------------------------------
 
     def reset(self, which: Mask, generators: Sequence[np.random.Generator]) -> None:
@@ -98,6 +107,7 @@ class Copies:
         What is random comes from each copy's own generator alone, so that an episode
         does not depend on the other copies.
         """
+        self._history.begin(which, generators)
         n, count = self.n, len(self.task.objects)
         position = np.tile(self._start, (n, 1))
         places, yaws = np.zeros((n, count, 3)), np.zeros((n, count))
@@ -128,6 +138,7 @@ class Copies:
 
     def act(self, actions: Array) -> None:
         """Advance all copies by one control period; ``actions`` are checked ones."""
+        self._history.add(actions)
         batch, options = self.batch, self.options
         q = batch.position[:, self._arm]
         is_sound = np.isfinite(q).all(axis=1) & ~batch.diverged
