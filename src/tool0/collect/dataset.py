@@ -228,9 +228,9 @@ def _check(folder: Path, settings: Settings) -> None:
     path = folder / MANIFEST
     try:
         manifest = json.loads(path.read_bytes())
-        recorded = {key: manifest[key] for key in settings.recorded()}
+        recorded = {key: manifest.get(key) for key in settings.recorded()}
         made_by = manifest["programs"]
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, AttributeError):
         raise ConfigError(f"{path} is no manifest of tool0") from None
     if found := differences(settings.recorded(), recorded):
         raise ConfigError(
