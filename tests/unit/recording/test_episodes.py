@@ -28,8 +28,6 @@ from tool0.recording.reading import open_recording
 from tool0.recording.resimulation import resimulate
 from tool0.recording.video import cameras_of
 
-pytest.importorskip("mcap", reason="the extra 'record' is not installed")
-
 
 @pytest.fixture
 def robot() -> Iterator[tool0.Robot]:
