@@ -25,6 +25,8 @@ from tool0.user_data import locked
 MANIFEST: Final = "manifest.json"
 EPISODES: Final = "episodes.jsonl"
 _DATA_PATH: Final = "data/chunk-{:03d}/episode_{:06d}.parquet"
+_COUNTS: Final = {"length", "success", "bytes"}
+"""What the index is read for."""
 _PART: Final = ".part"
 _WRITERS: Final = 8
 """Files that are written at a time."""
@@ -164,7 +166,7 @@ class Dataset:
         lines = _lines(log)
         rows: list[dict[str, Any]] = []
         for index, line in enumerate(lines):
-            path, row = self._path(index), json.loads(line)
+            path, row = self._path(index), _row(log, index, line)
             if not path.exists() or path.stat().st_size != row["bytes"]:
                 raise CollectError(
                     f"{path} is missing or has another size than {EPISODES} says; "
@@ -250,6 +252,17 @@ def _check(folder: Path, settings: Settings) -> None:
 def _part(path: Path) -> Path:
     """Return the name of a file while it is written."""
     return path.with_name(path.name + _PART)
+
+
+def _row(log: Path, index: int, line: bytes) -> dict[str, Any]:
+    """Return a row of the index, or raise CollectError."""
+    with contextlib.suppress(ValueError):
+        row = json.loads(line)
+        if isinstance(row, dict) and row.keys() >= _COUNTS:
+            return row
+    raise CollectError(
+        f"{log}, line {index + 1}: this is no row about an episode; the file is damaged"
+    )
 
 
 def _lines(path: Path) -> list[bytes]:

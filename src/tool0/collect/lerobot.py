@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import io
 import json
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -20,7 +21,7 @@ from tool0.collect import parquet
 from tool0.collect.parquet import Array, Table, is_image
 from tool0.collect.rollout import Episode
 from tool0.collect.statistics import NAMES, combined, statistics
-from tool0.errors import ConfigError
+from tool0.errors import CollectError, ConfigError
 
 VERSION: Final = "v3.0"
 CHUNK: Final = 1000
@@ -220,7 +221,10 @@ def descriptions(
 
 def _described(path: Path) -> dict[str, Any]:
     """Return what an episode's file says about it."""
-    found: dict[str, Any] = json.loads(parquet.note_in(path))
+    try:
+        found: dict[str, Any] = json.loads(parquet.note_in(path))
+    except (OSError, ValueError, LookupError, zlib.error) as error:
+        raise CollectError(f"{path} is damaged: {error}") from None
     return found
 
 

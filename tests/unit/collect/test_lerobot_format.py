@@ -381,6 +381,14 @@ def test_every_observation_has_its_surroundings_apart(
     assert ("observation.images.rgb" in features) == (observation == "image")
 
 
+def test_a_damaged_episode_is_told(tmp_path: Path) -> None:
+    collected(tmp_path / "w", 2)
+    file = tmp_path / "w/data/chunk-000/file-001.parquet"
+    file.write_bytes(file.read_bytes()[:-300] + bytes(300))
+    with raises_naming(CollectError, "file-001.parquet", "damaged"):
+        collected(tmp_path / "w", 3)
+
+
 def test_a_note_in_a_file_is_read_without_its_table(folder: Path) -> None:
     from tool0.collect import parquet
 

@@ -126,13 +126,14 @@ def test_a_reset_within_an_episode_discards_it(
 
 
 @pytest.mark.parametrize(
-    ("text", "problem"), [("{}\n", "line 1"), (None, "no folder of episodes")]
+    ("text", "problem"),
+    [(b"{}\n", "line 1"), (b"{\xb6\n", "line 1"), (None, "no folder of episodes")],
 )
 def test_a_wrong_index_is_an_error(
-    tmp_path: Path, text: str | None, problem: str
+    tmp_path: Path, text: bytes | None, problem: str
 ) -> None:
     if text is not None:
-        (tmp_path / INDEX).write_text(text)
+        (tmp_path / INDEX).write_bytes(text)
     with pytest.raises(RecordingError, match=problem):
         read_index(tmp_path)
 
