@@ -35,7 +35,8 @@ N = 400 * SCALE
 SEED = 41
 MOST_SAID = 20_000
 """What a bring-up may print about all of them: warnings about its robot [bytes]."""
-LASTING = {"step", "close"}
+LASTING = {"run", "step"}
+"""Requests that take as long as they say."""
 ODD = (
     b"",
     b"{}",
