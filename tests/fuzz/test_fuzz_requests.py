@@ -18,6 +18,7 @@ from tool0.protocol.methods import methods
 N_REQUESTS = 600 * SCALE
 N_CALLS = 400 * SCALE
 SEED = 11
+ARM = "eff_joint_traj_controller"
 LASTING = {"run", "step"}
 """Methods that do what they are asked for as long as they are asked."""
 KEPT = {"close", "subscribe"}
@@ -93,7 +94,8 @@ def recover(robot: tool0.Robot) -> None:
 def operations(robot: tool0.Robot) -> list[tuple[Any, str]]:
     """Return the public methods of the robot's handles."""
     handles = [robot, robot.arm, robot.gripper, robot.scene, robot.episodes]
-    handles.append(robot.programs)
+    handles += [robot.programs, robot.arm.motion, robot.arm.control_box]
+    handles += [robot.force_torque, robot.controller(ARM)]
     found = []
     for handle in handles:
         for name in sorted(dir(type(handle))):

@@ -26,6 +26,7 @@ from tool0.protocol.control_box import (
     UnlockProtectiveStop,
 )
 from tool0.protocol.control_box_state import AnalogDomain, ControlBoxState
+from tool0.protocol.request import Place, checked_value
 
 
 @final
@@ -96,9 +97,10 @@ class ControlBox:
             mass: [kg]
             center_of_gravity: In the frame of the flange [m].
         """
-        x, y, z = center_of_gravity
+        name = "center_of_gravity"
+        center: Place = checked_value("set_payload", name, center_of_gravity, Place)
         self._channel.call(
-            SetPayload(arm=self._arm, mass=mass, center_of_gravity=(x, y, z))
+            SetPayload(arm=self._arm, mass=mass, center_of_gravity=center)
         )
 
     def clear_payload(self) -> None:

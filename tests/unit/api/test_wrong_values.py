@@ -105,6 +105,8 @@ CALLS: dict[str, Call] = {
     "start_recording": lambda r, w: r.start_recording(w),
     "start_recording(cameras)": lambda r, w: r.start_recording(cameras=w),
     "episodes.open": lambda r, w: r.episodes.open(w),
+    "samples(timeout)": lambda r, w: r.force_torque.samples(timeout=w),
+    "set_payload": lambda r, w: r.arm.control_box.set_payload(1.0, w),
     "gripper.tcp": lambda r, w: r.gripper.tcp(w),
     "gripper.tcp(link)": lambda r, w: r.gripper.tcp(relative_to=w),
     "command_trajectory": lambda r, w: _arm(r).command_trajectory(w),
@@ -258,6 +260,10 @@ def test_the_message_names_the_parameter(
         (lambda r: r.start_recording(3), "start_recording: 'file': expected a path"),
         (lambda r: r.start_recording(cameras="wrist"), "'cameras': Expected `list`"),
         (lambda r: r.record("fast"), "rate fast Hz is outside [0.001, 500] Hz"),
+        (
+            lambda r: r.arm.control_box.set_payload(1.0, (1e300, 0.0, 0.0)),
+            "'center_of_gravity': Expected `float` <= 1000.0",
+        ),
         (lambda r: r.record(1e-320), "rate 1e-320 Hz is outside [0.001, 500] Hz"),
         (lambda r: r.controller("\ud800"), "'\\ud800' is no Unicode text"),
         (

@@ -144,9 +144,7 @@ def test_an_unknown_option_is_one_line_and_2(
     assert main([*words.split(), "--qqq", "1"]) == FAILED
     out, error = capsys.readouterr()
     assert out == ""
-    assert error == (
-        f"tool0: error: no option --qqq; see `tool0 {words} --help`\n"
-    )
+    assert error == (f"tool0: error: no option --qqq; see `tool0 {words} --help`\n")
 
 
 def test_an_unknown_subcommand_names_the_nearest(
