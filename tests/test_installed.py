@@ -93,6 +93,8 @@ def test_an_interface_works_or_says_what_is_missing(
     words += ["--name", f"installed-{interface}"]
     if interface == "ur":
         words += ["--ur-host", free_host()]
+    if interface == "ros1":
+        words += ["--roscore"]
     done = plain.run(
         "tool0", *words, cwd=tmp_path, ROS_MASTER_URI=f"http://127.0.0.1:{free_port()}"
     )
