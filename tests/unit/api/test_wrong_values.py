@@ -106,6 +106,8 @@ CALLS: dict[str, Call] = {
     "start_recording(cameras)": lambda r, w: r.start_recording(cameras=w),
     "episodes.open": lambda r, w: r.episodes.open(w),
     "samples(timeout)": lambda r, w: r.force_torque.samples(timeout=w),
+    "digital output": lambda r, w: r.arm.control_box.set_digital_output(w, True),
+    "digital input": lambda r, w: r.arm.control_box.set_digital_input(w, True),
     "set_payload": lambda r, w: r.arm.control_box.set_payload(1.0, w),
     "gripper.tcp": lambda r, w: r.gripper.tcp(w),
     "gripper.tcp(link)": lambda r, w: r.gripper.tcp(relative_to=w),
