@@ -27,7 +27,7 @@ PYTEST  := $(BIN)/python -m pytest
 AT_ONCE := $(PYTEST) --numprocesses=$(WORKERS)
 STURDY  := tests/unit tests/conformance
 # Those of other programs, whole files at a time: they share a Gazebo or a ROS.
-PATIENT := tests/gazebo tests/ros1 tests/ros2 tests/ur $(wildcard tests/test_*.py)
+PATIENT := tests/gazebo tests/ros1 tests/ros2 tests/ur tests/fuzz $(wildcard tests/test_*.py)
 # Those that measure wall time, or hold what is sent to a rate: one at a time.
 ALONE   := $(addprefix tests/clients/test_,panel_jog.py stop_under_flood.py ur_rtde.py \
            ur_rtde_safety.py)
@@ -116,7 +116,7 @@ clean:
 $(RUN): pyproject.toml tools/setup-venv
 	@echo 'setting up $(VENV), and the panel with it: about a minute' >&2
 	@tools/setup-venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[ur,record]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 
 # `pip install --group` came with pip 25.1; a distribution's pip is older.

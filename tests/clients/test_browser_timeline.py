@@ -14,8 +14,6 @@ from tool0.panel.replay.view import Replay
 from tool0.panel.server import Panel
 from tool0.recording.reading import RecordingFile, open_recording
 
-pytest.importorskip("mcap", reason="the extra 'record' is not installed")
-
 ELBOW = "elbow_joint"
 START = 1.571
 """Where the elbow is at first [rad]."""

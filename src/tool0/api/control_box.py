@@ -26,6 +26,7 @@ from tool0.protocol.control_box import (
     UnlockProtectiveStop,
 )
 from tool0.protocol.control_box_state import AnalogDomain, ControlBoxState
+from tool0.protocol.request import Place, checked_value
 
 
 @final
@@ -48,11 +49,13 @@ class ControlBox:
 
     def set_digital_output(self, pin: int, value: bool) -> None:
         """Set an output: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
-        self._channel.call(SetIO(arm=self._arm, digital_outputs={pin: value}))
+        number: int = checked_value("set_digital_output", "pin", pin, int)
+        self._channel.call(SetIO(arm=self._arm, digital_outputs={number: value}))
 
     def set_digital_input(self, pin: int, value: bool) -> None:
         """Set what an input measures, in place of a wire; pins as for the outputs."""
-        self._channel.call(SetIO(arm=self._arm, digital_inputs={pin: value}))
+        number: int = checked_value("set_digital_input", "pin", pin, int)
+        self._channel.call(SetIO(arm=self._arm, digital_inputs={number: value}))
 
     def set_analog_output(
         self, pin: int, level: float, domain: AnalogDomain = AnalogDomain.VOLTAGE
@@ -96,9 +99,10 @@ class ControlBox:
             mass: [kg]
             center_of_gravity: In the frame of the flange [m].
         """
-        x, y, z = center_of_gravity
+        name = "center_of_gravity"
+        center: Place = checked_value("set_payload", name, center_of_gravity, Place)
         self._channel.call(
-            SetPayload(arm=self._arm, mass=mass, center_of_gravity=(x, y, z))
+            SetPayload(arm=self._arm, mass=mass, center_of_gravity=center)
         )
 
     def clear_payload(self) -> None:

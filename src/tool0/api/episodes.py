@@ -15,6 +15,7 @@ from tool0.protocol.episodes import (
     ReadEpisodes,
     StartEpisode,
 )
+from tool0.protocol.request import checked_path
 
 
 @final
@@ -42,8 +43,10 @@ class EpisodesHandle:
         Raises:
             RecordingError: If the folder cannot be used.
         """
-        path = str(Path(folder).expanduser().absolute())
-        return self._channel.call(OpenEpisodes(folder=path, task=task, reset=reset))
+        path = checked_path("open_episodes", "folder", folder)
+        return self._channel.call(
+            OpenEpisodes(folder=str(path), task=task, reset=reset)
+        )
 
     def start(self) -> EpisodesStatus:
         """Start to record an episode.

@@ -11,6 +11,7 @@ from tool0.description.transform import Transform
 from tool0.errors import GoalTimeoutError
 from tool0.protocol.channel import Channel
 from tool0.protocol.gripper import GraspState, Grip, ReadGripper
+from tool0.protocol.request import checked_value
 
 
 @final
@@ -58,6 +59,8 @@ class Gripper:
             ModelError: If the opening is out of reach, or there is no such link.
             ControlError: If the gripper has no two pads.
         """
+        checked_value("tcp", "opening", opening, float | None)
+        checked_value("tcp", "relative_to", relative_to, str | None)
         if opening is None:
             opening = min(self.opening, self.geometry.max_opening)
         if relative_to is None:

@@ -8,6 +8,7 @@ import threading
 from array import array
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
@@ -15,6 +16,7 @@ from tool0.errors import ControlError, Tool0Error
 from tool0.protocol.channel import Channel
 from tool0.protocol.state import (
     MAX_SNAPSHOT_RATE,
+    MIN_SNAPSHOT_RATE,
     JointSetpoint,
     Snapshot,
     ticks_between_snapshots,
@@ -53,9 +55,11 @@ class Recording(AbstractContextManager["Recording"]):
     """
 
     def __init__(self, channel: Channel, rate: float, control_period: float) -> None:
-        if not 0.0 < rate <= MAX_SNAPSHOT_RATE:
+        lowest, highest = MIN_SNAPSHOT_RATE, MAX_SNAPSHOT_RATE
+        given: object = rate
+        if not (isinstance(given, Real) and lowest <= rate <= highest):
             raise ControlError(
-                f"rate {rate} Hz is outside (0, {MAX_SNAPSHOT_RATE:g}] Hz"
+                f"rate {rate!s:.40} Hz is outside [{lowest:g}, {highest:g}] Hz"
             )
         self._channel = channel
         self._ticks = _ticks_between_samples(1.0 / rate, control_period)

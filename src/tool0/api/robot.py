@@ -36,7 +36,7 @@ from tool0.protocol.objects import (
     ReadContacts,
 )
 from tool0.protocol.poses import DeletePose, GoToPose, ListPoses, SavePose
-from tool0.protocol.request import checked_value
+from tool0.protocol.request import checked_path, checked_value
 from tool0.protocol.robot import ReadInfo, ReadLinkPose, ReadSummary, SimulationInfo
 from tool0.protocol.running import (
     EmergencyStop,
@@ -253,14 +253,16 @@ class Robot(AbstractContextManager["Robot"]):
         """
         from tool0.protocol.recordings import StartRecording
 
+        method = "start_recording"
+        path = None if file is None else str(checked_path(method, "file", file))
         return self.channel.call(
             StartRecording(
-                file=None if file is None else str(Path(file).absolute()),
+                file=path,
                 overwrite=overwrite,
                 max_size=max_size,
                 max_duration=max_duration,
                 max_files=max_files,
-                cameras=tuple(cameras),
+                cameras=checked_value(method, "cameras", cameras, tuple[str, ...]),
                 camera_rate=camera_rate,
             )
         )

@@ -7,6 +7,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, final
 
+from tool0.api.controller import checked_timeout
 from tool0.description.camera import Camera
 from tool0.errors import RenderError
 from tool0.protocol.channel import Channel, LocalChannel
@@ -109,7 +110,8 @@ class ForceTorque:
             ControlError: If the simulation is closed meanwhile.
             EngineError: If the physics failed.
         """
-        end = time.monotonic() + (math.inf if timeout is None else timeout)
+        longest = checked_timeout(timeout)
+        end = time.monotonic() + (math.inf if longest is None else longest)
         while True:
             left = max(0.0, end - time.monotonic())
             request = ReadForceTorqueSamples(

@@ -30,6 +30,7 @@ def collect(
     env: Annotated[tuple[str, ...], Option(metavar="NAME=VALUE ...")] = (),
     seed: int = 0,
     format: Literal["parquet", "lerobot"] = "parquet",  # the option's name
+    instruction: str | None = None,
     copies: int = 8,
     summary: bool = True,
     as_json: AsJson = False,
@@ -50,6 +51,8 @@ def collect(
         env: Keywords of the environment, such as arm=ur5e randomise=true.
         seed: Base of the seeds of the episodes.
         format: Columns and further files.
+        instruction: What is to be done, in words, for lerobot; if not given, the task's
+            own sentence.
         copies: Simulations of a worker that take turns.
         summary: Report at the end.
         as_json: Print the report as one JSON object.
@@ -70,6 +73,7 @@ def collect(
             options=_keywords(env),
             seed=seed,
             format=format,
+            instruction=instruction,
             copies=copies,
             progress=display.show,
         )
@@ -92,14 +96,19 @@ def collect(
 
 
 def _keywords(words: tuple[str, ...]) -> dict[str, object]:
-    """Return ``NAME=VALUE …``; values are JSON, or texts without quotes."""
-    values: dict[str, object] = {}
-    for name, text in assignments(words, "=").items():
+    """Return ``NAME=VALUE …`` as keywords."""
+    return {name: _value(text) for name, text in assignments(words, "=").items()}
+
+
+def _value(text: str) -> object:
+    """Return JSON as its value, ``96,96`` as a list, and all else as a text."""
+    for form in (text, f"[{text}]") if "," in text else (text,):
         try:
-            values[name] = json.loads(text)
+            value: object = json.loads(form)
         except ValueError:
-            values[name] = text
-    return values
+            continue
+        return value
+    return text
 
 
 @final

@@ -140,8 +140,8 @@ class UrControllerOptions:
     ur_port_base: int = 0
     """Added to the port numbers of a real robot."""
     ur_programs: Path | None = None
-    """Folder with the programs (*.script) that the dashboard server can load; if left
-    out, ~/.local/share/tool0/ur-programs."""
+    """Folder with the programs (*.script) that the dashboard server can load;
+    ~/.local/share/tool0/ur-programs if not given."""
     ur_sockets: bool = False
     """Allow URScript programs to connect to other machines."""
     ur_active_gripper: bool = False

@@ -137,7 +137,7 @@ def ur(_: Machine) -> list[ProbeResult]:
         )
     version = python_package_version("lark")
     if version is None:
-        found = f"no lark, which reads URScript; without it, ur_rtde works; {ports}"
+        found = f"no lark, which reads URScript; {ports}"
         return [ProbeResult("ur", "missing", found, pip_install_command("lark"))]
     return [ProbeResult("ur", "ready", f"lark {version}; {ports}")]
 

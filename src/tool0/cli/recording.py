@@ -213,6 +213,7 @@ def export(
     overwrite: bool = False,
     rate: float = 25.0,
     only_successes: bool = False,
+    instruction: str | None = None,
     cameras: Annotated[tuple[str, ...], Option(metavar="NAME ...")] = (),
     video: VideoOptions = VideoOptions(),  # frozen
 ) -> None:
@@ -229,6 +230,8 @@ def export(
         overwrite: Replace a file that exists.
         rate: Frames per simulated second of a LeRobot data set [Hz].
         only_successes: Leave out demonstrations that failed.
+        instruction: What is to be done in a LeRobot data set, in words; by default the
+            task that was recorded.
         cameras: Cameras whose images each frame of a LeRobot data set has.
     """
     if format == "lerobot":
@@ -240,6 +243,7 @@ def export(
             folder,
             rate=rate,
             only_successes=only_successes,
+            instruction=instruction,
             cameras=cameras,
             width=video.width,
             height=video.height,

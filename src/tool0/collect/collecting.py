@@ -18,7 +18,7 @@ from tool0.collect.dataset import Dataset, Manifest, opened
 from tool0.collect.executor import Executor, Finished
 from tool0.collect.packets import unpacked
 from tool0.collect.policy import Policy, located
-from tool0.collect.rollout import environment_spec
+from tool0.collect.rollout import default_instruction
 from tool0.collect.settings import Format, Settings, require_extra
 from tool0.collect.worker import Chunk
 from tool0.errors import CollectError, ConfigError, did_you_mean
@@ -61,6 +61,7 @@ def collect(
     policy: str | Policy | None = None,
     seed: int = 0,
     format: Format = "parquet",
+    instruction: str | None = None,
     copies: int = N_COPIES,
     progress: Callable[[Progress], None] | None = None,
 ) -> Manifest:
@@ -81,6 +82,8 @@ def collect(
             ``module:name`` or ``file.py:name``.  The task's expert if left out.
         seed: Base of the seeds of the episodes.
         format: Columns and further files: ``parquet`` or ``lerobot``.
+        instruction: What is to be done, in words, for LeRobot's format; the task's own
+            sentence if left out.
         copies: Simulations of a worker that take turns.
         progress: Called about twice a second.
 
@@ -98,7 +101,9 @@ def collect(
     if format not in get_args(Format):
         hint = did_you_mean(format, get_args(Format))
         raise ConfigError(f"unknown format '{format}'{hint}")
-    environment_spec(task)
+    said = default_instruction(task) if instruction is None else instruction
+    if instruction is not None and format != "lerobot":
+        raise ConfigError("an instruction needs the format lerobot")
     name, digest = (None, None) if policy is None else located(policy)
     settings = Settings(
         task=task,
@@ -107,6 +112,7 @@ def collect(
         policy=name,
         digest=digest,
         format=format,
+        instruction=said,
     )
     try:
         with opened(Path(folder), settings, episodes) as dataset:

@@ -17,18 +17,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, final
 
-from tool0.collect import parquet
+from tool0.collect import lerobot
 from tool0.collect.settings import Settings, differences, programs
 from tool0.errors import CollectError, ConfigError
 from tool0.user_data import locked
 
 MANIFEST: Final = "manifest.json"
 EPISODES: Final = "episodes.jsonl"
-CHUNK: Final = 1000
-"""Episodes per folder, as in LeRobot."""
-DATA_PATH: Final = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
-_LEROBOT_EPISODES: Final = "meta/episodes.jsonl"
-_LEROBOT_STATS: Final = "meta/episodes_stats.jsonl"
+_DATA_PATH: Final = "data/chunk-{:03d}/episode_{:06d}.parquet"
+_COUNTS: Final = {"length", "success", "bytes"}
+"""What the index is read for."""
 _PART: Final = ".part"
 _WRITERS: Final = 8
 """Files that are written at a time."""
@@ -66,9 +64,6 @@ class Dataset:
         self._settings = settings
         self._n_requested = n_requested
         self._is_lerobot = settings.format == "lerobot"
-        self._logs = [EPISODES]
-        if self._is_lerobot:
-            self._logs += [_LEROBOT_EPISODES, _LEROBOT_STATS]
         self.recover()
 
     def recover(self) -> None:
@@ -78,9 +73,9 @@ class Dataset:
             CollectError: If a file is missing that was whole.
         """
         rows = self._recovered()
-        self._n_episodes = len(rows)
+        self._lengths = [row["length"] for row in rows]
         self._n_succeeded = sum(row["success"] for row in rows)
-        self._n_frames = sum(row["length"] for row in rows)
+        self._n_frames = sum(self._lengths)
         self._n_bytes = sum(row["bytes"] for row in rows)
 
     @property
@@ -88,7 +83,7 @@ class Dataset:
         """The present content of the folder."""
         return Manifest(
             folder=self._folder,
-            n_episodes=self._n_episodes,
+            n_episodes=len(self._lengths),
             n_requested=self._n_requested,
             n_succeeded=self._n_succeeded,
             n_frames=self._n_frames,
@@ -102,19 +97,23 @@ class Dataset:
             OSError: If the disk is full, for example: ``recover`` removes the rest.
         """
         rows, files, first_frame = [], {}, self._n_frames
-        for sent, content in episodes:
-            row, file = sent, content
-            if self._is_lerobot:
-                row, file = parquet.placed(sent, content, first_frame)
+        for row, sent in episodes:
+            file = lerobot.placed(sent, first_frame) if self._is_lerobot else sent
             first_frame += row["length"]
             digest = hashlib.sha256(file).hexdigest()
             rows.append({**row, "bytes": len(file), "sha256": digest})
-            files[self._folder / _data_path(row["episode_index"])] = file
+            files[self._path(row["episode_index"])] = file
         self._write(rows, files)
-        self._n_episodes += len(rows)
+        self._lengths += [row["length"] for row in rows]
         self._n_frames = first_frame
         self._n_succeeded += sum(row["success"] for row in rows)
         self._n_bytes += sum(row["bytes"] for row in rows)
+
+    def _path(self, index: int) -> Path:
+        """Return the file of an episode."""
+        if self._is_lerobot:
+            return self._folder / lerobot.data_path(index)
+        return self._folder / _DATA_PATH.format(index // lerobot.CHUNK, index)
 
     def _write(
         self, rows: Sequence[Mapping[str, Any]], files: Mapping[Path, bytes]
@@ -133,96 +132,55 @@ class Dataset:
         for folder in {path.parent for path in files}:
             _flush_folder(folder)
             _flush_folder(folder.parent)  # which has a new folder in it now and then
-        for log in self._logs:
-            lines = "".join(f"{json.dumps(self._logged(log, row))}\n" for row in rows)
-            with (self._folder / log).open("ab") as stream:
-                stream.write(lines.encode())
-                stream.flush()
-                os.fsync(stream.fileno())
-
-    def _logged(self, log: str, row: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the part of a row that a log keeps."""
-        index, length = row["episode_index"], row["length"]
-        if log == _LEROBOT_EPISODES:
-            tasks = [self._settings.task]
-            return {"episode_index": index, "tasks": tasks, "length": length}
-        if log == _LEROBOT_STATS:
-            return {"episode_index": index, "stats": row["stats"]}
-        return {key: value for key, value in row.items() if key != "stats"}
+        lines = "".join(f"{json.dumps(row)}\n" for row in rows)
+        with (self._folder / EPISODES).open("ab") as stream:
+            stream.write(lines.encode())
+            stream.flush()
+            os.fsync(stream.fileno())
 
     def describe(self) -> None:
         """Write the manifest, and for LeRobot the description of its columns."""
         found = self.manifest
-        self._write_json(
-            MANIFEST,
-            {
-                **self._settings.recorded(),
-                "episodes": self._n_requested,
-                "complete": found.is_complete,
-                "collected": found.n_episodes,
-                "succeeded": found.n_succeeded,
-                "frames": found.n_frames,
-                "bytes": found.n_bytes,
-                "programs": programs(),
-            },
-        )
+        manifest = {
+            **self._settings.recorded(),
+            "episodes": self._n_requested,
+            "complete": found.is_complete,
+            "collected": found.n_episodes,
+            "succeeded": found.n_succeeded,
+            "frames": found.n_frames,
+            "bytes": found.n_bytes,
+            "programs": programs(),
+        }
+        text = f"{json.dumps(manifest, indent=2)}\n"
+        _replace(self._folder / MANIFEST, text.encode())
         if self._is_lerobot and found.n_episodes:
-            self._describe_lerobot(found)
-
-    def _describe_lerobot(self, found: Manifest) -> None:
-        file = (self._folder / _data_path(0)).read_bytes()
-        task = {"task_index": 0, "task": self._settings.task}
-        _replace(self._folder / "meta/tasks.jsonl", f"{json.dumps(task)}\n".encode())
-        info = parquet.description(file)
-        n = found.n_episodes
-        self._write_json(
-            "meta/info.json",
-            {
-                "codebase_version": "v2.1",
-                "robot_type": "tool0",
-                "total_episodes": n,
-                "total_frames": found.n_frames,
-                "total_tasks": 1,
-                "total_videos": 0,
-                "total_chunks": -(-n // CHUNK),
-                "chunks_size": CHUNK,
-                "fps": info["fps"],
-                "splits": {"train": f"0:{n}"},
-                "data_path": DATA_PATH,
-                "video_path": None,
-                "features": info["features"],
-            },
-        )
-
-    def _write_json(self, name: str, values: Mapping[str, Any]) -> None:
-        _replace(self._folder / name, f"{json.dumps(values, indent=2)}\n".encode())
+            for name, content in lerobot.descriptions(
+                self._folder, self._lengths, self._settings.instruction
+            ):
+                _replace(self._folder / name, content)
 
     # ---- opening ---------------------------------------------------------------------
 
     def _recovered(self) -> list[dict[str, Any]]:
-        logs = {log: _lines(self._folder / log) for log in self._logs}
+        log = self._folder / EPISODES
+        lines = _lines(log)
         rows: list[dict[str, Any]] = []
-        for index, line in enumerate(logs[EPISODES]):
-            path = self._folder / _data_path(index)
-            row = json.loads(line)
+        for index, line in enumerate(lines):
+            path, row = self._path(index), _row(log, index, line)
             if not path.exists() or path.stat().st_size != row["bytes"]:
                 raise CollectError(
                     f"{path} is missing or has another size than {EPISODES} says; "
                     "collect into another folder"
                 )
             rows.append(row)
-        n = min(len(rows), *(len(lines) for lines in logs.values()))
-        for log, lines in logs.items():
-            path = self._folder / log
-            path.parent.mkdir(exist_ok=True)
-            path.touch()
-            os.truncate(path, sum(len(line) + 1 for line in lines[:n]))
-        kept = {self._folder / _data_path(index) for index in range(n)}
-        for pattern in (f"**/*{_PART}", "data/chunk-*/episode_*.parquet"):
+        log.touch()
+        os.truncate(log, sum(len(line) + 1 for line in lines))
+        kept = {self._path(index) for index in range(len(rows))}
+        for pattern in (f"**/*{_PART}", "data/chunk-*/*.parquet"):
             for path in self._folder.glob(pattern):
                 if path not in kept:
                     path.unlink()
-        return rows[:n]
+        return rows
 
 
 @contextlib.contextmanager
@@ -272,9 +230,9 @@ def _check(folder: Path, settings: Settings) -> None:
     path = folder / MANIFEST
     try:
         manifest = json.loads(path.read_bytes())
-        recorded = {key: manifest[key] for key in settings.recorded()}
+        recorded = {key: manifest.get(key) for key in settings.recorded()}
         made_by = manifest["programs"]
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, AttributeError):
         raise ConfigError(f"{path} is no manifest of tool0") from None
     if found := differences(settings.recorded(), recorded):
         raise ConfigError(
@@ -291,13 +249,20 @@ def _check(folder: Path, settings: Settings) -> None:
 # ---- rows and files ------------------------------------------------------------------
 
 
-def _data_path(index: int) -> str:
-    return DATA_PATH.format(episode_chunk=index // CHUNK, episode_index=index)
-
-
 def _part(path: Path) -> Path:
     """Return the name of a file while it is written."""
     return path.with_name(path.name + _PART)
+
+
+def _row(log: Path, index: int, line: bytes) -> dict[str, Any]:
+    """Return a row of the index, or raise CollectError."""
+    with contextlib.suppress(ValueError):
+        row = json.loads(line)
+        if isinstance(row, dict) and row.keys() >= _COUNTS:
+            return row
+    raise CollectError(
+        f"{log}, line {index + 1}: this is no row about an episode; the file is damaged"
+    )
 
 
 def _lines(path: Path) -> list[bytes]:

@@ -2,7 +2,8 @@
 
 The state is the position of each driven joint, then its velocity.  The action is the
 position that is commanded at the next frame; joints of a stream have no recorded
-setpoint, and theirs is where they are then.  Images are rendered from the snapshots.
+setpoint, and theirs is where they are then.  Objects are the environment's state.
+Images are rendered from the snapshots.
 """
 
 from __future__ import annotations
@@ -10,17 +11,23 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
-from tool0.collect import parquet
 from tool0.collect.dataset import Manifest, opened
-from tool0.collect.rollout import Array, Episode
+from tool0.collect.encoding import encoded
+from tool0.collect.lerobot import whole_rate
+from tool0.collect.parquet import Array
+from tool0.collect.resampling import Resampled
+from tool0.collect.rollout import Episode
 from tool0.collect.settings import Settings, require_extra
 from tool0.errors import CollectError, ConfigError
 from tool0.recording.episodes import EpisodeRow, read_index
 from tool0.recording.reading import RecordingFile, open_recording
 from tool0.recording.video import cameras_of
+
+_POSE: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 def export_lerobot(
@@ -29,18 +36,22 @@ def export_lerobot(
     *,
     rate: float = 25.0,
     only_successes: bool = False,
+    instruction: str | None = None,
     cameras: Sequence[str] = (),
     width: int | None = None,
     height: int | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Manifest:
-    """Write the episodes of a folder as a LeRobot data set of version 2.1.
+    """Write the episodes of a folder as a LeRobot data set of version 3.0.
 
     Args:
         folder: What ``tool0 record --episodes`` made.
         target: A new folder.
-        rate: Frames per simulated second [Hz], a divisor of the recordings' rate.
+        rate: Frames per simulated second [Hz]: a whole number, at most the recordings'
+            own rate.
         only_successes: Leave out the episodes that failed.
+        instruction: What is to be done, in words; what the episodes were recorded
+            with, if left out.
         cameras: Cameras of the robot or its scene whose images each frame has.
         width: Of these [pixels]; the camera's own, if left out.
         height: Likewise.
@@ -48,12 +59,13 @@ def export_lerobot(
 
     Raises:
         RecordingError: If the folder has no index, or a file is damaged.
-        ConfigError: If the target has other files, the rate does not fit, or the extra
-            ``collect`` is not installed.
+        ConfigError: If the target has other files, the rate is out of range, or the
+            extra ``collect`` is not installed.
         CollectError: If there are no episodes, or they have different tasks or joints.
         RenderError: If there is no OpenGL, or no such camera.
     """
     require_extra()
+    whole_rate(rate)
     rows = [
         row
         for row in read_index(folder)
@@ -67,8 +79,9 @@ def export_lerobot(
             f"{folder} has episodes of several tasks ({', '.join(sorted(tasks))}); "
             "record each task into a folder of its own"
         )
+    task = tasks.pop() or folder.resolve().name
     settings = Settings(
-        task=tasks.pop() or folder.name,
+        task=task,
         options={
             "rate": rate,
             "only_successes": only_successes,
@@ -80,8 +93,10 @@ def export_lerobot(
         policy="demonstrations",
         digest=None,
         format="lerobot",
+        instruction=task if instruction is None else instruction,
     )
     joints: tuple[str, ...] | None = None
+    objects = _common_objects(folder, rows)
     with opened(target, settings, len(rows)) as dataset:
         if dataset.manifest.n_episodes:
             raise ConfigError(f"{target} has episodes already; choose another folder")
@@ -92,9 +107,15 @@ def export_lerobot(
                 raise CollectError(f"{row.file} is of another robot than the first")
             joints = driven
             episode = episode_of(
-                recording, row, rate, cameras=cameras, width=width, height=height
+                recording,
+                row,
+                rate,
+                objects=objects,
+                cameras=cameras,
+                width=width,
+                height=height,
             )
-            dataset.add([parquet.encoded(episode, index, "lerobot")])
+            dataset.add([encoded(episode, index, "lerobot")])
             progress(index + 1, len(rows))
         return dataset.manifest
 
@@ -105,51 +126,57 @@ def driven_joints(recording: RecordingFile) -> tuple[str, ...]:
     return tuple(name for name in recording.joint_names if name in driven)
 
 
+def _common_objects(folder: Path, rows: Sequence[EpisodeRow]) -> tuple[str, ...]:
+    """Return the objects that are there in every snapshot of every episode."""
+    common: dict[str, None] | None = None
+    for row in rows:
+        poses = open_recording(folder / row.file).objects
+        there = [name for name, pose in poses.items() if not np.isnan(pose).any()]
+        common = dict.fromkeys(n for n in there if common is None or n in common)
+    return tuple(common or ())
+
+
 def episode_of(
     recording: RecordingFile,
     row: EpisodeRow,
     rate: float,
     *,
+    objects: Sequence[str] = (),
     cameras: Sequence[str] = (),
     width: int | None = None,
     height: int | None = None,
 ) -> Episode:
     """Return one episode with ``rate`` frames per simulated second [Hz].
 
+    Numbers between two snapshots are interpolated; an image is that of the nearest.
+
     Raises:
-        ConfigError: If the recording does not have whole frames at that rate.
+        ConfigError: If the recording has fewer snapshots per second.
         CollectError: If it is too short.
         RenderError: If there is no OpenGL, or no such camera.
     """
-    period = recording.info.control_period
-    ticks = round(1.0 / (rate * period))
-    if not ticks or not np.isclose(ticks * period * rate, 1.0, rtol=1e-9):
-        raise ConfigError(
-            f"rate {rate:g} Hz: a frame is no whole number of control periods of "
-            f"{period:g} s"
-        )
-    frames = _frames_every(recording, ticks)
-    if len(frames) < 2:
-        raise CollectError(
-            f"{row.file} has no two frames {1.0 / rate:g} s apart: it is too short, or "
-            f"was not recorded at a multiple of {rate:g} Hz"
-        )
+    frames = Resampled(recording.tick, recording.info.control_period, rate, row.file)
     joints = driven_joints(recording)
     columns = [recording.joint_names.index(name) for name in joints]
-    position = recording.position[:, columns][frames]
-    velocity = recording.velocity[:, columns][frames]
-    commanded = recording.desired_position[:, columns][frames]
+    position = frames.between(recording.position[:, columns])
+    velocity = frames.between(recording.velocity[:, columns])
+    commanded = frames.between(recording.desired_position[:, columns])
     actions = np.where(np.isnan(commanded[1:]), position[1:], commanded[1:])
     n = len(actions)
     success = row.outcome == "success"
     rewards = np.zeros(n)
     rewards[-1] = float(success)
+    poses = {f"object.{name}": recording.objects[name] for name in objects}
+    object_names = {
+        f"object.{name}": [f"{name}.{part}" for part in _POSE] for name in objects
+    }
     return Episode(
         seed=row.episode,
         observations={
             "position": position[:n],
             "velocity": velocity[:n],
-            **_images(recording, frames[:n], cameras, width, height),
+            **{key: frames.poses_between(pose)[:n] for key, pose in poses.items()},
+            **_images(recording, frames.nearest[:n], cameras, width, height),
         },
         actions=actions,
         rewards=rewards,
@@ -160,7 +187,9 @@ def episode_of(
             "position": [f"{name}.position" for name in joints],
             "velocity": [f"{name}.velocity" for name in joints],
             "action": [f"{name}.position" for name in joints],
+            **object_names,
         },
+        surroundings=frozenset(n for names in object_names.values() for n in names),
     )
 
 
@@ -186,16 +215,3 @@ def _images(
         return found
     finally:
         cameras.close()
-
-
-def _frames_every(recording: RecordingFile, ticks: int) -> Array:
-    """Return the frames at multiples of ``ticks``, up to the first that is missing.
-
-    The very first snapshot is often between those that come at a regular rate.
-    """
-    tick = recording.tick
-    found = np.flatnonzero(tick % ticks == 0)
-    _, first = np.unique(tick[found], return_index=True)
-    chosen = found[first]
-    gaps = np.flatnonzero(np.diff(tick[chosen]) != ticks)
-    return chosen[: gaps[0] + 1] if len(gaps) else chosen

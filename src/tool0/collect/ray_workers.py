@@ -35,7 +35,8 @@ _CONNECT_TIMEOUT: Final = 5.0
 _ANSWER_TIMEOUT: Final = 30.0
 """Longest wait for the cluster's answer [wall s]; it starts a Python."""
 _START_TIMEOUT: Final = 120.0
-"""Longest time without any worker [wall s]."""
+"""Longest time until a Ray of this machine has started, and without any worker
+[wall s]: twelve Ray processes are slow on a busy machine."""
 _POLL_PERIOD: Final = 0.05
 """Interval between two looks at a Ray that starts [wall s]."""
 _LOOPBACK: Final = "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"
@@ -215,10 +216,16 @@ def own_cluster(n_processors: int) -> Iterator[str]:
         answer = Path(folder, "address")
         program = [sys.executable, "-m", "tool0.collect.ray_head", folder]
         with ChildProcess([*program, str(n_processors)]) as head:
-            deadline = time.monotonic() + _ANSWER_TIMEOUT
+            deadline = time.monotonic() + _START_TIMEOUT
             while not answer.exists():
-                if head.exit_status is not None or time.monotonic() > deadline:
+                if head.exit_status is not None:
                     raise TransportError(f"Ray does not start:\n{head.last_output()}")
+                if time.monotonic() > deadline:
+                    raise TransportError(
+                        f"Ray has not started within {_START_TIMEOUT:.0f} s, which is "
+                        "long even for a busy machine; try again when less runs, or "
+                        f"leave out --ray\n{head.last_output()}".rstrip()
+                    )
                 time.sleep(_POLL_PERIOD)
             yield answer.read_text()
 

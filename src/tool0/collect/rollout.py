@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, final
 
@@ -43,6 +43,8 @@ class Episode:
     names: Mapping[str, Sequence[str]] = field(default_factory=dict)
     """Name of an observation, or ``action`` → names of its numbers, where they have
     any."""
+    surroundings: frozenset[str] = frozenset()
+    """Names of those numbers that the robot does not measure on itself."""
 
     @property
     def n_frames(self) -> int:
@@ -70,6 +72,20 @@ def environment_spec(task: str) -> EnvSpec:
     if task not in TASKS:
         raise ConfigError(f"unknown task '{task}'{did_you_mean(task, list(TASKS))}")
     return gymnasium.spec(f"tool0/{task}-v0")
+
+
+def default_instruction(task: str) -> str:
+    """Return what a task asks for in words; its id, if it says nothing.
+
+    Raises:
+        ConfigError: If there is no such task.
+    """
+    spec = environment_spec(task)
+    if spec.namespace != "tool0":
+        return task
+    from tool0.gym.tasks import TASKS
+
+    return TASKS[spec.kwargs["task"]].instruction
 
 
 @final
@@ -104,6 +120,7 @@ class Rollout(AbstractContextManager["Rollout"]):
         if not rate:
             raise ConfigError(f"task '{task}': its metadata lack render_fps [Hz]")
         self._rate = float(rate)
+        self._names = getattr(self._envs.unwrapped, "number_names", None)
 
     def __exit__(self, *_: object) -> None:
         """Close the environments."""
@@ -142,7 +159,20 @@ class Rollout(AbstractContextManager["Rollout"]):
                 if ended[copy]:
                     del running[copy]
                     success = bool(info.get("is_success", ended & False)[copy])
-                    yield recorder.episode(bool(terminated[copy]), success, self._rate)
+                    episode = recorder.episode(
+                        bool(terminated[copy]), success, self._rate
+                    )
+                    yield self._named(episode)
+
+    def _named(self, episode: Episode) -> Episode:
+        """Return an episode with the names that the environment has for numbers."""
+        if self._names is None:
+            return episode
+        return replace(
+            episode,
+            names={**self._names.observations, "action": self._names.action},
+            surroundings=self._names.surroundings,
+        )
 
     def _actions(
         self, seen: Mapping[int, Any], running: Mapping[int, _Recorder]

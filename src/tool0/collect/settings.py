@@ -36,6 +36,8 @@ class Settings:
     digest: str | None
     """SHA-256 of the policy's file."""
     format: Format
+    instruction: str
+    """What is to be done in each episode, in words; only LeRobot's format has it."""
 
     def to_json(self) -> dict[str, Any]:
         """Return the settings as JSON values; ``from_json`` is the inverse."""
@@ -51,13 +53,16 @@ class Settings:
         policy = self.policy
         if self.digest is not None and policy is not None:
             policy = f"{policy.rpartition(':')[2]}@sha256:{self.digest}"
-        return {
+        values = {
             "task": self.task,
             "options": dict(self.options),
             "seed": self.seed,
             "policy": policy,
             "format": self.format,
         }
+        if self.format == "lerobot":
+            values["instruction"] = self.instruction
+        return values
 
 
 def episode_seed(base: int, index: int) -> int:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
-from tool0.collect import parquet
+from tool0.collect.encoding import encoded
 from tool0.collect.packets import packed
 from tool0.collect.policy import loaded
 from tool0.collect.rollout import Rollout
@@ -88,6 +88,6 @@ class Worker:
         found = {}
         for episode in self._rollout.episodes(index_of):
             index = index_of[episode.seed]
-            found[index] = parquet.encoded(episode, index, settings.format)
+            found[index] = encoded(episode, index, settings.format)
         rows, files = zip(*(found[index] for index in sorted(found)), strict=True)
         return list(rows), list(files)

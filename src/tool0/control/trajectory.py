@@ -16,6 +16,7 @@ from msgspec import Struct
 
 from tool0.control.spline import IMPLAUSIBLE, JointSpline, Sample
 from tool0.description.model import Joint, JointType, shortest_turn
+from tool0.errors import GoalRejectedError
 from tool0.hardware.engine import JointSelector, JointState
 from tool0.protocol.goals import ToleranceOverride
 from tool0.protocol.state import ArmSetpoint, JointSetpoint
@@ -60,6 +61,9 @@ class TrajectoryGoal:
     """A trajectory with its tolerances: control_msgs/FollowJointTrajectoryGoal.
 
     No points mean stop.
+
+    Raises:
+        GoalRejectedError: If ``points`` are something else.
     """
 
     points: Sequence[TrajectoryPoint]
@@ -85,8 +89,14 @@ class TrajectoryGoal:
     """Ranges of the points' positions; None if the points are few."""
 
     def __post_init__(self) -> None:
-        points = tuple(self.points)
-        times = tuple([point.time_from_start for point in points])
+        try:
+            points = tuple(self.points)
+            times = tuple([point.time_from_start for point in points])
+        except (TypeError, AttributeError):
+            raise GoalRejectedError(
+                f"the points must be TrajectoryPoints, got {self.points!r:.80}",
+                GoalRejectedError.INVALID_GOAL,
+            ) from None
         suspects: Sequence[int] = range(len(points))
         ranges = None
         if len(points) >= MANY:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, final
+from typing import Final, NamedTuple, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tool0.batch.batch import Batch
 from tool0.description.transform_arrays import quats_wxyz
 from tool0.gym.actions import Actions
+from tool0.gym.history import History
 from tool0.gym.options import EnvOptions
 from tool0.gym.tasks import Mask, State, make_task
 from tool0.gym.workspace import Workspace
@@ -26,16 +27,25 @@ FASTEST_OBJECT = 20.0
 """Bound of velocities of objects in observations [m/s]."""
 
 
+_XYZ: Final = ("x", "y", "z")
+_WXYZ: Final = ("qw", "qx", "qy", "qz")
+_SPEED: Final = ("vx", "vy", "vz")
+
+
 class ObservationPart(NamedTuple):
     """One part of the state that an observation has."""
 
     name: str
+    columns: tuple[str, ...]
+    """Names of its m numbers."""
     values: Array
     """Shape (n, m)."""
     low: Array
     """Shape (m,)."""
     high: Array
     """Shape (m,)."""
+    of_robot: bool = True
+    """Whether a robot measures it on itself; otherwise it is of its surroundings."""
 
 
 @final
@@ -50,6 +60,8 @@ class Copies:
         """
         self.n = n
         self.options = options
+        self._task_name = task
+        self._history = History(n)
         self.workspace = workspace = Workspace(options)
         self.task = make_task(task, workspace)
         self.actions = Actions(workspace, options)
@@ -81,6 +93,12 @@ class Copies:
         self._goal = np.zeros((n, width))
         self._state: State | None = None
 
+    def __deepcopy__(self, memo: dict[int, object]) -> Copies:
+        """Return other copies in the same state, by the same actions."""
+        twin = Copies(self._task_name, self.n, self.options)
+        self._history.repeat(twin)
+        return twin
+
     # ---- time -----------------------------------------------------------------------
 
     def reset(self, which: Mask, generators: Sequence[np.random.Generator]) -> None:
@@ -89,6 +107,7 @@ class Copies:
         What is random comes from each copy's own generator alone, so that an episode
         does not depend on the other copies.
         """
+        self._history.begin(which, generators)
         n, count = self.n, len(self.task.objects)
         position = np.tile(self._start, (n, 1))
         places, yaws = np.zeros((n, count, 3)), np.zeros((n, count))
@@ -119,6 +138,7 @@ class Copies:
 
     def act(self, actions: Array) -> None:
         """Advance all copies by one control period; ``actions`` are checked ones."""
+        self._history.add(actions)
         batch, options = self.batch, self.options
         q = batch.position[:, self._arm]
         is_sound = np.isfinite(q).all(axis=1) & ~batch.diverged
@@ -173,48 +193,87 @@ class Copies:
         state, workspace = self.state, self.workspace
         fastest = 2.0 * workspace.fastest
         widest = 1.1 * workspace.gripper.max_opening
-        one, three = np.ones(1), np.ones(3)
+        one, three, four = np.ones(1), np.ones(3), np.ones(4)
         far = FARTHEST * three
+        opening, aim = state.opening[:, None], state.opening_target[:, None]
+        joints = workspace.chain.joint_names
         parts = [
             ObservationPart(
-                "joint_position", state.q, workspace.lower - 0.1, workspace.upper + 0.1
+                "joint_position",
+                tuple(f"{name}.position" for name in joints),
+                state.q,
+                workspace.lower - 0.1,
+                workspace.upper + 0.1,
             ),
-            ObservationPart("joint_velocity", state.qd, -fastest, fastest),
-            ObservationPart("tcp_position", state.tcp_position, -far, far),
+            ObservationPart(
+                "joint_velocity",
+                tuple(f"{name}.velocity" for name in joints),
+                state.qd,
+                -fastest,
+                fastest,
+            ),
+            ObservationPart(
+                "tcp_position", _of("tcp", _XYZ), state.tcp_position, -far, far
+            ),
             ObservationPart(
                 "tcp_quat_wxyz",
+                _of("tcp", _WXYZ),
                 quats_wxyz(state.tcp_rotation),
-                -np.ones(4),
-                np.ones(4),
+                -four,
+                four,
             ),
-            ObservationPart("opening", state.opening[:, None], 0.0 * one, widest * one),
             ObservationPart(
-                "opening_target", state.opening_target[:, None], 0.0 * one, widest * one
+                "opening", ("gripper.opening",), opening, 0.0 * one, widest * one
+            ),
+            ObservationPart(
+                "opening_target",
+                ("gripper.opening_target",),
+                aim,
+                0.0 * one,
+                widest * one,
             ),
         ]
-        speed = FASTEST_OBJECT * three
+        return parts + self._surroundings(state)
+
+    def _surroundings(self, state: State) -> list[ObservationPart]:
+        """Return what the robot does not measure on itself: objects and goal."""
+        four = np.ones(4)
+        far, speed = FARTHEST * np.ones(3), FASTEST_OBJECT * np.ones(3)
+        parts = []
         for k, name in enumerate(self.task.objects):
-            position = state.object_position[:, k]
+            position, quat = state.object_position[:, k], state.object_quat[:, k]
+            velocity = state.object_velocity[:, k]
+            away = position - state.tcp_position
             parts += [
-                ObservationPart(f"{name}_position", position, -far, far),
                 ObservationPart(
-                    f"{name}_quat_wxyz",
-                    state.object_quat[:, k],
-                    -np.ones(4),
-                    np.ones(4),
+                    f"{name}_position", _of(name, _XYZ), position, -far, far, False
                 ),
                 ObservationPart(
-                    f"{name}_velocity", state.object_velocity[:, k], -speed, speed
+                    f"{name}_quat_wxyz", _of(name, _WXYZ), quat, -four, four, False
                 ),
                 ObservationPart(
-                    f"tcp_to_{name}", position - state.tcp_position, -far, far
+                    f"{name}_velocity",
+                    _of(name, _SPEED),
+                    velocity,
+                    -speed,
+                    speed,
+                    False,
+                ),
+                ObservationPart(
+                    f"tcp_to_{name}",
+                    _of(f"tcp_to_{name}", _XYZ),
+                    away,
+                    -far,
+                    far,
+                    False,
                 ),
             ]
         goal = self.task.desired(state)
         missing = goal - self.task.achieved(state)
         bound = FARTHEST * np.ones(goal.shape[1])
-        parts.append(ObservationPart("goal", goal, -bound, bound))
-        parts.append(ObservationPart("to_goal", missing, -bound, bound))
+        for name, values in (("goal", goal), ("to_goal", missing)):
+            columns = _of(name, self.task.goal_names)
+            parts.append(ObservationPart(name, columns, values, -bound, bound, False))
         return parts
 
     def rewards(self, success: Mask) -> Array:
@@ -255,3 +314,7 @@ class Copies:
 def _finite(values: Array) -> Array:
     """Return a copy in which what diverged is a number, too."""
     return np.nan_to_num(values, nan=0.0, posinf=FARTHEST, neginf=-FARTHEST)
+
+
+def _of(name: str, parts: Sequence[str]) -> tuple[str, ...]:
+    return tuple(f"{name}.{part}" for part in parts)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tool0.errors import ConfigError, ControlError
 from tool0.gym.copies import Copies
-from tool0.gym.observations import Observation, Observer, row
+from tool0.gym.observations import NumberNames, Observation, Observer, row
 from tool0.gym.options import read_options
 from tool0.gym.tasks import Mask
 from tool0.kinematics.chain import Array
@@ -55,6 +55,11 @@ class TaskEnv(gymnasium.Env[Any, Any]):
     def state_slices(self) -> Mapping[str, slice]:
         """Where each part is in the flat state."""
         return self._observer.slices
+
+    @property
+    def number_names(self) -> NumberNames:
+        """What the numbers of observations and actions are."""
+        return self._observer.names
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -169,6 +174,11 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
     def state_slices(self) -> Mapping[str, slice]:
         """Where each part is in the flat state."""
         return self._observer.slices
+
+    @property
+    def number_names(self) -> NumberNames:
+        """What the numbers of observations and actions are."""
+        return self._observer.names
 
     def reset(
         self,

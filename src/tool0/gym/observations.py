@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
@@ -13,6 +15,18 @@ from tool0.kinematics.chain import Array
 
 Observation = Array | dict[str, NDArray[Any]]
 """One array, or one per key; the first axis is that of the copies."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NumberNames:
+    """What the numbers of observations and actions are."""
+
+    observations: Mapping[str, tuple[str, ...]]
+    """Observation → names of its numbers; ``""`` if there is only one."""
+    surroundings: frozenset[str]
+    """Those numbers that a robot does not measure on itself: objects and goals."""
+    action: tuple[str, ...]
 
 
 @final
@@ -31,6 +45,8 @@ class Observer:
             for part, end in zip(parts, ends, strict=True)
         }
         """Where each part is in the state."""
+        self.names = _names(copies)
+        """What the numbers are."""
 
     @property
     def space(self) -> spaces.Space[Any]:
@@ -80,3 +96,25 @@ def row(observation: Observation, i: int) -> Any:  # an array, or one per key
     if isinstance(observation, dict):
         return {name: values[i].copy() for name, values in observation.items()}
     return observation[i].copy()
+
+
+def _names(copies: Copies) -> NumberNames:
+    parts = copies.parts()
+    state = tuple(name for part in parts for name in part.columns)
+    around = [name for part in parts if not part.of_robot for name in part.columns]
+    goals = {
+        key: tuple(f"{key}.{name}" for name in copies.task.goal_names)
+        for key in ("achieved_goal", "desired_goal")
+    }
+    return NumberNames(
+        observations={
+            "state": {"": state},
+            "dict": {part.name: part.columns for part in parts},
+            "goal": {"observation": state, **goals},
+            "image": {"state": state},
+        }[copies.options.observation],
+        surroundings=frozenset(
+            [*around, *(n for names in goals.values() for n in names)]
+        ),
+        action=copies.actions.names,
+    )

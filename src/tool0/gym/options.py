@@ -19,6 +19,8 @@ _CHOICES = {
     "reward": ("dense", "sparse"),
 }
 
+_NAMES = {"arm": "ur5", "gripper": "2f85", "camera": "scene"}
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,6 +90,17 @@ class EnvOptions:
                 raise ConfigError(
                     f"{name} must be one of {', '.join(choices)}; got {value!r}"
                 )
+        for name, known in _NAMES.items():
+            value = getattr(self, name)
+            if not isinstance(value, str):
+                raise ConfigError(
+                    f"{name} must be one name, such as '{known}'; got {value!r}"
+                )
+        if not isinstance(self.terminate_on_success, bool):
+            raise ConfigError(
+                "terminate_on_success must be True or False, got "
+                f"{self.terminate_on_success!r}"
+            )
         if not isinstance(self.randomise, bool | Randomisation):
             raise ConfigError(
                 "randomise must be True, False or a tool0.gym.Randomisation, got "

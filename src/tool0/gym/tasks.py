@@ -86,6 +86,10 @@ class Task(Protocol):
     """One task in one workspace."""
 
     @property
+    def instruction(self) -> str:
+        """What is to be done, as one says it to a robot."""
+
+    @property
     def objects(self) -> tuple[str, ...]:
         """Names of the movable objects."""
 
@@ -119,6 +123,7 @@ class Task(Protocol):
 class Reach:
     """Move the tcp to a point."""
 
+    instruction = "Move the tool to the goal."
     objects: tuple[str, ...] = ()
     goal_names = ("x", "y", "z")
 
@@ -157,6 +162,7 @@ class Reach:
 class Lift:
     """Grasp a cube and lift it."""
 
+    instruction = "Lift the cube."
     objects = (CUBE,)
     goal_names = ("height",)
 
@@ -192,6 +198,7 @@ class Lift:
 class PickPlace:
     """Place a cube in a bin, and release it."""
 
+    instruction = "Put the cube into the bin."
     objects = (CUBE,)
     goal_names = ("x", "y", "z", "released")
 
@@ -233,6 +240,7 @@ class PickPlace:
 class Stack:
     """Place a cube on another one, and release it."""
 
+    instruction = "Stack the cube on the other cube."
     objects = (CUBE, LOWER)
     goal_names = ("x", "y", "z", "released")
 
@@ -275,6 +283,7 @@ class Stack:
 class Push:
     """Push a cube to a place on the table."""
 
+    instruction = "Push the cube to the goal."
     objects = (CUBE,)
     goal_names = ("x", "y", "z")
 

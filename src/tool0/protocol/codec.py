@@ -48,6 +48,8 @@ _LONGEST_STOP: Final = 4096
 """[bytes]; a longer one, with its reason, waits like any other request."""
 _SHOWN: Final = 40
 """Characters of an unknown word that an answer repeats."""
+UNREADABLE: Final = (msgspec.DecodeError, RecursionError, UnicodeDecodeError)
+"""Raised for a text that is no JSON, too deep, or not in UTF-8."""
 
 
 # ---- errors and outcomes -------------------------------------------------------------
@@ -296,7 +298,7 @@ def decode_request(
     """
     try:
         envelope = _envelopes.decode(text)
-    except (msgspec.DecodeError, RecursionError) as error:
+    except UNREADABLE as error:
         problem = (
             f'this is no request, {{"id": …, "method": …, "params": {{…}}}}: {error}'
         )
@@ -310,7 +312,7 @@ def decode_request(
         raise RequestReadError(envelope.id, TransportError(problem))
     try:
         return envelope.id, _decoder(kind).decode(envelope.params)
-    except (msgspec.DecodeError, RecursionError, Tool0Error) as error:
+    except (*UNREADABLE, Tool0Error) as error:
         explained = _explained(kind, envelope.params, error, suggests=suggests)
         raise RequestReadError(envelope.id, explained) from None
 
@@ -349,7 +351,7 @@ def _id_in(text: bytes | str) -> int | str | None:
     """Return the id of a malformed request, if it can be found."""
     try:
         given = msgspec.json.decode(text)
-    except (msgspec.DecodeError, RecursionError):
+    except UNREADABLE:
         return None
     ident = given.get("id") if isinstance(given, dict) else None
     is_id = isinstance(ident, int | str) and not isinstance(ident, bool)
@@ -371,7 +373,7 @@ def _explained(
     method = method_name(kind)
     try:
         given = msgspec.json.decode(params)
-    except (msgspec.DecodeError, RecursionError) as worse:
+    except UNREADABLE as worse:
         return TransportError(f"{method}: {worse}")
     valid = set(kind.__struct_fields__)
     for field in given if isinstance(given, dict) else ():

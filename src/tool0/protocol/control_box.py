@@ -15,7 +15,7 @@ from tool0.protocol.control_box_state import (
     ControlBoxState,
     Pose6,
 )
-from tool0.protocol.request import ArmRequest, Vector3
+from tool0.protocol.request import ArmRequest, Place
 
 DigitalPin = Annotated[int, Meta(ge=0, le=N_DIGITAL - 1)]
 """Standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
@@ -89,7 +89,7 @@ class SetPayload(ArmRequest[None], frozen=True):
 
     mass: Mass | None = None
     """[kg]; what the description has, if left out."""
-    center_of_gravity: Vector3 = (0.0, 0.0, 0.0)
+    center_of_gravity: Place = (0.0, 0.0, 0.0)
     """In the frame of the flange, ``tool0`` [m]."""
 
 

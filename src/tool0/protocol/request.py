@@ -8,6 +8,7 @@ import typing
 from collections.abc import Mapping, Sequence, Set
 from functools import cache
 from numbers import Integral, Real
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Generic, TypeVar
 
 import msgspec
@@ -120,6 +121,19 @@ def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
         raise RequestError(method, f"'{name}': {problem_text(error)}") from None
 
 
+def checked_path(method: str, name: str, value: object) -> Path:
+    """Return ``value``, a text or a path, as an absolute path, or raise RequestError.
+
+    ``~`` is the user's home folder.
+    """
+    if not isinstance(value, str | Path):
+        raise RequestError(method, f"'{name}': expected a path, got {value!r:.80}")
+    try:
+        return Path(plain(str(value))).expanduser().absolute()
+    except (ValueError, RuntimeError) as error:  # no such user
+        raise RequestError(method, f"'{name}': {error}") from None
+
+
 def problem_text(error: Exception) -> str:
     """Return the text about a wrong value in Python's and YAML's words, not JSON's."""
     return str(error).replace("`object", "`mapping").replace("`array", "`list")
@@ -132,7 +146,9 @@ def plain(value: Any, key: object = None) -> Any:
         ValueError: If a number is NaN or infinite; with its ``key`` in a mapping.
     """
     match value:
-        case None | bool() | str() | bytes():
+        case str():
+            return _encodable(value)
+        case None | bool() | bytes():
             return value
         case msgspec.Struct():
             return _plain_struct(value)
@@ -144,10 +160,20 @@ def plain(value: Any, key: object = None) -> Any:
                 raise ValueError(f"{of}must be finite, got {value}")
             return float(value)
         case Mapping():
-            return {key: plain(item, key) for key, item in value.items()}
+            return {plain(key): plain(item, key) for key, item in value.items()}
         case Sequence() | Set():
             return [plain(item, key) for item in value]
     return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _encodable(text: str) -> str:
+    """Return a text as it is, or raise ValueError for halves of a character."""
+    if not text.isascii():
+        try:
+            text.encode()
+        except UnicodeEncodeError as error:
+            raise ValueError(f"{text!r:.40} is no Unicode text: {error}") from None
+    return text
 
 
 def _plain_struct(value: msgspec.Struct) -> Any:

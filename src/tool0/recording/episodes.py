@@ -76,7 +76,7 @@ def read_index(folder: Path) -> list[EpisodeRow]:
     for number, line in enumerate(lines, start=1):
         try:
             rows.append(msgspec.json.decode(line, type=EpisodeRow))
-        except msgspec.MsgspecError as error:
+        except (msgspec.MsgspecError, UnicodeDecodeError) as error:
             raise RecordingError(f"{path}, line {number}: {error}") from None
     return rows
 

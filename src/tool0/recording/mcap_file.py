@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
 
 from tool0.errors import RecordingError
-from tool0.recording.message_types import definition, missing_extra
+from tool0.recording.message_types import definition
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -62,13 +62,10 @@ class McapFile:
         """Create the file.
 
         Raises:
-            RecordingError: If it cannot be written, exists already, or the extra
-                ``record`` is not installed.
+            RecordingError: If it cannot be written, or exists already.
         """
-        try:
-            from mcap.writer import CompressionType, Writer
-        except ImportError:
-            raise missing_extra("mcap") from None
+        from mcap.writer import CompressionType, Writer
+
         self.path = path
         try:
             self._output = _Output(path, overwrite=overwrite)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
-from tool0.errors import RecordingError
-
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
@@ -21,23 +19,10 @@ TEXT: Final = "std_msgs/msg/String"
 
 @cache
 def typestore() -> Typestore:
-    """Return the message types of ROS 2.
+    """Return the message types of ROS 2."""
+    from rosbags.typesys import Stores, get_typestore
 
-    Raises:
-        RecordingError: If the extra ``record`` is not installed.
-    """
-    try:
-        from rosbags.typesys import Stores, get_typestore
-    except ImportError:
-        raise missing_extra("rosbags") from None
     return get_typestore(Stores.ROS2_HUMBLE)
-
-
-def missing_extra(library: str) -> RecordingError:
-    """Return the error for a library of the extra ``record`` that is not installed."""
-    return RecordingError(
-        f"recordings need {library}, which is not installed: pip install '.[record]'"
-    )
 
 
 def definition(name: str) -> str:

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, Final, final
 
 from tool0.errors import RecordingError
-from tool0.recording.message_types import missing_extra
 
 _MAGIC: Final = b"\x89MCAP0\r\n"
 _RECORD: Final = struct.Struct("<BQ")
@@ -62,10 +61,6 @@ def parse(path: Path, frame_topic: str) -> Parsed:
     Raises:
         RecordingError: If it cannot be read, is no MCAP file, or is damaged.
     """
-    try:
-        import mcap.records  # noqa: F401  # used below
-    except ImportError:
-        raise missing_extra("mcap") from None
     parser = _Parser(frame_topic)
     try:
         with path.open("rb") as file:

@@ -29,6 +29,8 @@ FIRST_PAUSE: Final = 0.5
 """Before the process starts again after its death [wall s]; twice as long each time."""
 LONGEST_PAUSE: Final = 30.0
 """[wall s]"""
+UNABLE: Final = 78
+"""Exit status of a program that lacks what it needs: it would only fail again."""
 _GRACE: Final = 3.0
 """For the process to end by itself [wall s]."""
 _LAST_LINES: Final = 12
@@ -46,9 +48,10 @@ _numbers = itertools.count(1)
 class Companion:
     """Presents a robot by a program that runs until this is closed.
 
-    It is a context manager.  The program starts again when it dies.  A line
-    ``{"ready": true, …}`` on its standard output reports that it is up; other lines are
-    its log, as ROS prints it: ``[WARN] [time] [name]: text``.
+    It is a context manager.  The program starts again when it dies, unless its exit
+    status is ``UNABLE``.  A line ``{"ready": true, …}`` on its standard output reports
+    that it is up; other lines are its log, as ROS prints it: ``[WARN] [time] [name]:
+    text``.
     """
 
     title: ClassVar[str]
@@ -140,6 +143,13 @@ class Companion:
                 with self._changed:
                     self._failure = f"it ended with status {status}.\n{last}"
                     self._changed.notify_all()
+                return
+            if status == UNABLE:
+                self._logger.error(
+                    "the %s ended and is not started again: %s",
+                    self._program,
+                    last.strip(),
+                )
                 return
             if time.monotonic() - start > LONGEST_PAUSE:
                 pause = FIRST_PAUSE

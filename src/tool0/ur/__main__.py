@@ -16,6 +16,8 @@ from pathlib import Path
 from typing import Final
 
 from tool0.errors import Tool0Error
+from tool0.server.companion import UNABLE
+from tool0.ur.compiling import prepare
 from tool0.ur.options import UrArm, UrOptions
 from tool0.ur.service import connected, serve
 
@@ -41,6 +43,9 @@ def main() -> int:
             active_gripper=arguments.active_gripper,
         )
         asyncio.run(_run(arguments.name, options))
+    except ImportError as error:  # of a damaged installation
+        print(f"tool0: error: {error}", file=sys.stderr)
+        return UNABLE
     except Tool0Error as error:
         print(f"tool0: error: {error}", file=sys.stderr)
         return 1
@@ -53,6 +58,7 @@ async def _run(name: str, options: UrOptions) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(number, task.cancel)
     with contextlib.suppress(asyncio.CancelledError):
+        await asyncio.to_thread(prepare)  # the bring-up may be starting, too
         channel = await connected(name)
         try:
             await serve(channel, options, _report)

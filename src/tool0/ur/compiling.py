@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
-from tool0.errors import ConfigError
 from tool0.ur.programs import RunnableProgram
 
 if TYPE_CHECKING:
@@ -49,5 +47,4 @@ def prepare() -> None:
     """Import and build what the first program would wait for: some 0.3 s."""
     from tool0.ur.urscript.program import compile_program
 
-    with contextlib.suppress(ConfigError):  # lark is not installed
-        compile_program("sleep(0.0)", "nothing")
+    compile_program("sleep(0.0)", "nothing")

@@ -13,7 +13,6 @@ from tool0.errors import Tool0Error, TransportError
 from tool0.protocol.arm import ListArms
 from tool0.protocol.robot import ReadInfo
 from tool0.protocol.socket_channel import SocketChannel
-from tool0.ur.compiling import prepare
 from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.options import UrArm, UrOptions
 
@@ -133,7 +132,6 @@ async def serve(
                 await interface.start(host, options.port_base)
             served[box.arm] = _served(host, interfaces)
         ready(served)
-        await asyncio.to_thread(prepare)
         await has_ended.wait()
         for box in boxes:
             await box.programs.stop()

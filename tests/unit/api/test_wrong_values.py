@@ -10,6 +10,7 @@ from served import serving
 
 import tool0
 from tool0.errors import Tool0Error
+from tool0.protocol.trajectories import FollowTrajectory
 from tool0.scene import Box, Cylinder, Pose, Sphere
 
 pytestmark = pytest.mark.slow
@@ -40,6 +41,9 @@ WRONG: dict[str, object] = {
     "nan of numpy": np.float64("nan"),
     "class": int,
     "long text": "x" * 300,
+    "half a character": "\ud800",
+    "names with half a character": ["\ud800"],
+    "nobody's home": "~nobody/x",
 }
 POINTS = [tool0.TrajectoryPoint([0.0] * 6, time_from_start=1.0)]
 BALL = Sphere(radius=0.01)
@@ -94,6 +98,19 @@ CALLS: dict[str, Call] = {
     ),
     "follow(goal)": lambda r, w: _arm(r).follow(POINTS, goal_tolerance=w),
     "follow(time)": lambda r, w: _arm(r).follow(POINTS, goal_time_tolerance=w),
+    "follow(request)": lambda r, w: r.channel.call(
+        FollowTrajectory(controller=ARM, points=w)
+    ),
+    "record": lambda r, w: r.record(w).stop(),
+    "start_recording": lambda r, w: r.start_recording(w),
+    "start_recording(cameras)": lambda r, w: r.start_recording(cameras=w),
+    "episodes.open": lambda r, w: r.episodes.open(w),
+    "samples(timeout)": lambda r, w: r.force_torque.samples(timeout=w),
+    "digital output": lambda r, w: r.arm.control_box.set_digital_output(w, True),
+    "digital input": lambda r, w: r.arm.control_box.set_digital_input(w, True),
+    "set_payload": lambda r, w: r.arm.control_box.set_payload(1.0, w),
+    "gripper.tcp": lambda r, w: r.gripper.tcp(w),
+    "gripper.tcp(link)": lambda r, w: r.gripper.tcp(relative_to=w),
     "command_trajectory": lambda r, w: _arm(r).command_trajectory(w),
     "move": lambda r, w: _arm(r).move(w),
     "steer": lambda r, w: _arm(r).steer(w),
@@ -232,6 +249,32 @@ def test_a_wrong_value_is_an_error_of_ours(
     ],
 )
 def test_the_message_names_the_parameter(
+    call: Callable[[Any], object], said: str, local: tool0.Robot
+) -> None:
+    with pytest.raises(Tool0Error) as error:
+        call(local)
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda r: r.start_recording(3), "start_recording: 'file': expected a path"),
+        (lambda r: r.start_recording(cameras="wrist"), "'cameras': Expected `list`"),
+        (lambda r: r.record("fast"), "rate fast Hz is outside [0.001, 500] Hz"),
+        (
+            lambda r: r.arm.control_box.set_payload(1.0, (1e300, 0.0, 0.0)),
+            "'center_of_gravity': Expected `float` <= 1000.0",
+        ),
+        (lambda r: r.record(1e-320), "rate 1e-320 Hz is outside [0.001, 500] Hz"),
+        (lambda r: r.controller("\ud800"), "'\\ud800' is no Unicode text"),
+        (
+            lambda r: r.channel.call(FollowTrajectory(controller=ARM, points=3)),
+            "the points must be TrajectoryPoints, got 3",
+        ),
+    ],
+)
+def test_what_fuzzing_found_is_explained(
     call: Callable[[Any], object], said: str, local: tool0.Robot
 ) -> None:
     with pytest.raises(Tool0Error) as error:

@@ -55,6 +55,7 @@ def test_a_terminal_shows_a_bar_with_rate_and_success(
 
 def test_programs_get_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["--json", "--seed", "3", "--format", "lerobot"]
+    words += ["--instruction", "Walk to the middle."]
     assert collected(tmp_path / "walk", *words) == OK
     summary = json.loads(capsys.readouterr().out)
     assert summary["episodes"] == N
@@ -62,6 +63,7 @@ def test_programs_get_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     manifest = json.loads((tmp_path / "walk/manifest.json").read_text())
     assert manifest["seed"] == 3
     assert manifest["format"] == "lerobot"
+    assert manifest["instruction"] == "Walk to the middle."
     assert manifest["bytes"] == summary["bytes"]
 
 
@@ -69,10 +71,16 @@ def test_the_folder_has_the_name_of_the_task(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    words = "--episodes 1 --workers 1 --env reward=sparse control_rate=25"
+    words = (
+        "--episodes 1 --workers 1 --env reward=sparse control_rate=25 image_size=96,64"
+    )
     assert main(["collect", "--task", "Reach", *words.split()]) == OK
     manifest = json.loads(Path("Reach/manifest.json").read_text())
-    assert manifest["options"] == {"reward": "sparse", "control_rate": 25}
+    assert manifest["options"] == {
+        "reward": "sparse",
+        "control_rate": 25,
+        "image_size": [96, 64],
+    }
 
 
 @pytest.mark.parametrize(
@@ -85,6 +93,11 @@ def test_the_folder_has_the_name_of_the_task(
         ("--task Lift --episodes many", "no whole number"),
         ("--task Lift --episodes 3 --format csv", "parquet or lerobot"),
         ("--task Lift --episodes 3 --env arm", "name=value"),
+        (
+            "--task Lift --episodes 3 --env camera=scene,wrist",
+            "no camera 'scene,wrist'",
+        ),
+        ("--task Lift --episodes 3 --instruction Lift", "format lerobot"),
         ("--task Lift --episodes 3 --policy nothing.py:x", "No such file"),
         ("--task Lift --episodes 3 --ray 127.0.0.1:1", "no Ray cluster"),
     ],

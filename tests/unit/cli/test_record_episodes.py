@@ -11,8 +11,6 @@ import tool0
 from tool0.cli.connection import Bringup
 from tool0.cli.episodes import record_episodes
 
-pytest.importorskip("mcap", reason="the extra 'record' is not installed")
-
 
 def test_keys_drive_the_robot_and_mark_episodes(
     robot: tool0.Robot,

@@ -8,10 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-pytest.importorskip("mcap", reason="the extra record is not installed")
-pytest.importorskip("rosbags", reason="the extra record is not installed")
-
 from served import serving
 
 import tool0

@@ -10,8 +10,6 @@ import pytest
 import tool0
 from tool0.cli import FAILED, main
 
-pytest.importorskip("mcap", reason="the extra 'record' is not installed")
-
 
 def test_it_says_whether_a_recording_repeats(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]

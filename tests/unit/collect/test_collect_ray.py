@@ -85,6 +85,18 @@ def test_its_own_ray_listens_to_this_machine_and_ends_with_a_killed_driver(
         assert watch.all_ended(TIMEOUT)
 
 
+def test_a_ray_that_is_slow_to_start_is_not_called_broken(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert ray_workers._START_TIMEOUT >= 120.0
+    monkeypatch.setattr(ray_workers, "_START_TIMEOUT", 0.1)
+    with (
+        raises_naming(TransportError, "has not started within", "busy machine"),
+        ray_workers.own_cluster(1),
+    ):
+        pass
+
+
 LOOPBACK = {"0100007F", "0000000000000000FFFF00000100007F"}
 
 

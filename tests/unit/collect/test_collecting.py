@@ -193,6 +193,17 @@ def test_an_episode_that_was_removed_is_missed(tmp_path: Path) -> None:
         collected(tmp_path / "walk", 5)
 
 
+@pytest.mark.parametrize("line", ["[]", "{", '{"length": 3}', "\udcff"])
+def test_a_damaged_index_is_told(line: str, tmp_path: Path) -> None:
+    collected(tmp_path / "walk", 3)
+    index = tmp_path / "walk/episodes.jsonl"
+    first, _, third = index.read_bytes().splitlines(keepends=True)
+    damaged = line.encode("utf-8", "surrogateescape") + b"\n"
+    index.write_bytes(first + damaged + third)
+    with raises_naming(CollectError, "episodes.jsonl, line 2", "damaged"):
+        collected(tmp_path / "walk", 5)
+
+
 def test_what_a_policy_does_wrong_is_told(tmp_path: Path) -> None:
     folder = tmp_path / "walk"
     seed = episode_seed(0, 0)

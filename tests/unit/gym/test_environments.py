@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator
 from typing import Any
 
@@ -12,7 +13,8 @@ from gymnasium.utils.env_checker import check_env
 from promised import require_gl
 
 import tool0.gym
-from tool0.errors import Tool0Error
+from tool0.errors import ControlError, Tool0Error
+from tool0.gym import history
 from tool0.gym.tasks import EPISODE_STEPS, TASKS
 
 pytestmark = pytest.mark.slow
@@ -95,6 +97,67 @@ def test_episodes_go_on_from_a_seed_alike_in_any_number_of_copies() -> None:
         starts.append(observed[0])
         env.close()
     np.testing.assert_array_equal(*starts)
+
+
+def test_a_deep_copy_goes_on_alike_and_apart() -> None:
+    env = make("Lift", randomise=True)
+    rng = np.random.default_rng(SEED)
+    env.reset(seed=SEED)
+    env.reset()  # of a generator that has gone on
+
+    def act(each: Any) -> Any:
+        return each.step(action)[:4]
+
+    for _ in range(5):
+        action = rng.uniform(-1.0, 1.0, 5).astype(np.float32)
+        act(env)
+    twin = copy.deepcopy(env)
+    for _ in range(5):
+        action = rng.uniform(-1.0, 1.0, 5).astype(np.float32)
+        first, second = act(env), act(twin)
+        np.testing.assert_array_equal(first[0], second[0])
+        assert first[1:] == second[1:]
+    env.close()
+    act(twin)  # which needs nothing of the other
+    twin.close()
+
+
+def test_copies_of_many_go_on_alike_whenever_they_were_reset() -> None:
+    many = make_vec("Push", 3, max_episode_steps=4)
+    rng = np.random.default_rng(SEED)
+    many.reset(seed=SEED)
+    actions = rng.uniform(-1.0, 1.0, (14, *many.action_space.shape)).astype(np.float32)
+    for action in actions[:2]:
+        many.step(action)
+    many.reset(options={"reset_mask": np.array([False, True, False])})
+    for action in actions[2:7]:
+        many.step(action)
+    twin = copy.deepcopy(many)
+    for action in actions[7:]:
+        for first, second in zip(
+            many.step(action)[:4], twin.step(action)[:4], strict=True
+        ):
+            np.testing.assert_array_equal(first, second)
+    many.close()
+    twin.close()
+
+
+def test_an_environment_can_be_copied_before_its_reset_but_not_forever(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    env = make("Reach")
+    twin = copy.deepcopy(env)
+    observed = [each.reset(seed=SEED)[0] for each in (env, twin)]
+    np.testing.assert_array_equal(*observed)
+    twin.close()
+    monkeypatch.setattr(history, "LONGEST", 3)
+    env = make("Reach")
+    env.reset(seed=SEED)
+    for _ in range(4):
+        env.step(np.zeros(5, np.float32))
+    with pytest.raises(ControlError, match="up to 3 actions after its reset"):
+        copy.deepcopy(env)
+    env.close()
 
 
 def test_another_seed_is_another_episode() -> None:
@@ -259,6 +322,11 @@ def test_a_copy_that_diverges_is_truncated_and_starts_again(
         ({"dt": 0.1}, "dt must be above 0"),
         ({"randomise": 0.5}, "randomise must be True, False"),
         ({"camera": "wirst"}, "no camera 'wirst'; did you mean 'wrist'"),
+        ({"camera": ["scene", "wrist"]}, "camera must be one name.*wrist"),
+        ({"arm": ["ur5"]}, "arm must be one name"),
+        ({"gripper": None}, "gripper must be one name"),
+        ({"terminate_on_success": "no"}, "terminate_on_success must be True or False"),
+        ({"threads": "2"}, "threads"),
         ({"image_size": 64}, "image_size must be two numbers"),
     ],
 )

@@ -137,7 +137,6 @@ def test_the_python_script_executes_every_kind_of_step(
 
 
 def test_the_urscript_is_checked_without_an_error(robot: tool0.Robot) -> None:
-    pytest.importorskip("lark")
     from tool0.ur.urscript.program import compile_program
 
     text = robot.programs.export(EVERY_STEP, "urscript")
@@ -192,7 +191,6 @@ def test_the_urscript_searches_until_contact() -> None:
 
 def run_urscript(robot: tool0.Robot, program: Program) -> None:
     """Let tool0's own control box run a program until it sets output 9."""
-    pytest.importorskip("lark")
     box = robot.arm.control_box
     box.set_digital_output(9, False)
     text = robot.programs.export(program, "urscript")

@@ -9,8 +9,6 @@ from taught_programs import taught_pick
 
 import tool0
 
-pytest.importorskip("mcap", reason="the extra 'record' is not installed")
-
 
 @pytest.mark.slow
 def test_a_recorded_program_is_repeated_to_the_bit(tmp_path: Path) -> None:

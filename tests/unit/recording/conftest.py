@@ -8,6 +8,4 @@ from recording_session import Session, record_session
 
 @pytest.fixture(scope="session")
 def session(tmp_path_factory: pytest.TempPathFactory) -> Session:
-    pytest.importorskip("mcap", reason="the extra record is not installed")
-    pytest.importorskip("rosbags", reason="the extra record is not installed")
     return record_session(tmp_path_factory.mktemp("recording") / "session.mcap")

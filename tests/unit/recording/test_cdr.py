@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytest.importorskip("rosbags", reason="the extra record is not installed")
-
 from tool0.recording.cdr import (
     JointStates,
     Points,

@@ -7,9 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-pytest.importorskip("mcap", reason="the extra record is not installed")
-
 from recording_session import Session
 
 import tool0

@@ -28,8 +28,6 @@ from tool0.recording.reading import open_recording
 from tool0.recording.resimulation import resimulate
 from tool0.recording.video import cameras_of
 
-pytest.importorskip("mcap", reason="the extra 'record' is not installed")
-
 
 @pytest.fixture
 def robot() -> Iterator[tool0.Robot]:
@@ -128,13 +126,14 @@ def test_a_reset_within_an_episode_discards_it(
 
 
 @pytest.mark.parametrize(
-    ("text", "problem"), [("{}\n", "line 1"), (None, "no folder of episodes")]
+    ("text", "problem"),
+    [(b"{}\n", "line 1"), (b"{\xb6\n", "line 1"), (None, "no folder of episodes")],
 )
 def test_a_wrong_index_is_an_error(
-    tmp_path: Path, text: str | None, problem: str
+    tmp_path: Path, text: bytes | None, problem: str
 ) -> None:
     if text is not None:
-        (tmp_path / INDEX).write_text(text)
+        (tmp_path / INDEX).write_bytes(text)
     with pytest.raises(RecordingError, match=problem):
         read_index(tmp_path)
 
@@ -164,11 +163,11 @@ def test_they_become_a_lerobot_data_set(folder: Path, tmp_path: Path) -> None:
     manifest = export_lerobot(folder, target, rate=25.0)
     assert (manifest.n_episodes, manifest.n_succeeded) == (2, 1)
     info = json.loads((target / "meta/info.json").read_text())
-    assert (info["fps"], info["total_episodes"]) == (25, 2)
-    assert info["total_frames"] == 10 + 5
-    tasks = json.loads((target / "meta/tasks.jsonl").read_text())
-    assert tasks["task"] == "lift the cube"
-    table = parquet.read_table(target / "data/chunk-000/episode_000000.parquet")
+    assert (info["codebase_version"], info["fps"]) == ("v3.0", 25)
+    assert (info["total_episodes"], info["total_frames"]) == (2, 10 + 5)
+    tasks = parquet.read_table(target / "meta/tasks.parquet")
+    assert tasks["task"].to_pylist() == ["lift the cube"]
+    table = parquet.read_table(target / "data/chunk-000/file-000.parquet")
     recording = open_recording(folder / "episode_000000.mcap")
     elbow = recording.joint_names.index("elbow_joint")
     state, action = table["observation.state"].to_pylist(), table["action"].to_pylist()
@@ -187,6 +186,64 @@ def test_they_become_a_lerobot_data_set(folder: Path, tmp_path: Path) -> None:
         measured = recording.velocity[frame, elbow]
         assert state[k][velocity] == pytest.approx(measured)
     assert table["next.success"].to_pylist() == [False] * 9 + [True]
+    assert "observation.environment_state" not in features  # no objects
+
+
+@pytest.mark.parametrize("rate", [10, 20, 30, 50, 125])
+def test_any_rate_is_interpolated(rate: int, folder: Path, tmp_path: Path) -> None:
+    pytest.importorskip("gymnasium", reason="the extra 'collect' is not installed")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    import json
+
+    from tool0.collect.demonstrations import export_lerobot
+
+    target = tmp_path / "lerobot"
+    export_lerobot(folder, target, rate=rate, instruction="Bend the elbow.")
+    info = json.loads((target / "meta/info.json").read_text())
+    assert info["fps"] == rate
+    tasks = parquet.read_table(target / "meta/tasks.parquet")
+    assert tasks["task"].to_pylist() == ["Bend the elbow."]
+    recording = open_recording(folder / "episode_000000.mcap")
+    table = parquet.read_table(target / "data/chunk-000/file-000.parquet")
+    n = table.num_rows
+    assert n == int(recording.duration * rate + 1e-9)
+    column = info["features"]["observation.state"]["names"].index(
+        "elbow_joint.position"
+    )
+    elbow = recording.position[:, recording.joint_names.index("elbow_joint")]
+    times = np.arange(n) / rate
+    expected = np.interp(times, recording.time - recording.time[0], elbow)
+    found = [row[column] for row in table["observation.state"].to_pylist()]
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+    np.testing.assert_allclose(table["timestamp"].to_numpy(), times, atol=1e-6)
+
+
+def test_objects_that_are_always_there_are_the_state_of_the_environment(
+    tmp_path: Path,
+) -> None:
+    pytest.importorskip("gymnasium", reason="the extra 'collect' is not installed")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    import json
+
+    from tool0.collect.demonstrations import export_lerobot
+
+    with tool0.bringup(scene="table_and_cubes", realtime=False) as robot:
+        robot.channel.call(OpenEpisodes(folder=str(tmp_path / "seen"), reset=False))
+        demonstrate(robot, "success", duration=0.4)
+        names = [item.name for item in robot.scene.objects if item.mass]
+        robot.scene.remove(names[0])
+        demonstrate(robot, "success", duration=0.4)
+    export_lerobot(tmp_path / "seen", tmp_path / "set", rate=20.0)
+    info = json.loads((tmp_path / "set/meta/info.json").read_text())
+    found = info["features"]["observation.environment_state"]["names"]
+    parts = ("x", "y", "z", "qw", "qx", "qy", "qz")
+    assert {*found} >= {f"{names[1]}.{part}" for part in parts}
+    assert not [name for name in found if name.startswith(f"{names[0]}.")]
+    table = parquet.read_table(tmp_path / "set/data/chunk-000/file-000.parquet")
+    pose = open_recording(tmp_path / "seen/episode_000000.mcap").objects[names[1]][0]
+    row = table["observation.environment_state"].to_pylist()[0]
+    start = found.index(f"{names[1]}.x")
+    np.testing.assert_allclose(row[start : start + 7], pose, atol=1e-6)
 
 
 @pytest.mark.slow
@@ -203,7 +260,7 @@ def test_frames_can_have_images(folder: Path, tmp_path: Path) -> None:
     info = json.loads((tmp_path / "seen/meta/info.json").read_text())
     feature = info["features"]["observation.images.wrist"]
     assert (feature["dtype"], feature["shape"]) == ("image", [48, 64, 3])
-    table = parquet.read_table(tmp_path / "seen/data/chunk-000/episode_000000.parquet")
+    table = parquet.read_table(tmp_path / "seen/data/chunk-000/file-000.parquet")
     cells = table["observation.images.scene"].to_pylist()
     recording = open_recording(folder / "episode_000000.mcap")
     cameras = cameras_of(recording)
@@ -212,13 +269,15 @@ def test_frames_can_have_images(folder: Path, tmp_path: Path) -> None:
     cameras.close()
     assert [cell["bytes"] for cell in cells] == [encode_png(image) for image in images]
     assert (images[0] != images[-1]).any()  # the arm has moved
-    stats = json.loads(
-        (tmp_path / "seen/meta/episodes_stats.jsonl").read_text().splitlines()[0]
-    )["stats"]["observation.images.scene"]
+    rows = parquet.read_table(
+        tmp_path / "seen/meta/episodes/chunk-000/file-000.parquet"
+    )
+    first = rows.slice(0, 1).to_pylist()[0]
     colours = np.array(images) / 255.0
     for name in ("min", "max", "mean", "std"):
         expected = getattr(colours, name)((0, 1, 2))
-        assert np.ravel(stats[name]) == pytest.approx(expected)
+        found = first[f"stats/observation.images.scene/{name}"]
+        assert np.ravel(found) == pytest.approx(expected)
 
 
 def test_an_episode_that_starts_between_snapshots_is_exported(tmp_path: Path) -> None:
@@ -259,8 +318,13 @@ def test_failures_can_be_left_out(folder: Path, tmp_path: Path) -> None:
     assert manifest.n_episodes == manifest.n_succeeded == 1
     with pytest.raises(ConfigError, match="choose another"):
         export_lerobot(folder, tmp_path / "good", only_successes=True)
-    with pytest.raises(ConfigError, match="rate 30 Hz"):
-        export_lerobot(folder, tmp_path / "odd", rate=30.0)
+    for rate, shown in (
+        (12.5, "rate 12.5 Hz: a LeRobot data set has a whole number"),
+        (0.0, "rate 0 Hz"),
+        (250.0, "rate 250 Hz: .* has 125 snapshots per second"),
+    ):
+        with pytest.raises(ConfigError, match=shown):
+            export_lerobot(folder, tmp_path / "odd", rate=rate)
     empty = tmp_path / "empty"
     shutil.copytree(folder, empty)
     (empty / INDEX).write_text("")

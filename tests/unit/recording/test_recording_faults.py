@@ -13,10 +13,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-
-pytest.importorskip("mcap", reason="the extra record is not installed")
-pytest.importorskip("rosbags", reason="the extra record is not installed")
-
 from recording_session import Session
 
 import tool0

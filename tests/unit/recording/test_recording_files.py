@@ -9,10 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-pytest.importorskip("mcap", reason="the extra record is not installed")
-pytest.importorskip("rosbags", reason="the extra record is not installed")
-
 from recording_session import Session, recorded
 
 import tool0

@@ -13,8 +13,6 @@ from tool0.recording.reading import RecordingFile, open_recording
 from tool0.recording.video import write_video
 from tool0.sensing.cameras import Cameras
 
-pytest.importorskip("mcap", reason="the extra 'record' is not installed")
-
 SIZE = {"width": 160, "height": 120}
 EYE = Camera(name="eye", pose=looking((1.5, -1.0, 0.8), (0.3, 0.0, 0.3)))
 

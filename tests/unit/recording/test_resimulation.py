@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from mcap.reader import NonSeekingReader
+from mcap.writer import Writer
 
 import tool0
 from tool0.control.config import ControllerConfig
@@ -27,10 +29,6 @@ from tool0.recording.reading import open_recording
 from tool0.recording.resimulation import Resimulation, resimulate
 from tool0.simulation.config import ControlConfig, SimulationConfig
 from tool0.simulation.handlers.table import post
-
-pytest.importorskip("mcap", reason="the extra 'record' is not installed")
-from mcap.reader import NonSeekingReader
-from mcap.writer import Writer
 
 Session = Callable[[tool0.Robot], None]
 

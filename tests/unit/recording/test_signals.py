@@ -13,8 +13,6 @@ from tool0.errors import RecordingError
 from tool0.recording.reading import RecordingFile, open_recording
 from tool0.recording.signals import Signals, thinned
 
-pytest.importorskip("mcap", reason="the extra 'record' is not installed")
-
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> RecordingFile:

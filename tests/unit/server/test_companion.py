@@ -12,7 +12,7 @@ import pytest
 from processes import Watch, children
 
 from tool0.errors import TransportError
-from tool0.server.companion import Companion
+from tool0.server.companion import UNABLE, Companion
 
 pytestmark = pytest.mark.slow  # it starts programs
 
@@ -62,3 +62,20 @@ def test_it_ends_at_once_when_its_supervisor_was_killed(companion: Shell) -> Non
     companion.close()
     assert time.monotonic() - start < 2.0
     assert watch.all_ended(LONG)
+
+
+def test_what_lacks_something_is_not_started_again(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    script = f"""echo '{{"ready": true}}'; echo 'no module lark' >&2; exit {UNABLE}"""
+    with (
+        caplog.at_level(logging.INFO),
+        Shell("nobody", lambda name: ["sh", "-c", script], os.environ) as companion,
+    ):
+        companion._wait_for_report(LONG)
+        companion._thread.join(LONG)
+        assert not companion._thread.is_alive()
+    (record,) = [entry for entry in caplog.records if entry.levelno == logging.ERROR]
+    assert record.getMessage() == (
+        "the Shell script ended and is not started again: no module lark"
+    )

@@ -88,7 +88,7 @@ class ArmPath:
         given = times, positions, velocities, accelerations
         try:
             T, q, qd, qdd = (np.asarray(item, dtype=np.float64) for item in given)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise ControlError(f"the numbers of a path: {error}") from None
         shape = (T.size, len(joints))
         if not T.size or T.ndim != 1 or not q.shape == qd.shape == shape:

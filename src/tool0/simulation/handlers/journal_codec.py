@@ -9,6 +9,7 @@ import msgspec
 
 from tool0.control.config import ControllerConfig
 from tool0.errors import RequestError
+from tool0.protocol.codec import UNREADABLE
 from tool0.protocol.request import Request, method_name, plain
 from tool0.simulation.handlers.table import entries
 
@@ -36,7 +37,7 @@ def request_of(method: str, params: bytes | str) -> Request[Any]:
         raise RequestError(method, "this version of tool0 does not have this request")
     try:
         request: Request[Any] = _decoder(entry.request).decode(params)
-    except msgspec.DecodeError as error:
+    except UNREADABLE as error:
         raise RequestError(method, str(error)) from None
     return request
 

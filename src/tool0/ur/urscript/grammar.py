@@ -11,8 +11,6 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
-from tool0.errors import ConfigError
-
 if TYPE_CHECKING:
     from lark import Lark
 
@@ -107,17 +105,9 @@ BLANK: /[ \t\f]+/
 
 @cache
 def parser() -> Lark:
-    """Return the parser, whose trees are those of ``syntax``.
+    """Return the parser, whose trees are those of ``syntax``."""
+    from lark import Lark
 
-    Raises:
-        ConfigError: lark is not installed.
-    """
-    try:
-        from lark import Lark
-    except ImportError as error:
-        raise ConfigError(
-            "URScript needs the package lark; install it with: pip install '.[ur]'"
-        ) from error
     from tool0.ur.urscript.layout import Layout
     from tool0.ur.urscript.trees import Trees
 

@@ -60,7 +60,6 @@ def parse(text: str, name: str) -> syntax.Block:
 
     Raises:
         URScriptError: The text is no program, with line and column.
-        ConfigError: lark is not installed.
     """
     if len(text) > MAX_SIZE:
         message = f"the program has {len(text)} characters; at most {MAX_SIZE} are read"

@@ -64,7 +64,6 @@ def compile_program(text: str, name: str = "program") -> URScriptProgram:
 
     Raises:
         URScriptError: What is wrong, with line and column.
-        ConfigError: lark is not installed.
     """
     main = _main(parse(text, name), name)
     scope = program_scope(main)

@@ -15,8 +15,6 @@ from tool0.protocol.replay import LoopReplay, SeekReplay
 from tool0.protocol.running import Pause, Reset, Resume, SetSpeed, Step
 from tool0.recording.reading import RecordingFile, open_recording
 
-pytest.importorskip("mcap", reason="the extra 'record' is not installed")
-
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> RecordingFile:

@@ -89,6 +89,8 @@ def test_any_bytes_are_a_request_or_a_readable_refusal(text: bytes) -> None:
 BAD: list[tuple[object, int | str | None, type[Tool0Error], str]] = [
     ("[1, 2", None, TransportError, ""),
     ([], None, TransportError, ""),
+    (b'{"id":4,"method":"\xc3("}', None, TransportError, "utf-8"),
+    (b'{"id":4,"method":"pause","params":{"\x9e":1}}', 4, TransportError, "utf-8"),
     ({"id": 4}, 4, TransportError, "method"),
     ({"id": "x", "method": "stepp"}, "x", TransportError, "'step'"),
     ({"id": 1, "method": "step", "more": 1}, 1, TransportError, "more"),
@@ -106,7 +108,7 @@ BAD: list[tuple[object, int | str | None, type[Tool0Error], str]] = [
 def test_a_bad_request_says_what_is_wrong(
     message: object, ident: int | str | None, kind: type[Tool0Error], text: str
 ) -> None:
-    line = message if isinstance(message, str) else json.dumps(message)
+    line = message if isinstance(message, str | bytes) else json.dumps(message)
     with pytest.raises(codec.RequestReadError) as caught:
         codec.decode_request(line)
     assert caught.value.ident == ident

@@ -9,6 +9,7 @@ import sys
 from typing import Any
 
 MAX_RATE = 500.0
+UNABLE = 78  # the bring-up does not start a program again that lacks what it needs
 
 
 class _Stop(BaseException):
@@ -52,7 +53,7 @@ def _run(options: argparse.Namespace, rest: list[str]) -> int:
         from tool0_ros2.node import RobotNode
     except ImportError as error:
         print(f"tool0_ros2: {_explained(error)}", file=sys.stderr)
-        return 1
+        return UNABLE
     ros = Context()
     rclpy.init(
         args=rest,

@@ -1,0 +1,92 @@
+"""Frames at any rate, from the snapshots of a recording."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.errors import CollectError, ConfigError
+
+Numbers = NDArray[np.float64]
+
+
+@final
+class Resampled:
+    """Times at a constant interval within the snapshots of a recording."""
+
+    def __init__(
+        self, tick: NDArray[np.int64], period: float, rate: float, name: str
+    ) -> None:
+        """Choose the times, up to the first gap in the snapshots.
+
+        They begin with the first snapshot of those at a regular rate, so that each
+        time is that of a snapshot if the interval is a multiple of the snapshots'.
+
+        Args:
+            tick: Of each snapshot [control periods], shape (n,).
+            period: Of the control loop [s].
+            rate: Times per simulated second [Hz].
+            name: Of the recording, for errors.
+
+        Raises:
+            ConfigError: If ``rate`` is above that of the snapshots, or no number > 0.
+            CollectError: If there are no two times.
+        """
+        if not (np.isfinite(rate) and rate > 0.0):
+            raise ConfigError(f"rate must be above 0 Hz, got {rate:g}")
+        ticks, self._rows = np.unique(tick, return_index=True)
+        steps = np.diff(ticks)
+        interval = 1.0 / (rate * period)
+        """Between two times [ticks]."""
+        usual = int(np.median(steps)) if len(steps) else 1
+        if interval < usual * (1.0 - 1e-9):
+            raise ConfigError(
+                f"rate {rate:g} Hz: {name} has {1.0 / (usual * period):g} snapshots "
+                "per second; give at most that"
+            )
+        regular = np.flatnonzero(ticks % usual == 0)
+        first = int(regular[0]) if len(regular) else 0
+        gaps = np.flatnonzero(steps[first:] > max(interval, usual) * (1.0 + 1e-9))
+        last = first + int(gaps[0]) if len(gaps) else len(ticks) - 1
+        span = (ticks[last] - ticks[first]) / interval if len(ticks) else -1.0
+        count = int(np.floor(span * (1.0 + 1e-12) + 1e-9)) + 1
+        if count < 2:
+            raise CollectError(
+                f"{name} has no two frames {1.0 / rate:g} s apart: it is too short"
+            )
+        at = ticks[first] + np.arange(count) * interval
+        whole = np.rint(at)
+        self._ticks = ticks
+        self._at = np.where(np.abs(at - whole) < 1e-6, whole, at)
+
+    @property
+    def nearest(self) -> NDArray[np.intp]:
+        """The snapshot nearest to each time, shape (n_times,)."""
+        after = np.searchsorted(self._ticks, self._at).clip(1, len(self._ticks) - 1)
+        is_before = self._at - self._ticks[after - 1] <= self._ticks[after] - self._at
+        return np.asarray(self._rows[after - is_before.astype(np.intp)])
+
+    def between(self, values: Numbers) -> Numbers:
+        """Return values at each time, linear between two snapshots.
+
+        Args:
+            values: Of each snapshot, shape (n, m); between NaN and a number is NaN.
+        """
+        return self._interpolated(values[self._rows])
+
+    def poses_between(self, poses: Numbers) -> Numbers:
+        """Return x, y, z, qw, qx, qy, qz at each time, from shape (n, 7)."""
+        rows = poses[self._rows]
+        turns = rows[:, 3:]
+        is_flipped = (turns[1:] * turns[:-1]).sum(axis=1) < 0.0  # q and -q are the same
+        signs = np.cumprod(np.concatenate([[1.0], np.where(is_flipped, -1.0, 1.0)]))
+        rows = np.hstack([rows[:, :3], turns * signs[:, None]])
+        found = self._interpolated(rows)
+        found[:, 3:] /= np.linalg.norm(found[:, 3:], axis=1, keepdims=True)
+        return found
+
+    def _interpolated(self, rows: Numbers) -> Numbers:
+        columns = [np.interp(self._at, self._ticks, column) for column in rows.T]
+        return np.stack(columns, axis=1)
