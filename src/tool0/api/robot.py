@@ -315,7 +315,7 @@ class Robot(AbstractContextManager["Robot"]):
 
         On the way, all joints move in proportion from where they are now, and what a
         gripper holds is carried along.  Pairs that are as deep in each other now are
-        left out.  Links collide as convex hulls, as in MuJoCo, with either engine.
+        left out.  Shapes are those of MuJoCo, with either engine.
 
         For example::
 

@@ -155,6 +155,8 @@ class Link:
     visuals: tuple[Visual, ...] = ()
     collisions: tuple[Collision, ...] = ()
     surface: Surface | None = None
+    self_collide: bool = False
+    """Whether it collides with the links of its robot that say so, too."""
 
 
 class JointType(enum.Enum):
@@ -482,6 +484,8 @@ class RobotModel:
     """Its parallel grippers."""
     loops: tuple[LoopJoint, ...] = ()
     """Pairs of links connected in a point, beyond the tree."""
+    self_collide: bool = False
+    """Whether all its links collide with each other, whatever each says."""
     hardware: tuple[HardwareComponent, ...] = field(default=(), hash=False)
     """Its ``<ros2_control>`` tags; without them, ``<transmission>`` defines drives."""
     initial_positions: Mapping[str, float] = field(default_factory=dict, hash=False)

@@ -3,7 +3,8 @@
 Besides the tree it reads ``<transmission>`` as ros_control does, ``<ros2_control>`` as
 ros2_control does, ``<gazebo reference=…>`` (surfaces and springs) as Gazebo does, and
 elements of our own:
-``<loop_joint>``, ``<passive_joint>`` (called so in SRDF) and ``<parallel_gripper>``.
+``<loop_joint>``, ``<passive_joint>`` (called so in SRDF), ``<parallel_gripper>`` and
+``<self_collide>``.
 """
 
 from __future__ import annotations
@@ -40,7 +41,6 @@ from tool0.description.xml_source import (
     choice,
     locate,
     not_negative,
-    only_child,
     require_known,
     required,
     text_of,
@@ -54,6 +54,9 @@ _Locations = dict[str, SourceLocation]
 
 LOOP_GAP = 1e-5
 """Largest distance between the ends of a loop in its rest position [m]."""
+_SELF_COLLIDE = ("selfCollide", "self_collide")
+"""Tags by which libsdformat reads whether a link collides with those of its model."""
+_BOOLEANS = ("true", "1", "false", "0")
 _SURFACE = ("mu1", "mu2", "kp", "kd", "minDepth", "maxVel")
 
 
@@ -103,6 +106,7 @@ def read_model(document: Document) -> RobotModel:
             read_gripper(item, joints) for item in children(robot, "parallel_gripper")
         ),
         loops=tuple(read_loop(item, links) for item in children(robot, "loop_joint")),
+        self_collide=_is_self_colliding(robot),
         hardware=control.components,
         initial_positions=control.initial,
         locations=locations,
@@ -238,9 +242,9 @@ def _with_spring(joint: Joint, element: Element) -> Joint:
 
 def _with_surface(link: Link, element: Element) -> Link:
     """Return ``link`` with the properties of one ``<gazebo>``; it may have several."""
-    flag = only_child(element, "selfCollide")
-    if flag is not None:
-        choice(text_of(flag).lower(), ("true", "1", "false", "0"), flag, "boolean")
+    flags = [flag for tag in _SELF_COLLIDE for flag in children(element, tag)]
+    if flags:
+        link = replace(link, self_collide=any([_is_true(flag) for flag in flags]))
     values = {tag: child_number(element, tag) for tag in _SURFACE}
     given = {
         tag: not_negative(value, f"<{tag}> is", element)
@@ -251,6 +255,27 @@ def _with_surface(link: Link, element: Element) -> Link:
         return link
     before = None if link.surface is None else link.surface.mu1
     return replace(link, surface=Surface(mu1=given.get("mu1", before)))
+
+
+def _is_self_colliding(robot: Element) -> bool:
+    """Return whether all links collide with each other: ``<self_collide>``.
+
+    It is an element of our own below ``<robot>``, or Gazebo's of the whole model.
+    """
+    of_model = (
+        element
+        for element in children(robot, "gazebo")
+        if not element.getAttribute("reference")
+    )
+    flags = [
+        flag for item in (robot, *of_model) for flag in children(item, "self_collide")
+    ]
+    return any([_is_true(flag) for flag in flags])
+
+
+def _is_true(flag: Element) -> bool:
+    text = text_of(flag).lower()
+    return choice(text, _BOOLEANS, flag, f"<{flag.tagName}>") in ("true", "1")
 
 
 def _mark_passive(robot: Element, joints: dict[str, Joint]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from operator import ge
 from typing import final
 
@@ -34,15 +34,21 @@ MIN_CONTACT_SHARE = 0.1
 
 
 def external_contacts(
-    links: frozenset[str], contacts: Sequence[Contact]
+    groups: Iterable[frozenset[str]], contacts: Sequence[Contact]
 ) -> tuple[tuple[str, str], ...]:
-    """Return which of ``links`` touch anything else, the strongest contact first."""
-    found = []
+    """Return what touches across the border of a group of links, strongest first.
+
+    The links that a joint moves are a group: what touches within it does not stop the
+    joint.  The link of a group comes first in each pair.
+    """
+    sides, found = tuple(groups), []
     for contact in contacts:
         pair = contact.first, contact.second
-        if (pair[0] in links) != (pair[1] in links):
-            ordered = pair if pair[0] in links else pair[::-1]
-            found.append((math.hypot(*contact.force), ordered))
+        for links in sides:
+            if (pair[0] in links) != (pair[1] in links):
+                ordered = pair if pair[0] in links else pair[::-1]
+                found.append((math.hypot(*contact.force), ordered))
+                break
     found.sort(reverse=True)
     return tuple(
         pair for force, pair in found if force >= MIN_CONTACT_SHARE * found[0][0]
@@ -146,7 +152,7 @@ class _Drive:
 
     def stall(self, state: JointState, touching: Sequence[Contact]) -> Stall:
         """Return that it stalls."""
-        contacts = external_contacts(self.links, touching)
+        contacts = external_contacts((self.links,), touching)
         return Stall(self.joint, state.effort[self.index], contacts)
 
     def lags(self, state: JointState, wanted: Mapping[str, float]) -> bool:

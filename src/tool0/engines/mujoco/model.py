@@ -8,8 +8,7 @@ parameters of a pad.
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import mujoco
@@ -27,6 +26,12 @@ from tool0.description.model import (
 from tool0.description.scene import GROUND
 from tool0.description.shapes import Box, Cylinder, Geometry, Mesh, Sphere
 from tool0.description.transform import pose_matrix
+from tool0.engines.mujoco.convex_parts import Points, convex_parts
+from tool0.engines.mujoco.self_collisions import (
+    body_at_rest,
+    excluded_pairs,
+    self_colliding,
+)
 from tool0.errors import ModelError
 from tool0.hardware.bodies import (
     Matrix,
@@ -96,38 +101,44 @@ def build_spec(
             rgba=[0.85, 0.86, 0.88, 1.0],
         )
     bodies = moving_bodies(model)
+    colliding = self_colliding(model, bodies)
     bases = {body.joint.parent for body in bodies if body.parent < 0}
+    at_rest = []
     for name, frame in fixed_to_world(model):
         link, handle = model.link(name), spec.worldbody
-        if name in bases and link.collisions:
-            handle = handle.add_body(name=_base_name(name))
-        _add_shapes(spec, handle, link, frame, visuals)
+        if link.collisions and (name in bases or not model.self_collide):
+            handle = handle.add_body(name=body_at_rest(name))
+            at_rest.append(link)
+        _add_shapes(
+            spec,
+            handle,
+            link,
+            frame,
+            visuals=visuals,
+            is_colliding=name in colliding,
+        )
     check_masses(model, bodies)
     handles: list[Any] = []
     for body in bodies:
         parent = spec.worldbody if body.parent < 0 else handles[body.parent]
-        handles.append(_add_body(spec, parent, model, body, visuals))
+        handle = _add_body(spec, parent, model, body)
+        for name, frame in body.links:
+            _add_shapes(
+                spec,
+                handle,
+                model.link(name),
+                frame,
+                visuals=visuals,
+                is_colliding=name in colliding,
+            )
+        handles.append(handle)
     for joint in model.movable_joints:
         _add_mimic(spec, joint)
     for loop in model.loops:
         _add_loop(spec, loop, bodies)
-    for first, second in _excluded_pairs(model, bodies):
+    for first, second in excluded_pairs(model, bodies, at_rest, colliding):
         spec.add_exclude(bodyname1=first, bodyname2=second)
-    for body in bodies:
-        link = model.link(body.joint.parent)
-        if body.parent < 0 and link.collisions:
-            spec.add_exclude(
-                bodyname1=_base_name(link.name), bodyname2=body.joint.child
-            )
     return spec
-
-
-def _base_name(link: str) -> str:
-    """Return the body of a link at rest that carries a joint.
-
-    MuJoCo lets no two bodies at one joint collide, but for those of the world.
-    """
-    return f"{link}/base"
 
 
 def to_mjcf(model: RobotModel) -> str:
@@ -182,9 +193,7 @@ def quat_wxyz(frame: Matrix) -> Any:
     return quat
 
 
-def _add_body(
-    spec: Any, parent: Any, model: RobotModel, body: MovingBody, visuals: bool
-) -> Any:
+def _add_body(spec: Any, parent: Any, model: RobotModel, body: MovingBody) -> Any:
     joint, inertia = body.joint, body.inertia
     tensor = inertia.tensor
     handle = parent.add_body(
@@ -224,8 +233,6 @@ def _add_body(
             ctrllimited=bool(np.isfinite(force)),
             ctrlrange=[-force, force] if np.isfinite(force) else [0.0, 0.0],
         )
-    for name, frame in body.links:
-        _add_shapes(spec, handle, model.link(name), frame, visuals)
     return handle
 
 
@@ -269,12 +276,22 @@ def _add_mimic(spec: Any, joint: Joint) -> None:
 
 
 def _add_shapes(
-    spec: Any, handle: Any, link: Link, frame: Matrix, visuals: bool
+    spec: Any,
+    handle: Any,
+    link: Link,
+    frame: Matrix,
+    *,
+    visuals: bool,
+    is_colliding: bool,
 ) -> None:
+    """Add a link to a body.
+
+    Its collision meshes become convex parts if it collides with other links, and else
+    hulls: links are near each other, and hulls would meet where meshes do not.
+    """
+    in_parts = is_colliding and link.surface is None
     handle.add_site(name=link.name, pos=frame[:3, 3], quat=quat_wxyz(frame), group=4)
-    for number, collision in enumerate(link.collisions):
-        geom = add_geom(spec, handle, collision, frame)
-        geom.name = collision_name(link, number)
+    for geom in _collision_geoms(spec, handle, link, frame, in_parts):
         geom.group = _COLLISION_GROUP
         geom.mass = 0.0
         if link.surface is not None:
@@ -292,41 +309,43 @@ def _add_shapes(
             geom.rgba = visual.rgba
 
 
-def _add_mesh(spec: Any, mesh: Mesh) -> str:
+def _collision_geoms(
+    spec: Any, handle: Any, link: Link, frame: Matrix, in_parts: bool
+) -> Iterator[Any]:
+    """Add and yield the geoms of a link's collision shapes."""
+    for number, collision in enumerate(link.collisions):
+        name, mesh = collision_name(link, number), collision.geometry
+        parts: Sequence[Points] = ()
+        if in_parts and isinstance(mesh, Mesh):
+            _require_readable(mesh)
+            parts = convex_parts(mesh)
+        if len(parts) < 2:
+            geom = add_geom(spec, handle, collision, frame)
+            geom.name = name
+            yield geom
+            continue
+        placed = frame @ pose_matrix(collision.origin)
+        for k, points in enumerate(parts):
+            spec.add_mesh(name=f"{name}.{k}", uservert=points.ravel())
+            yield handle.add_geom(
+                name=f"{name}.{k}",
+                pos=placed[:3, 3],
+                quat=quat_wxyz(placed),
+                type=mujoco.mjtGeom.mjGEOM_MESH,
+                meshname=f"{name}.{k}",
+            )
+
+
+def _require_readable(mesh: Mesh) -> None:
     if mesh.path.suffix.lower() not in MESH_SUFFIXES:
         raise ModelError(
             f"MuJoCo cannot read the mesh {mesh.path}; convert it to STL or OBJ"
         )
+
+
+def _add_mesh(spec: Any, mesh: Mesh) -> str:
+    _require_readable(mesh)
     name = f"{mesh.path}:{mesh.scale}"
     if spec.mesh(name) is None:
         spec.add_mesh(name=name, file=str(mesh.path), scale=mesh.scale)
     return name
-
-
-def _excluded_pairs(
-    model: RobotModel, bodies: tuple[MovingBody, ...]
-) -> Iterator[tuple[str, str]]:
-    """Yield pairs of one mechanism's bodies whose shapes may overlap.
-
-    The links of a linkage share pivots, which a URDF tree cannot express.  Only pads
-    collide with each other.
-    """
-
-    def mechanism(joint: Joint) -> str | None:
-        while joint.mimic is not None:
-            joint = model.joint_by_name[joint.mimic.joint]
-        return joint.name
-
-    masters = {j.mimic.joint for j in model.movable_joints if j.mimic is not None}
-    members = [
-        (body, mechanism(body.joint))
-        for body in bodies
-        if body.joint.mimic is not None or body.joint.name in masters
-    ]
-    for (first, one), (second, two) in itertools.combinations(members, 2):
-        if one == two and not (_has_pad(model, first) and _has_pad(model, second)):
-            yield first.joint.child, second.joint.child
-
-
-def _has_pad(model: RobotModel, body: MovingBody) -> bool:
-    return any(model.link(name).surface is not None for name, _ in body.links)

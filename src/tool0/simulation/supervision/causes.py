@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final, NamedTuple, final
 
 from tool0.control.arm.stream import SINGULAR
@@ -67,34 +68,34 @@ class Causes:
     def watch(self, time: float) -> None:
         """Note what touches the arm at ``time`` [s]: it may become a cause."""
         contacts = self._core.engine.world.contacts()
-        if self.joints and external_contacts(self.joints[0].links, contacts):
+        if external_contacts((joint.links for joint in self.joints), contacts):
             self._touching, self._touched_at = contacts, time
 
     def of(self, joint: TrackedJoint, state: JointState) -> str:
         """Return what most likely keeps a joint off the path of a tool."""
         return (
-            self._obstacle(joint, joint.links, state)
+            self._obstacle(joint, (joint,), state)
             or self._singularity(state)
             or _weakness(joint, state)
             or "no contact: the motion is too fast, or the payload is not as set"
         )
 
     def known(
-        self, joint: TrackedJoint, links: frozenset[str], state: JointState
+        self, joint: TrackedJoint, moving: Sequence[TrackedJoint], state: JointState
     ) -> str:
         """Return what keeps a joint from where it is sent, if that is known.
 
-        ``links`` are those that contacts may stop: with the joint, or others.
+        ``moving`` are the joints that contacts may stop: that one, or others, too.
         """
-        return self._obstacle(joint, links, state) or _weakness(joint, state)
+        return self._obstacle(joint, moving, state) or _weakness(joint, state)
 
     def _obstacle(
-        self, joint: TrackedJoint, links: frozenset[str], state: JointState
+        self, joint: TrackedJoint, moving: Sequence[TrackedJoint], state: JointState
     ) -> str:
-        """Return what ``links`` touch, or the limit that the joint is at."""
+        """Return what stops ``moving`` joints, or the limit that the joint is at."""
         self.watch(state.time)
         if 0.0 <= state.time - self._touched_at <= RECENT:
-            touching = external_contacts(links, self._touching)
+            touching = external_contacts((j.links for j in moving), self._touching)
             if touching:
                 return contacts_text(touching)
         position = state.position[joint.number]

@@ -86,7 +86,7 @@ class ContactForces:
             strength = math.hypot(*filtered)
             self._is_loaded |= strength > _NEGLIGIBLE
             if not strength <= largest:
-                why = contacts_text(external_contacts(body.links, touching))
+                why = contacts_text(external_contacts((body.links,), touching))
                 return (
                     f"contact force of {strength:.0f} N at '{body.name}', more than "
                     f"{largest:.0f} N ({why})"

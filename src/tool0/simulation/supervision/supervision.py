@@ -108,15 +108,15 @@ class Supervision:
             joints = [joint for joint in watch.causes.joints if joint.name in names]
             if joints:
                 joint, _ = _furthest(joints, core.wanted_positions(), core.state)
-                return watch.causes.known(joint, joints[0].links, core.state)
+                return watch.causes.known(joint, joints, core.state)
         return self._touching(core.model.joint(name).child for name in names)
 
     def _touching(self, roots: Iterable[str]) -> str:
         """Return what the links from ``roots`` on touch; empty for nothing."""
         core = self._core
-        links = {link for root in roots for link in core.model.links_from(root)}
+        groups = [frozenset(core.model.links_from(root)) for root in roots]
         contacts = core.engine.world.contacts()
-        return contacts_text(external_contacts(frozenset(links), contacts))
+        return contacts_text(external_contacts(groups, contacts))
 
 
 @final

@@ -1,0 +1,161 @@
+"""Cuts a mesh into parts that are nearly convex.
+
+MuJoCo lets a mesh collide as its convex hull.  The hull of a forearm with a joint at
+each end also fills the space between them, where the wrist moves.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Final
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from tool0.description.shapes import Mesh
+from tool0.errors import ModelError
+
+Points = npt.NDArray[np.float64]
+
+MAX_PARTS: Final = 8
+"""Largest number of parts of one mesh."""
+MIN_GAIN: Final = 0.06
+"""Part of the box around the mesh that a cut must free."""
+_CUTS: Final = 11
+"""Planes along each axis at which a mesh may be cut."""
+_THIN: Final = 1e-4
+"""Parts are at least this thick [m]: MuJoCo needs a hull with a volume."""
+
+
+def convex_parts(mesh: Mesh) -> tuple[Points, ...]:
+    """Return the points of each part of ``mesh``, shape (n, 3) [m].
+
+    A mesh that is nearly convex is one part.  The cuts are planes across its axes,
+    where they make the boxes around the parts smallest.
+
+    Raises:
+        ModelError: If MuJoCo cannot read the mesh.
+    """
+    written = mesh.path.stat()
+    return _parts(str(mesh.path), mesh.scale, written.st_mtime_ns, written.st_size)
+
+
+@functools.lru_cache(maxsize=64)
+def _parts(
+    path: str, scale: tuple[float, float, float], _written: int, _size: int
+) -> tuple[Points, ...]:
+    whole = _triangles(path, scale)
+    price = MIN_GAIN * _box_volume(whole)
+    waiting = [whole]
+    done: list[Points] = []
+    while waiting:
+        part = waiting.pop()
+        segments = _segments(part, price)
+        if 1 < len(segments) <= MAX_PARTS - len(waiting) - len(done):
+            waiting += segments
+        else:
+            done.append(part)
+    return tuple(np.unique(part.reshape(-1, 3), axis=0) for part in done)
+
+
+def _triangles(path: str, scale: tuple[float, float, float]) -> Points:
+    """Return the triangles of a mesh file in its frame, shape (n, 3, 3) [m]."""
+    spec = mujoco.MjSpec()
+    spec.add_mesh(name="mesh", file=path, scale=scale)
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="mesh")
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        raise ModelError(f"MuJoCo rejects the mesh {path}: {error}") from error
+    rotation = np.empty(9)  # MuJoCo moves meshes to their centres of mass
+    mujoco.mju_quat2Mat(rotation, model.mesh_quat[0])
+    points = model.mesh_vert @ rotation.reshape(3, 3).T + model.mesh_pos[0]
+    triangles: Points = points[model.mesh_face].astype(float)
+    return triangles
+
+
+def _segments(triangles: Points, price: float) -> list[Points]:
+    """Return the segments along one axis whose boxes have the smallest volume.
+
+    Each segment has a ``price`` [m³], so that one too many does not pay.
+    """
+    least, best = _box_volume(triangles), [triangles]
+    for axis in range(3):
+        slabs = _slabs(triangles, axis)
+        boxes = np.array([_box(slab) for slab in slabs])
+        costs, firsts = [0.0], [0]  # of the cheapest segments of the first n slabs
+        for n in range(1, len(slabs) + 1):
+            lower = np.minimum.accumulate(boxes[n - 1 :: -1, 0][:n])
+            upper = np.maximum.accumulate(boxes[n - 1 :: -1, 1][:n])
+            volumes = np.prod(upper - lower, axis=1)[::-1]  # of slabs k to n
+            totals = np.array(costs) + volumes + price
+            firsts.append(int(np.argmin(totals)))
+            costs.append(float(totals[firsts[-1]]))
+        if costs[-1] - price < least:
+            least, best, end = costs[-1] - price, [], len(slabs)
+            while end > 0:
+                best.append(np.concatenate(slabs[firsts[end] : end]))
+                end = firsts[end]
+    return best
+
+
+def _slabs(triangles: Points, axis: int) -> list[Points]:
+    """Return what lies between planes across an axis; thin ones join the next."""
+    lower, upper = _box(triangles)
+    slabs, rest = [], triangles
+    for place in np.linspace(lower[axis], upper[axis], _CUTS + 2)[1:-1]:
+        below, above = _side(rest, axis, place, 1), _side(rest, axis, place, -1)
+        if _is_solid(below) and _is_solid(above):
+            slabs.append(below)
+            rest = above
+    return [*slabs, rest]
+
+
+def _side(triangles: Points, axis: int, place: float, sign: int) -> Points:
+    """Return the triangles on one side of a plane: below it if ``sign`` is 1."""
+    depths = sign * (place - triangles[:, :, axis])
+    inside = depths >= 0.0
+    counts = inside.sum(axis=1)
+    a, b, c, p, q = _cut(triangles, depths, inside, counts == 1, apex_inside=True)
+    tips = np.stack((a, p, q), axis=1)
+    a, b, c, p, q = _cut(triangles, depths, inside, counts == 2, apex_inside=False)
+    stumps = np.concatenate((np.stack((p, b, c), axis=1), np.stack((p, c, q), axis=1)))
+    return np.concatenate((triangles[counts == 3], tips, stumps))
+
+
+def _cut(
+    triangles: Points,
+    depths: Points,
+    inside: npt.NDArray[np.bool_],
+    chosen: npt.NDArray[np.bool_],
+    *,
+    apex_inside: bool,
+) -> tuple[Points, Points, Points, Points, Points]:
+    """Return the corners of triangles, the lone one first, and both points of a cut."""
+    lone = np.argmax(inside[chosen] == apex_inside, axis=1)
+    order = (lone[:, None] + np.arange(3)) % 3
+    corners = np.take_along_axis(triangles[chosen], order[:, :, None], axis=1)
+    depth = np.take_along_axis(depths[chosen], order, axis=1)
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    to_b = depth[:, :1] / (depth[:, :1] - depth[:, 1:2])
+    to_c = depth[:, :1] / (depth[:, :1] - depth[:, 2:3])
+    return a, b, c, a + to_b * (b - a), a + to_c * (c - a)
+
+
+def _is_solid(triangles: Points) -> bool:
+    if len(triangles) < 4:
+        return False
+    lower, upper = _box(triangles)
+    return bool(np.all(upper - lower > _THIN))
+
+
+def _box_volume(triangles: Points) -> float:
+    lower, upper = _box(triangles)
+    return float(np.prod(upper - lower))
+
+
+def _box(triangles: Points) -> tuple[Points, Points]:
+    """Return the smallest and the largest corner of the box around triangles [m]."""
+    points = triangles.reshape(-1, 3)
+    return points.min(axis=0), points.max(axis=0)
