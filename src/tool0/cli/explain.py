@@ -42,11 +42,12 @@ def explain(
         words: The launch file, or its package and file name; then arguments for it.
         as_json: Print one JSON object.
     """
+    from tool0.description.packages import packages_around
     from tool0.lint.launch.argument_flow import argument_flow
     from tool0.lint.launch.explanation import contents
     from tool0.lint.launch.reader import read_launch
     from tool0.lint.launch.xacro_files import xacro_robots
-    from tool0.lint.packages import PackageIndex, packages_around
+    from tool0.lint.packages import PackageIndex
 
     names = [word for word in words if ":=" not in word]
     file = _file(names)
@@ -81,7 +82,8 @@ def _file(names: list[str]) -> Path:
 
 def _in_package(package: str, name: str) -> Path:
     """Return the file of a package, in any of its folders, as roslaunch does."""
-    from tool0.lint.packages import PackageIndex, packages_around
+    from tool0.description.packages import packages_around
+    from tool0.lint.packages import PackageIndex
 
     packages: PackageIndex = PackageIndex(packages_around(Path.cwd() / name))
     try:

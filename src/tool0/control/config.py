@@ -16,6 +16,7 @@ from tool0.control.ros2.dialect import ROS2
 from tool0.control.ros2.layout import is_ros2
 from tool0.control.ros2.substitution import substituted
 from tool0.description.finding import Finding
+from tool0.description.packages import packages_around, preferring
 from tool0.description.yaml_tree import Scalar, Tree, YamlEntry, merged, text_of
 from tool0.description.yaml_values import Namespace, Value
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
@@ -57,7 +58,9 @@ class ControllerConfig:
         tree = Tree()
         for path in [files] if isinstance(files, Path) else files:
             start = SourceLocation(path, 1)
-            tree.load(substituted(text_of(path), arguments or {}, start), start)
+            with preferring(packages_around(path)):
+                text = substituted(text_of(path), arguments or {}, start)
+            tree.load(text, start)
         return ControllerConfig(tree)
 
     @staticmethod

@@ -23,7 +23,11 @@ from tool0.description.cell_file import load_cell, parse_robots
 from tool0.description.config import SPAWN_Z, Argument, Cell, DescriptionConfig
 from tool0.description.expansion import Expanded, expand
 from tool0.description.gripper_files import GRIPPER_FILES, check_gripper_files
-from tool0.description.packages import find_package
+from tool0.description.packages import (
+    find_package,
+    packages_around,
+    preferring,
+)
 from tool0.description.robot import CatalogueRobot, RobotDescription
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_file
@@ -197,7 +201,8 @@ def load_robot(
 ) -> RobotDescription:
     """Return the robot in your own file, which is xacro unless it ends in ``.urdf``.
 
-    With ``is_driven``, every joint is driven if the file does not say which are.
+    Packages are those of the workspace that it lies in, before all others.  With
+    ``is_driven``, every joint is driven if the file does not say which are.
 
     Raises:
         DescriptionError: If the file, or a file it refers to, cannot be read.
@@ -207,20 +212,21 @@ def load_robot(
     if not path.is_file():
         raise DescriptionError(f"there is no file '{path}'; check the path")
     given: Mapping[str, str] = _to_texts(args or {}, ours=False)
-    if path.suffix == ".urdf":
-        if given:
-            raise DescriptionError(
-                f"'{path}' is plain URDF, which takes no arguments, got "
-                f"{', '.join(given)}; name it *.xacro if it is xacro"
-            )
-        document = parse_file(path)
-    else:
-        document, _, given = expand(path, given)
-    if is_driven:
-        assume_drives(document)
-    return RobotDescription(
-        model=read_model(document), source=path, arguments=given, _document=document
-    )
+    if path.suffix == ".urdf" and given:
+        raise DescriptionError(
+            f"'{path}' is plain URDF, which takes no arguments, got "
+            f"{', '.join(given)}; name it *.xacro if it is xacro"
+        )
+    with preferring(packages_around(path)):
+        if path.suffix == ".urdf":
+            document = parse_file(path)
+        else:
+            document, _, given = expand(path, given)
+        if is_driven:
+            assume_drives(document)
+        return RobotDescription(
+            model=read_model(document), source=path, arguments=given, _document=document
+        )
 
 
 def named_poses(description: RobotDescription) -> Poses:

@@ -2,8 +2,8 @@
 
 Bundled packages come first, then those of ``ROS_PACKAGE_PATH``, each entry of which is
 a package or a folder that contains packages, then those that ROS 2 has installed, below
-the entries of ``AMENT_PREFIX_PATH``.  ``preferring`` puts the packages of a workspace
-before all.
+the entries of ``AMENT_PREFIX_PATH``.  ``preferring`` puts other packages before all:
+those of the workspace that a file lies in, which ``packages_around`` finds.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from types import MappingProxyType
 
+from tool0.description.finding import quoted
 from tool0.errors import DescriptionError, SourceLocation, did_you_mean
 from tool0.user_data import expanded
 
@@ -25,6 +26,9 @@ _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 _NONE: Mapping[str, Path] = MappingProxyType({})
 _PREFERRED: ContextVar[Mapping[str, Path]] = ContextVar("preferred", default=_NONE)
 _MAX_FOLDERS = 100
+_MAX_DEPTH = 6
+_MAX_WALKED = 5000
+"""Folders searched for packages: a ``src`` may hold anything."""
 _IGNORE = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 
 
@@ -55,10 +59,15 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
         if (share / name / "package.xml").is_file():
             return share / name
     seen.update(path.name for share in installed for path in share.iterdir())
-    looked = ", ".join(map(str, (BUNDLED, *search_path, *installed)))
+    around = (
+        [f"the workspace ({quoted(sorted(_PREFERRED.get()))})"]
+        if _PREFERRED.get()
+        else []
+    )
+    looked = ", ".join([*around, *map(str, (BUNDLED, *search_path, *installed))])
     raise DescriptionError(
-        f"there is no ROS package '{name}' in {looked}{did_you_mean(name, seen)}; "
-        "add its parent folder to ROS_PACKAGE_PATH",
+        f"there is no ROS package '{name}' in {looked}{did_you_mean(name, seen)}; put "
+        "it into the workspace, or add its parent folder to ROS_PACKAGE_PATH",
         location,
     )
 
@@ -145,3 +154,53 @@ def package_name(folder: Path) -> str:
     text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
     match = _NAME.search(text)
     return match.group(1) if match else folder.name
+
+
+def packages_around(file: Path) -> dict[str, Path]:
+    """Return the packages beside the one that ``file`` lies in, with it, by name.
+
+    They are searched for below each folder ``src`` that the package lies in, as in a
+    catkin workspace, or else beside the package.
+    """
+    folders = file.absolute().parents
+    package = next((folder for folder in folders if is_package(folder)), None)
+    if package is None:
+        return {}
+    sources = [folder for folder in package.parents if folder.name == "src"]
+    found: dict[str, Path] = {}
+    for root in sources:  # the nearest first, and its packages count
+        for folder in _below(root, depth=_MAX_DEPTH):
+            found.setdefault(name_of_package(folder), folder)
+    for folder in () if sources else _below(package.parent, depth=1):
+        found.setdefault(name_of_package(folder), folder)
+    found[name_of_package(package)] = package
+    return found
+
+
+def is_package(folder: Path) -> bool:
+    """Return whether a folder is a ROS package."""
+    return os.path.isfile(folder / "package.xml")  # noqa: PTH113  # Path's may raise
+
+
+def _below(root: Path, depth: int) -> Iterator[Path]:
+    """Yield the packages at most ``depth`` levels below ``root``."""
+    seen: set[str] = set()
+    for name, folders, files in os.walk(root, followlinks=True):
+        folder, real = Path(name), os.path.realpath(name)
+        level = len(folder.parts) - len(root.parts)
+        is_new = real not in seen and len(seen) <= _MAX_WALKED
+        is_package = level > 0 and "package.xml" in files
+        seen.add(real)
+        if is_new and is_package:
+            yield folder
+        is_end = is_package or level >= depth or not is_new  # packages do not nest
+        names = sorted(name for name in folders if name[0] != ".")
+        folders[:] = [] if is_end else names
+
+
+def name_of_package(folder: Path) -> str:
+    """Return the name of the package in ``folder``, by its manifest if it is read."""
+    try:
+        return package_name(folder)
+    except OSError:
+        return folder.name

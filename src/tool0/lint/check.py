@@ -10,11 +10,12 @@ from typing import ParamSpec, TypeVar, final
 
 from tool0.description.config import File
 from tool0.description.finding import Finding
+from tool0.description.packages import packages_around
 from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint import launch_file
 from tool0.lint.launch_file import ParsedLaunch
 from tool0.lint.package_file import judge_missing_package, package_findings
-from tool0.lint.packages import PackageIndex, Packages, packages_around
+from tool0.lint.packages import PackageIndex, Packages
 from tool0.lint.parameters.yaml_text import YamlText, syntax_findings, yaml_findings
 from tool0.lint.resource_limits import run_limited
 from tool0.lint.robot.facts import RobotFacts

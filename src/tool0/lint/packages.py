@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import TypeAlias, final
@@ -14,16 +14,14 @@ from tool0.description.packages import (
     BUNDLED,
     crawl,
     find_package,
-    package_name,
+    is_package,
+    name_of_package,
 )
 from tool0.errors import DescriptionError, SourceLocation, nearest_name
 
 _STANDARD = {"xacro": Path("/opt/ros/noetic/share/xacro")}
 """Accepted without ROS, too: tool0 implements these programs itself."""
 _NAME = re.compile(r"[A-Za-z][\w-]{0,99}")
-_MAX_DEPTH = 6
-_MAX_FOLDERS = 5000
-"""Folders searched for packages: a ``src`` may hold anything."""
 _MAX_FILES = 500
 _MAX_SEARCHES = 200
 """Each package that does not exist costs a walk through ROS_PACKAGE_PATH."""
@@ -117,8 +115,10 @@ class PackageIndex:
         folder = file.parent
         if folder not in self._around:
             candidates = (folder, *folder.parents)
-            found = next((f for f in candidates if _is_package(f)), None)
-            self._around[folder] = None if found is None else (_name(found), found)
+            found = next((f for f in candidates if is_package(f)), None)
+            self._around[folder] = (
+                None if found is None else (name_of_package(found), found)
+            )
         return self._around[folder]
 
     def folders(self) -> dict[str, Path]:
@@ -137,51 +137,3 @@ def nearest_file(path: Path) -> str | None:
         return None
     same = [name for name in names if name.lower() == path.name.lower()]
     return same[0] if same else nearest_name(path.name, names, cutoff=0.7)
-
-
-def packages_around(file: Path) -> dict[str, Path]:
-    """Return the packages beside the one that ``file`` lies in, with it, by name.
-
-    They are searched for below each folder ``src`` that the package lies in, as in a
-    catkin workspace, or else beside the package.
-    """
-    folders = file.absolute().parents
-    package = next((folder for folder in folders if _is_package(folder)), None)
-    if package is None:
-        return {}
-    sources = [folder for folder in package.parents if folder.name == "src"]
-    found: dict[str, Path] = {}
-    for root in sources:  # the nearest first, and its packages count
-        for folder in _below(root, depth=_MAX_DEPTH):
-            found.setdefault(_name(folder), folder)
-    for folder in () if sources else _below(package.parent, depth=1):
-        found.setdefault(_name(folder), folder)
-    found[_name(package)] = package
-    return found
-
-
-def _is_package(folder: Path) -> bool:
-    return os.path.isfile(folder / "package.xml")  # noqa: PTH113  # Path's may raise
-
-
-def _below(root: Path, depth: int) -> Iterator[Path]:
-    """Yield the packages at most ``depth`` levels below ``root``."""
-    seen: set[str] = set()
-    for name, folders, files in os.walk(root, followlinks=True):
-        folder, real = Path(name), os.path.realpath(name)
-        level = len(folder.parts) - len(root.parts)
-        is_new = real not in seen and len(seen) <= _MAX_FOLDERS
-        is_package = level > 0 and "package.xml" in files
-        seen.add(real)
-        if is_new and is_package:
-            yield folder
-        is_end = is_package or level >= depth or not is_new  # packages do not nest
-        names = sorted(name for name in folders if name[0] != ".")
-        folders[:] = [] if is_end else names
-
-
-def _name(folder: Path) -> str:
-    try:
-        return package_name(folder)
-    except OSError:
-        return folder.name

@@ -3,6 +3,8 @@ from pathlib import Path
 
 import pytest
 
+from tool0.control.config import ControllerConfig
+from tool0.description.loading import load_robot
 from tool0.description.packages import find_package, resolve_uri
 from tool0.errors import DescriptionError, SourceLocation
 
@@ -80,3 +82,43 @@ def test_uris_resolve_to_paths(tmp_path: Path) -> None:
     with pytest.raises(DescriptionError) as caught:
         resolve_uri("http://example.org/a.stl")
     assert "'http://'" in str(caught.value)
+
+
+def test_a_robot_file_finds_the_packages_of_its_own_workspace(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    source = tmp_path / "catkin_ws" / "src"
+    arm = make_package(source / "vendor" / "my_arm", "my_arm")
+    cell = make_package(source / "my_cell", "my_cell")
+    (arm / "links.xacro").write_text('<robot><link name="base_link"/></robot>')
+    file = cell / "cell.urdf.xacro"
+    include = '<xacro:include filename="$(find my_arm)/links.xacro"/>'
+    xmlns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    file.write_text(f'<robot name="cell" {xmlns}>{include}</robot>')
+    assert load_robot(file).model.root == "base_link"
+
+    file.write_text(file.read_text().replace("my_arm", "my_arn"))
+    with pytest.raises(DescriptionError) as raised:
+        load_robot(file)
+    text = str(raised.value)
+    assert (
+        "there is no ROS package 'my_arn' in the workspace ('my_arm', 'my_cell')"
+        in text
+    )
+    assert "did you mean 'my_arm'?" in text
+
+
+def test_a_yaml_for_ros_2_finds_the_packages_of_its_own_workspace(
+    tmp_path: Path,
+) -> None:
+    package = make_package(tmp_path / "src" / "my_cell", "my_cell")
+    file = package / "controllers.yaml"
+    file.write_text(
+        "arm_controller:\n  ros__parameters:\n"
+        "    file: $(find-pkg-share my_cell)/gains.yaml\n"
+    )
+    tree = ControllerConfig.from_files(file).tree.root
+    value = tree.find("arm_controller/ros__parameters/file")
+    assert value is not None
+    assert value.scalar == f"{package}/gains.yaml"

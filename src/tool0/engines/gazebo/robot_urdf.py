@@ -24,7 +24,6 @@ from typing import final
 import numpy as np
 
 from tool0.description.model import Joint, JointType, Mimic, RobotModel, Visual
-from tool0.description.packages import resolve_uri
 from tool0.description.shapes import Mesh
 from tool0.errors import ModelError
 from tool0.hardware.bodies import Matrix, MovingBody
@@ -92,8 +91,17 @@ def gazebo_urdf(
 ) -> str:
     """Return the URDF of ``model`` for libsdformat, with its gearboxes."""
     robot = ET.fromstring(urdf)
+    shapes = [
+        shape.geometry
+        for link in model.links
+        for shapes_of in (link.visuals, link.collisions)
+        for shape in shapes_of
+    ]
+    files = {
+        item.uri: item.path.absolute() for item in shapes if isinstance(item, Mesh)
+    }
     for mesh in robot.iter("mesh"):
-        mesh.set("filename", resolve_uri(mesh.get("filename", "")).as_uri())
+        mesh.set("filename", files[mesh.get("filename", "")].as_uri())
     if model.root != WORLD:
         robot.append(ET.Element("link", name=WORLD))
         _add_fixed_joint(robot, f"{WORLD}_joint", WORLD, model.root)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from tool0.description.packages import packages_around
 from tool0.lint.launch.argument_flow import argument_flow
 from tool0.lint.launch.explanation import Item, contents
 from tool0.lint.launch.reader import read_launch
 from tool0.lint.launch.xacro_files import xacro_robots
-from tool0.lint.packages import PackageIndex, packages_around
+from tool0.lint.packages import PackageIndex
 
 DATA = Path(__file__).parents[3] / "data" / "launch" / "src"
 BRING_UP = DATA / "arm_gazebo" / "launch" / "arm_bringup.launch"

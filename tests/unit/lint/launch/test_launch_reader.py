@@ -9,12 +9,13 @@ from pathlib import Path
 
 import pytest
 
+from tool0.description.packages import packages_around
 from tool0.errors import SourceLocation
 from tool0.lint.launch.load_context import MAX_BYTES
 from tool0.lint.launch.model import Argument, Include, LaunchFile, Node
 from tool0.lint.launch.reader import read_launch
 from tool0.lint.launch_file import commented_rosparams
-from tool0.lint.packages import PackageIndex, packages_around
+from tool0.lint.packages import PackageIndex
 
 DATA = Path(__file__).parents[3] / "data" / "launch" / "src"
 BRING_UP = DATA / "arm_gazebo" / "launch" / "arm_bringup.launch"
