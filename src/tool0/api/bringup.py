@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
@@ -24,6 +25,8 @@ from tool0.simulation.bringup import start_simulation
 from tool0.simulation.config import ControlConfig, Names, SimulationConfig
 from tool0.simulation.handlers.backend import SimulationBackend
 from tool0.simulation.handlers.state import stop_after_freezes
+
+logger = logging.getLogger(__name__)
 
 Config = TypeVar("Config", DescriptionConfig, ControlConfig, SimulationConfig)
 
@@ -86,7 +89,7 @@ def bringup(
         simulation: The physics, the objects around the robot, and time.
 
     Returns:
-        The robot, holding its pose.
+        The robot, holding its pose.  Its ``warnings`` are logged, too.
 
     Raises:
         Tool0Error: If an option or a file is wrong.
@@ -124,6 +127,8 @@ def bringup(
     started = start_simulation(robot_description, control, held)
     stop_after_freezes(started)
     recorded = Robot(LocalChannel(SimulationBackend(started)))
+    for warning in recorded.warnings:
+        logger.warning("tool0: warning: %s", warning)
     if simulation.record is None:
         return recorded
     try:

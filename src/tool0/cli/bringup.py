@@ -24,6 +24,7 @@ from tool0.errors import ConfigError, EngineError, EngineUnavailableError
 from tool0.protocol.channel import backend_of
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
     from pathlib import Path
 
     from tool0.api.robot import Robot
@@ -110,16 +111,21 @@ def bringup(options: BringupOptions) -> int:
     return 0
 
 
-@contextlib.contextmanager
-def quiet_overruns() -> Iterator[None]:
+def quiet_overruns() -> AbstractContextManager[None]:
     """Keep the simulation from logging overruns; status line and summary count them."""
-    publisher = logging.getLogger("tool0.simulation.publisher")
-    level = publisher.level
-    publisher.setLevel(logging.ERROR)
+    return _without_warnings("tool0.simulation.publisher")
+
+
+@contextlib.contextmanager
+def _without_warnings(name: str) -> Iterator[None]:
+    """Keep a logger from warning of what is printed."""
+    logger = logging.getLogger(name)
+    level = logger.level
+    logger.setLevel(logging.ERROR)
     try:
         yield
     finally:
-        publisher.setLevel(level)
+        logger.setLevel(level)
 
 
 def _claim(run: RunOptions) -> Claim | None:
@@ -142,11 +148,12 @@ def _claim(run: RunOptions) -> Claim | None:
 def _robot(options: BringupOptions) -> Robot:
     from tool0.api.bringup import bringup
 
-    robot = bringup(
-        description=options.full_description(),
-        control=options.control,
-        simulation=options.full_simulation(),
-    )
+    with _without_warnings("tool0.api.bringup"):
+        robot = bringup(
+            description=options.full_description(),
+            control=options.control,
+            simulation=options.full_simulation(),
+        )
     dialect = robot.simulation.core.manager.dialect
     if options.run.ros2 and dialect.name != "ros2":
         robot.close()

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.description.catalogue import CataloguePart, PartKind, shared_folder
-from tool0.description.model import RobotModel
+from tool0.description.model import FLANGE, Interface, RobotModel
+from tool0.description.parts import find_arms
 from tool0.description.robot import CatalogueRobot, RobotDescription
 from tool0.description.yaml_tree import read_verbatim
 from tool0.description.yaml_values import Namespace
@@ -19,6 +20,15 @@ from tool0.errors import ConfigError, SourceLocation
 if TYPE_CHECKING:
     from tool0.control.gains import DerivedGains
 
+CATALOGUE_JOINTS: Final = (
+    "shoulder_pan_joint",
+    "shoulder_lift_joint",
+    "elbow_joint",
+    "wrist_1_joint",
+    "wrist_2_joint",
+    "wrist_3_joint",
+)
+"""The joints that the shared files of arms name."""
 LIMITS: Final = "joint_limits"
 """Key of limits in a YAML that replace the URDF's."""
 
@@ -83,6 +93,68 @@ def renamed(
         elif token.start_mark.column == 0:
             text = text[:start] + controller_prefix(robot) + text[start:]
     return text
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class OwnArm:
+    """An arm of your own robot file."""
+
+    prefix: str
+    """Prefix of its controllers: empty for the only arm."""
+    names: str
+    """Prefix of its links, and of what its hardware offers."""
+    joints: tuple[str, ...]
+    """Its joints, from base to flange."""
+
+    def written(self, text: str) -> str:
+        """Return YAML ``text`` for its joints, instead of those of the catalogue.
+
+        A line that names the first joint of the catalogue is repeated for each joint;
+        ``$prefix`` becomes that of its links.
+        """
+        first, *others = CATALOGUE_JOINTS
+        lines = []
+        for line in text.splitlines(keepends=True):
+            if first in line:
+                lines += [line.replace(first, joint) for joint in self.joints]
+            elif not any(joint in line for joint in others):
+                is_name = line[:1].isalpha() and line.rstrip().endswith(":")
+                lines.append(self.prefix + line if is_name else line)
+        return "".join(lines).replace("$prefix", self.names)
+
+
+def own_arms(model: RobotModel) -> tuple[OwnArm, ...]:
+    """Return the arms of a robot that is not of the catalogue.
+
+    They end at a link ``…tool0``, or have the joints of a catalogue arm.
+    """
+    arms = find_arms(model)
+    if not arms and set(CATALOGUE_JOINTS) <= model.joint_by_name.keys():
+        return (OwnArm("", "", CATALOGUE_JOINTS),)
+    return tuple(
+        OwnArm(
+            f"{name}_" if len(arms) > 1 else "",
+            arm.flange.removesuffix(FLANGE),
+            tuple(joint.name for joint in arm.joints),
+        )
+        for name, arm in arms.items()
+    )
+
+
+def common_interface(
+    model: RobotModel, joints: Iterable[str], preferred: Sequence[Interface]
+) -> Interface | None:
+    """Return the first ``preferred`` interface that all joints have, or None."""
+    drives = [model.transmission_by_joint.get(joint) for joint in joints]
+    return next(
+        (
+            kind
+            for kind in preferred
+            if all(drive and kind in drive.interfaces for drive in drives)
+        ),
+        None,
+    )
 
 
 def read_part(path: Path) -> str:

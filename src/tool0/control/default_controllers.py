@@ -9,19 +9,22 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.control.config import ControllerConfig
 from tool0.control.controller_parts import (
     LIMITS,
+    OwnArm,
     Row,
+    common_interface,
     controller_prefix,
     joints_beyond,
     limits_row,
     lines_of,
     number_text,
+    own_arms,
     part_file,
     rating,
     read_part,
@@ -31,7 +34,7 @@ from tool0.control.parameters import joint_entries
 from tool0.control.ros2 import built_in
 from tool0.control.ros2.dialect import ROS2
 from tool0.description.catalogue import CataloguePart
-from tool0.description.model import Interface, JointType, RobotModel
+from tool0.description.model import Interface, JointType
 from tool0.description.packages import find_package
 from tool0.description.parts import joints_of
 from tool0.description.robot import CatalogueRobot, RobotDescription
@@ -47,6 +50,12 @@ PERIOD: Final = 0.001
 """Time between updates of the controllers for which the gains are [s]."""
 _FILE: Final = "controllers.yaml"
 _ACTION_FILE: Final = "controllers_gripper_action.yaml"
+_BY_PREFERENCE: Final = (Interface.EFFORT, Interface.POSITION)
+_OWN_FILES: Final = {
+    Interface.EFFORT: _FILE,
+    Interface.POSITION: "controllers_position.yaml",
+}
+"""The shared files for your own robot, by the interface of its joints."""
 _GAINS: Final = "$gains"
 _STATE_CONTROLLER: Final = "joint_state_controller"
 """There is one for all robots, or one for each robot with a namespace."""
@@ -137,7 +146,9 @@ def has_ros2_controllers(
 
 def controller_prefixes(description: RobotDescription) -> tuple[str, ...]:
     """Return the prefix of the controllers of each robot: ``left_`` for ``left``."""
-    return tuple(map(controller_prefix, description.robots)) or ("",)
+    if description.robots:
+        return tuple(map(controller_prefix, description.robots))
+    return tuple(arm.prefix for arm in own_arms(description.model)) or ("",)
 
 
 @final
@@ -189,9 +200,13 @@ def _pieces(
     """Return the parts of all robots; none if your own file fits none."""
     parts = [
         piece
-        for robot in description.robots or (None,)
+        for robot in description.robots
         for piece in _Composer(description, robot, gripper_action, period).pieces()
     ]
+    if not description.robots:
+        composer = _Composer(description, None, gripper_action, period)
+        for arm in own_arms(description.model):
+            parts += composer.own_pieces(arm)
     if not parts:
         return []
     path = find_package("tool0_description") / "config" / _FILE
@@ -217,23 +232,45 @@ class _Composer:
     period: float
 
     def pieces(self) -> Iterator[_Piece]:
-        """Yield the parts of arm and gripper; none if your file lacks the joints."""
+        """Yield the parts of an arm and a gripper of the catalogue."""
         model, robot = self.description.model, self.robot
+        assert robot is not None
         own = self._own_file()
         if own is not None:
             yield self._own_piece(own)
             return
-        path = part_file("arm", robot.arm if robot else None, _FILE)
-        text = renamed(self.description, self.robot, read_part(path))
+        path = part_file("arm", robot.arm, _FILE)
+        text = renamed(self.description, robot, read_part(path))
         arm = _joints_of(text, path)
-        if robot is None and not all(joint in _effort_joints(model) for joint in arm):
-            return
         gains, limits = self._arm_rows(arm)
         location = SourceLocation(path, 1)
         yield _Piece(text=text, location=location, gains=gains, limits=limits)
         hand = joints_beyond(model, arm[-1])
-        if (len(hand) == 1) if robot is None else (robot.gripper and hand):
+        if robot.gripper and hand:
             yield self._gripper(hand)
+
+    def own_pieces(self, arm: OwnArm) -> Iterator[_Piece]:
+        """Yield the parts of an arm of your own file, and of a gripper on it.
+
+        There is none if its joints have no interface in common, but for velocity.
+        """
+        model = self.description.model
+        kind = common_interface(model, arm.joints, _BY_PREFERENCE)
+        if kind is None:
+            return
+        path = part_file("arm", None, _OWN_FILES[kind])
+        gains, limits = self._arm_rows(arm.joints)
+        yield _Piece(
+            text=arm.written(read_part(path)),
+            location=SourceLocation(path, 1),
+            gains=gains if kind is Interface.EFFORT else (),
+            limits=limits,
+        )
+        hand = joints_beyond(model, arm.joints[-1])
+        kind = common_interface(model, hand, _BY_PREFERENCE)
+        if len(hand) == 1 and kind is not None:
+            piece = self._gripper(hand, kind)
+            yield replace(piece, text=arm.written(piece.text))
 
     def joint_states(self, text: str) -> str:
         """Return the YAML of a joint_state_controller for the joints of one robot."""
@@ -295,16 +332,19 @@ class _Composer:
             limits.append(limits_row(self.description, joint, found))
         return gains, limits
 
-    def _gripper(self, joints: Sequence[str]) -> _Piece:
+    def _gripper(
+        self, joints: Sequence[str], kind: Interface = Interface.EFFORT
+    ) -> _Piece:
         """Return the part of a gripper with these driven joints."""
         part = self.robot.gripper if self.robot else None
         model = self.description.model
+        by_effort = _ACTION_FILE if self.gripper_action else _FILE
         path = part_file(
-            "gripper", part, _ACTION_FILE if self.gripper_action else _FILE
+            "gripper", part, by_effort if kind is Interface.EFFORT else _OWN_FILES[kind]
         )
         stated = self._stated(part, joints)
         rows = []
-        for joint in joints:
+        for joint in joints if kind is Interface.EFFORT else ():
             if joint not in stated:
                 from tool0.control.gains import derive_gripper_gains
 
@@ -387,14 +427,6 @@ def _joints_of(text: str, path: Path) -> list[str]:
         if controller.find("gains")
         for item in joint_entries(controller)
     ]
-
-
-def _effort_joints(model: RobotModel) -> set[str]:
-    return {
-        transmission.joint
-        for transmission in model.transmissions
-        if Interface.EFFORT in transmission.interfaces
-    }
 
 
 def _flow(entry: YamlEntry) -> str:

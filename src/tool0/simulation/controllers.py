@@ -12,8 +12,10 @@ from tool0.control.default_controllers import (
     controller_prefixes,
     default_controllers,
 )
+from tool0.control.parameters import RobotJoints
 from tool0.control.ros2.built_in import started as started_controllers
 from tool0.control.ros2.dialect import ROS2
+from tool0.control.starting import choose
 from tool0.description.finding import Finding, quoted, warning_at
 from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
@@ -23,11 +25,18 @@ from tool0.user_data import expanded
 DEFAULT_CONTROLLERS = (
     "joint_state_controller",
     "eff_joint_traj_controller",
+    "pos_joint_traj_controller",
     "gripper_controller",
 )
-DEFAULT_STOPPED_CONTROLLERS = ("joint_group_eff_controller",)
+DEFAULT_STOPPED_CONTROLLERS = (
+    "joint_group_eff_controller",
+    "joint_group_pos_controller",
+)
 """Of ROS 1, as in the launch file ``ur5_bringup.launch``; only those that the YAML
 defines.  In a cell, those of each robot, with its name as prefix."""
+
+
+_CHOOSE = "choose with --controllers 'NAME ...' (in Python: controllers=)"
 
 
 class ControllerChoice(NamedTuple):
@@ -38,13 +47,15 @@ class ControllerChoice(NamedTuple):
     stopped: tuple[str, ...]
     """To be loaded, not started."""
     findings: tuple[Finding, ...]
-    """A warning if nothing can move, unless the options request it."""
+    """Warnings of what does not move, unless the options request it."""
 
 
 def choose_controllers(
     description: RobotDescription, control: ControlConfig
 ) -> ControllerChoice:
     """Return the controllers that the options name, or the default ones.
+
+    Of a YAML of yours, those that drive joints without doubt are started, too.
 
     Raises:
         ConfigError: If the YAML does not define one of the names, or is wrong.
@@ -54,12 +65,38 @@ def choose_controllers(
     to_start, to_stop = _defaults(description, control, config)
     started = _existing(config, control.controllers, to_start, prefixes)
     stopped = _existing(config, control.stopped_controllers, to_stop, prefixes)
+    findings = []
+    if control.controllers_file is not None and control.controllers is None:
+        robot = _joints_of(description)
+        choice = choose(config, robot, usual=started, not_to_start=stopped)
+        started += choice.started
+        here = _file_of(config)
+        findings = [
+            warning_at(here, "not-started", "", reason, _CHOOSE)
+            for reason in choice.reasons
+        ]
     return ControllerChoice(
         config,
         started,
         tuple(name for name in stopped if name not in started),
-        tuple(_findings(description, control, config, started)),
+        (*findings, *_findings(description, control, config, started)),
     )
+
+
+def _joints_of(description: RobotDescription) -> RobotJoints:
+    model = description.model
+    return RobotJoints(
+        {joint.name: joint for joint in model.movable_joints},
+        {item.joint: item.interfaces for item in model.transmissions},
+        hardware=model.hardware,
+        grippers=model.grippers,
+    )
+
+
+def _file_of(config: ControllerConfig) -> SourceLocation:
+    """Return the last file that defines a controller."""
+    entries = list(config.tree.root.children.values())
+    return SourceLocation(entries[-1].location.file if entries else None)
 
 
 def _defaults(
@@ -135,7 +172,7 @@ def _findings(
         return []
     if config.names:
         problem = f"no controller is started; the YAML defines {quoted(config.names)}"
-        remedy = "choose with --controllers 'NAME ...' (in Python: controllers=)"
+        remedy = _CHOOSE
     else:
         problem = f"no controller is loaded: no built-in one fits {quoted(driven)}"
         remedy = (

@@ -12,6 +12,7 @@ import yaml
 from raises_naming import raises_naming
 
 import tool0
+from tool0.control.controller_parts import CATALOGUE_JOINTS
 from tool0.control.default_controllers import controllers_yaml, default_controllers
 from tool0.control.parameters import RobotJoints
 from tool0.description.catalogue import find_part
@@ -229,8 +230,22 @@ def test_the_payload_counts_if_it_is_known(tmp_path: Path) -> None:
         controllers_yaml(assemble(str(tmp_path / "mine"), None))
 
 
-def test_two_arms_of_your_own_file_have_no_built_in_controllers() -> None:
-    path = DATA / "description" / "two_robots.urdf.xacro"
+def test_two_arms_of_your_own_file_have_controllers_of_their_names() -> None:
+    mine = parsed(load_robot(DATA / "description" / "two_robots.urdf.xacro"))
+    for side in ("left", "right"):
+        arm = mine[f"{side}_eff_joint_traj_controller"]
+        joints = [f"{side}_{joint}" for joint in CATALOGUE_JOINTS]
+        assert arm["joints"] == list(arm["gains"]) == joints
+        assert arm["constraints"][f"{side}_elbow_joint"] == {
+            "trajectory": 0.1,
+            "goal": 0.1,
+        }
+        assert mine[f"{side}_gripper_controller"]["joints"] == [f"{side}_finger_joint"]
+
+
+def test_a_robot_without_an_arm_has_no_built_in_controllers(tmp_path: Path) -> None:
+    path = tmp_path / "still.urdf"
+    path.write_text('<robot name="still"><link name="base"/></robot>')
     description = load_robot(path)
     with raises_naming(DescriptionError, str(path)):
         controllers_yaml(description)

@@ -136,13 +136,18 @@ def test_a_gripper_action_is_for_ros_1() -> None:
         default_controllers(assemble(ros2_control=True), gripper_action=True)
 
 
-def test_your_own_file_gets_them_if_it_has_the_joints(tmp_path: Any) -> None:
+def test_your_own_file_gets_them_if_it_has_an_arm(tmp_path: Any) -> None:
     known, unknown = tmp_path / "a.urdf", tmp_path / "b.urdf"
     text = assemble(ros2_control=True).urdf
-    known.write_text(text)
-    unknown.write_text(text.replace("elbow_joint", "knee_joint"))
+    known.write_text(text.replace("elbow_joint", "knee_joint"))
+    unknown.write_text(
+        text.replace("elbow_joint", "knee_joint")
+        .replace('name="tool0"', 'name="end"')
+        .replace('link="tool0"', 'link="end"')
+    )
     own = load_description(DescriptionConfig(robot=known))
     assert "joint_trajectory_controller" in default_controllers(own).names
+    assert "knee_joint: {trajectory: 0.2" in controllers_yaml(own)
     other = load_description(DescriptionConfig(robot=unknown))
     assert default_controllers(other).names == ()
     assert default_controllers(other).dialect.name == "ros2"

@@ -1,11 +1,12 @@
 """Which controllers a robot of your own gets, and what is said if none fits."""
 
+import re
 from pathlib import Path
 
 import pytest
 
 import tool0
-from tool0.simulation.controllers import DEFAULT_CONTROLLERS
+from tool0.description.loading import load_robot
 
 ROOT = Path(__file__).parents[3]
 CELL = ROOT / "examples/cell"
@@ -23,10 +24,22 @@ STILL = """<robot name="still"><link name="base">
     <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
 </link></robot>
 """
+LIFT = STILL.replace("still", "lifted").replace(
+    "</robot>",
+    """<link name="table"><inertial><mass value="1"/>
+    <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+  <joint name="lift" type="prismatic"><parent link="base"/><child link="table"/>
+    <axis xyz="0 0 1"/><limit lower="0" upper="1" effort="99" velocity="1"/></joint>
+  <transmission name="t"><type>transmission_interface/SimpleTransmission</type>
+    <joint name="lift">
+      <hardwareInterface>hardware_interface/PositionJointInterface</hardwareInterface>
+    </joint><actuator name="m"/></transmission>
+</robot>""",
+)
 
 
 def running(robot: tool0.Robot) -> list[str]:
-    return [row.name for row in robot.controllers() if row.state == "running"]
+    return [row.name for row in robot.controllers() if row.is_running]
 
 
 @pytest.mark.parametrize("gripper", ["2f85", "none"])
@@ -36,39 +49,121 @@ def test_a_robot_with_the_joints_of_a_built_in_one_gets_its_controllers(
     cell = tmp_path / "my_cell.urdf.xacro"
     cell.write_text(INCLUDED)
     with tool0.bringup(robot=cell, args={"gripper": gripper}, realtime=False) as robot:
-        n_default = 3 if gripper == "2f85" else 2
-        assert running(robot) == list(DEFAULT_CONTROLLERS[:n_default])
+        expected = ["joint_state_controller", "eff_joint_traj_controller"]
+        hand = ["gripper_controller"] if gripper == "2f85" else []
+        assert running(robot) == expected + hand
         assert robot.warnings == ()
         (goal,) = robot.move_joints({"elbow_joint": -0.3}, duration=1.0)
         assert goal.wait(timeout=3.0).status is tool0.GoalStatus.SUCCEEDED
 
 
-def test_other_interfaces_do_not_fit(tmp_path: Path) -> None:
+@pytest.mark.parametrize("prefix", ["", "my_"])
+def test_an_arm_of_your_own_gets_controllers_for_its_interface(
+    tmp_path: Path, prefix: str
+) -> None:
     cell = tmp_path / "my_cell.urdf.xacro"
-    cell.write_text(INCLUDED)
-    args = {"transmission_hw_interface": "hardware_interface/PositionJointInterface"}
+    cell.write_text(INCLUDED.replace('"tool0"', f'"{prefix}tool0"'))
+    args = {
+        "transmission_hw_interface": "hardware_interface/PositionJointInterface",
+        "prefix": prefix,
+    }
     with tool0.bringup(robot=cell, args=args, realtime=False) as robot:
-        assert robot.controllers() == ()
-        assert "no built-in one fits 'shoulder_pan_joint'" in robot.warnings[0]
+        assert running(robot) == [
+            "joint_state_controller",
+            "pos_joint_traj_controller",
+            "gripper_controller",
+        ]
+        assert robot.warnings == ()
+        (goal,) = robot.move_joints({f"{prefix}elbow_joint": -0.3}, duration=1.0)
+        assert goal.wait(timeout=3.0).status is tool0.GoalStatus.SUCCEEDED
 
 
-def test_a_robot_that_fits_none_is_told_what_to_pass() -> None:
-    with tool0.bringup(robot=CELL / "two_arms.urdf.xacro", realtime=False) as robot:
+@pytest.mark.parametrize("ros2", [False, True])
+def test_each_of_several_arms_of_your_own_gets_controllers(
+    tmp_path: Path, ros2: bool
+) -> None:
+    file = CELL / "two_arms.urdf.xacro"
+    if ros2:  # the drives are assumed
+        document = load_robot(file).urdf
+        file = tmp_path / "two_arms.urdf"
+        file.write_text(
+            re.sub(r"<transmission .*?</transmission>", "", document, flags=re.DOTALL)
+        )
+    name = "joint_trajectory_controller" if ros2 else "pos_joint_traj_controller"
+    with tool0.bringup(robot=file, ros2_control=ros2, realtime=False) as robot:
+        assert {f"left_{name}", f"right_{name}"} <= set(running(robot))
+        goals = robot.move_joints({"left_elbow_joint": -0.3, "right_elbow_joint": -0.3})
+        for goal in goals:
+            assert goal.wait(timeout=9.0).status is tool0.GoalStatus.SUCCEEDED
+
+
+def test_a_robot_that_fits_none_is_told_what_to_pass(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    file = tmp_path / "lift.urdf"
+    file.write_text(LIFT)
+    with tool0.bringup(robot=file, realtime=False) as robot:
         (warning,) = robot.warnings
-    assert "no controller is loaded" in warning
+    assert "no built-in one fits 'lift'" in warning
     assert "--controllers-file FILE" in warning
     assert "controllers_file=" in warning
+    assert warning in caplog.text
 
 
-def test_own_controllers_that_are_not_started_are_listed() -> None:
+def test_own_controllers_that_drive_a_joint_alone_are_started(tmp_path: Path) -> None:
     with tool0.bringup(
         robot=CELL / "two_arms.urdf.xacro",
         controllers_file=CELL / "two_arms.yaml",
         realtime=False,
     ) as robot:
-        (warning,) = robot.warnings
-    assert "the YAML defines 'left_arm', 'right_arm'" in warning
-    assert "--controllers 'NAME ...'" in warning
+        assert running(robot) == [
+            "left_arm",
+            "right_arm",
+            "left_gripper",
+            "right_gripper",
+        ]
+        assert robot.warnings == ()
+
+
+CONTROLLER = "{}: {{type: {}_controllers/{}, joints: [lift]{}}}\n"
+PATH, FAST, GROUP = (
+    CONTROLLER.format("path", "position", "JointTrajectoryController", ""),
+    CONTROLLER.format("fast", "position", "JointTrajectoryController", ""),
+    CONTROLLER.format("group", "position", "JointGroupPositionController", ""),
+)
+EFFORT = CONTROLLER.format(
+    "effort", "effort", "JointTrajectoryController", ", gains: {lift: {p: 1}}"
+)
+STATES = (
+    "states: {type: joint_state_controller/JointStateController, publish_rate: 50}\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "started", "warning"),
+    [
+        (STATES + PATH + GROUP, ["states", "path"], ""),
+        (GROUP + EFFORT, ["group"], ""),
+        (
+            PATH + FAST + GROUP,
+            [],
+            "'path', 'fast' all drive 'lift', and none is started",
+        ),
+        (PATH.replace("lift", "lft"), [], "'path' cannot be started"),
+    ],
+)
+def test_what_is_not_started_is_said(
+    text: str, started: list[str], warning: str, tmp_path: Path
+) -> None:
+    robot_file, controllers = tmp_path / "lift.urdf", tmp_path / "controllers.yaml"
+    robot_file.write_text(LIFT)
+    controllers.write_text(text)
+    with tool0.bringup(
+        robot=robot_file, controllers_file=controllers, realtime=False
+    ) as robot:
+        assert running(robot) == started
+        assert warning in "".join(robot.warnings)
+        assert bool(robot.warnings) == bool(warning)
 
 
 @pytest.mark.parametrize("controllers", ["", "joint_state_controller"])

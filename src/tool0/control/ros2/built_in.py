@@ -9,16 +9,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, NamedTuple, final
 
 from tool0.control.controller_parts import (
     LIMITS,
+    OwnArm,
     Row,
+    common_interface,
     joints_beyond,
     limits_row,
     lines_of,
+    own_arms,
     part_file,
     rating,
     read_part,
@@ -36,6 +39,8 @@ from tool0.errors import ConfigError, SourceLocation
 
 _FILE: Final = "controllers_ros2.yaml"
 _STARTED_FILE: Final = "started_controllers_ros2.yaml"
+_ACTIVATION: Final = "robotiq_activation_controller:"
+"""The last controller of a gripper; several would claim the same interface."""
 _RATE: Final = 500
 """Updates per second of an arm whose folder does not state them [Hz]."""
 _ROTARY: Final = {"$tolerance": "0.02"}
@@ -129,9 +134,13 @@ def _pieces(description: RobotDescription, period: float) -> list[_Piece]:
     """Return the parts of all robots; none if your own file fits none."""
     parts = [
         piece
-        for robot in description.robots or (None,)
+        for robot in description.robots
         for piece in _Composer(description, robot, period).pieces()
     ]
+    if not description.robots:
+        composer = _Composer(description, None, period)
+        for arm in own_arms(description.model):
+            parts += composer.own_pieces(arm)
     if not parts:
         return []
     path = _config(_FILE)
@@ -172,20 +181,39 @@ class _Composer:
     period: float
 
     def pieces(self) -> Iterator[_Piece]:
-        """Yield the parts of arm and gripper; none if your file lacks the joints."""
+        """Yield the parts of an arm and a gripper of the catalogue."""
         model, robot = self.description.model, self.robot
+        assert robot is not None
         self._refuse_own_file()
-        path = part_file("arm", robot.arm if robot else None, _FILE)
+        path = part_file("arm", robot.arm, _FILE)
         text = self._written(read_part(path))
         arm = _joints_in(text, path)
-        if robot is None and not all(_follows_positions(model, j) for j in arm):
-            return
         yield _Piece(
             text=text, location=SourceLocation(path, 1), limits=self._limits(arm)
         )
         hand = joints_beyond(model, arm[-1])
-        if (len(hand) == 1) if robot is None else (robot.gripper and hand):
+        if robot.gripper and hand:
             yield self._gripper(hand[0])
+
+    def own_pieces(self, arm: OwnArm) -> Iterator[_Piece]:
+        """Yield the parts of an arm of your own file, and of a gripper on it.
+
+        There is none unless its joints follow positions.
+        """
+        model, wanted = self.description.model, (Interface.POSITION,)
+        if common_interface(model, arm.joints, wanted) is None:
+            return
+        path = part_file("arm", None, _FILE)
+        yield _Piece(
+            text=arm.written(read_part(path)),
+            location=SourceLocation(path, 1),
+            limits=self._limits(arm.joints),
+        )
+        hand = joints_beyond(model, arm.joints[-1])
+        if len(hand) == 1 and common_interface(model, hand, wanted):
+            piece = self._gripper(hand[0])
+            text = piece.text.partition(_ACTIVATION)[0] if arm.prefix else piece.text
+            yield replace(piece, text=arm.written(text))
 
     def _refuse_own_file(self) -> None:
         cell, robot = self.description.cell, self.robot
@@ -238,11 +266,6 @@ def _without_unknown(text: str, joint: str, model: RobotModel) -> str:
         if found is not None and found[1] not in known:
             lines[number] = "\n"
     return "".join(lines)
-
-
-def _follows_positions(model: RobotModel, joint: str) -> bool:
-    drive = model.transmission_by_joint.get(joint)
-    return drive is not None and Interface.POSITION in drive.interfaces
 
 
 def _joints_in(text: str, path: Path) -> list[str]:

@@ -1,0 +1,124 @@
+"""Which controllers of a YAML drive a robot without doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import NamedTuple
+
+from tool0.control.config import ControllerConfig
+from tool0.control.controller import ControllerSpec
+from tool0.control.parameters import RobotJoints
+from tool0.description.finding import quoted
+from tool0.errors import ConfigError
+from tool0.protocol.controllers import Role
+
+_GOALS = (Role.TRAJECTORY, Role.GRIPPER)
+_STATES = ("JointStateController", "JointStateBroadcaster")
+_SCALED = "Scaled"
+"""In the type of a trajectory controller that scales its speed, of Universal Robots."""
+
+
+class Choice(NamedTuple):
+    """The controllers to start besides the usual ones, and why others are not."""
+
+    started: tuple[str, ...]
+    reasons: tuple[str, ...]
+
+
+def choose(
+    config: ControllerConfig,
+    robot: RobotJoints,
+    usual: Sequence[str],
+    not_to_start: Collection[str],
+) -> Choice:
+    """Return the controllers of a YAML that can be started without a choice.
+
+    Those that follow goals come first.  One is started if no other one of its kind
+    drives one of its joints; a controller without goals, if nothing else does.
+
+    Args:
+        config: The YAML.
+        robot: The joints, and their command interfaces.
+        usual: Names that are started anyway.
+        not_to_start: Names that are not considered.
+    """
+    specs: dict[str, ControllerSpec] = {}
+    failed: dict[str, str] = {}
+    reasons = []
+    for name in config.names:
+        if name in not_to_start:
+            continue
+        try:
+            specs[name] = config.spec(name, robot)
+        except ConfigError as error:
+            failed[name] = str(error)
+    taken = {joint for name in usual if name in specs for joint in specs[name].joints}
+    fitting = {
+        name: spec
+        for name, spec in specs.items()
+        if name not in usual
+        and spec.joints
+        and spec.interface is not None
+        and all(spec.interface in robot.interfaces.get(j, ()) for j in spec.joints)
+        and not taken.intersection(spec.joints)
+    }
+    started = [
+        name
+        for name in specs
+        if name not in usual and config.types[name].endswith(_STATES)
+    ]
+    driven = set(taken)
+    for roles in (_GOALS, (Role.COMMAND,)):
+        rivals: Mapping[str, ControllerSpec] = {
+            name: spec
+            for name, spec in fitting.items()
+            if config.dialect.role(config.types[name]) in roles
+            and not taken.intersection(spec.joints)
+        }
+        rivals = _without_scaled(config, rivals)
+        for name, spec in rivals.items():
+            others = [n for n, s in rivals.items() if set(s.joints) & set(spec.joints)]
+            if others == [name]:
+                started.append(name)
+                driven.update(spec.joints)
+            elif others[0] == name:
+                joint = next(j for j in spec.joints if j in rivals[others[1]].joints)
+                reasons.append(
+                    f"{quoted(others)} all drive '{joint}', and none is started"
+                )
+        taken.update(joint for spec in rivals.values() for joint in spec.joints)
+    for name, why in failed.items():
+        is_needed = not driven.issuperset(_joints(config, robot, name))
+        if name not in usual and is_needed and _is_of_goals(config, name):
+            reasons.append(f"'{name}' cannot be started: {why}")
+    return Choice(tuple(started), tuple(reasons))
+
+
+def _joints(config: ControllerConfig, robot: RobotJoints, name: str) -> set[str]:
+    """Return the joints that a controller names, even if its parameters are wrong."""
+    values = config.parameters_of(name, robot).values
+    joints = values.get("joints", ())
+    return {str(values.get("joint", ""))} - {""} | set(
+        map(str, joints) if isinstance(joints, tuple) else ()
+    )
+
+
+def _is_of_goals(config: ControllerConfig, name: str) -> bool:
+    return config.dialect.role(config.types[name]) in _GOALS
+
+
+def _without_scaled(
+    config: ControllerConfig, rivals: Mapping[str, ControllerSpec]
+) -> Mapping[str, ControllerSpec]:
+    """Leave out scaled controllers whose joints a plain one drives, too."""
+    plain = {
+        joint
+        for name, spec in rivals.items()
+        if _SCALED not in config.types[name]
+        for joint in spec.joints
+    }
+    return {
+        name: spec
+        for name, spec in rivals.items()
+        if _SCALED not in config.types[name] or not plain.intersection(spec.joints)
+    }
