@@ -144,12 +144,14 @@ class ControllerLint:
                 "misplaced-key",
                 f"{self.kind} does not read it; read by {' and '.join(others)} only",
                 "remove it, or take that controller",
+                "warning",
             )
         if first in ("gains", "velocity_ff", "pid") and "/" not in path:
             return entry.finding(
                 "misplaced-key",
                 f"{self.type} has no use for {first}: its interface needs no PID",
                 "remove it",
+                "warning",
             )
         written = path.rpartition("/")[2]
         near = nearest_name(written, siblings(pattern, read))

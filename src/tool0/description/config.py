@@ -39,7 +39,7 @@ UNSET: Final = Unset.UNSET
 
 _OF_SEVERAL: Final = ("robot", "cell", "robots")
 """The options that name robots in another way than by an arm and a gripper."""
-_NOT_XACRO: Final = (*_OF_SEVERAL, "namespaces", "args")
+_NOT_XACRO: Final = (*_OF_SEVERAL, "namespaces", "args", "relax_inertia")
 """The fields that are no arguments of the xacro file."""
 _OF_EACH: Final = ("ros2_control",)
 """The options that also apply to a cell, to each of its robots, and to your file."""
@@ -53,8 +53,9 @@ _ROBOT_NAME: Final = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?", re.ASCII)
 class DescriptionConfig:
     """The robot: an arm and a gripper of the catalogue, a cell of them, or your file.
 
-    Each field except ``robot``, ``cell``, ``robots``, ``namespaces`` and ``args`` is
-    the argument of the same name in ``tool0_description/urdf/ur_robotiq.urdf.xacro``.
+    Each field except ``robot``, ``cell``, ``robots``, ``namespaces``, ``args`` and
+    ``relax_inertia`` is the argument of the same name in
+    ``tool0_description/urdf/ur_robotiq.urdf.xacro``.
     A field that is not given (None) leaves the argument at its default.  Relative paths
     count from the working directory.
 
@@ -85,6 +86,9 @@ class DescriptionConfig:
     own; a cell's file can say so, too."""
     args: Mapping[str, Argument] | None = None
     """Arguments of the xacro file; they override the other options."""
+    relax_inertia: bool = False
+    """Replace the inertias of your own file that no body has, with a warning, instead
+    of refusing the robot."""
     mount_xyz: Sequence[Metres] | None = None
     """Position of the gripper in tool0 [m]."""
     mount_rpy: Sequence[Radians] | None = None
@@ -143,6 +147,8 @@ class DescriptionConfig:
             raise ConfigError(
                 "namespaces: only for several robots; give cell or robots, too"
             )
+        if self.relax_inertia and self.robot is None:
+            raise ConfigError("relax_inertia: only for a robot file of your own")
         if self.robot is not None and given:
             raise ConfigError(
                 f"{', '.join(given)}: only for robots of the catalogue; '{self.robot}' "

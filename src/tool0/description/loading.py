@@ -28,6 +28,7 @@ from tool0.description.packages import (
     packages_around,
     preferring,
 )
+from tool0.description.relaxed_inertia import require_inertias
 from tool0.description.robot import CatalogueRobot, RobotDescription
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_file
@@ -77,7 +78,12 @@ def load_description(
         ConfigError: If a cell is wrong.
     """
     if config.robot is not None:
-        return load_robot(config.robot, config.args, is_driven=config.ros2_control)
+        return load_robot(
+            config.robot,
+            config.args,
+            is_driven=config.ros2_control,
+            relax_inertia=config.relax_inertia,
+        )
     cell = _cell_of(config)
     if cell is not None:
         return _load_cell(cell, spawn_z)
@@ -198,11 +204,13 @@ def load_robot(
     args: Mapping[str, Argument] | None = None,
     *,
     is_driven: bool = False,
+    relax_inertia: bool = False,
 ) -> RobotDescription:
     """Return the robot in your own file, which is xacro unless it ends in ``.urdf``.
 
     Packages are those of the workspace that it lies in, before all others.  With
-    ``is_driven``, every joint is driven if the file does not say which are.
+    ``is_driven``, every joint is driven if the file does not say which are.  With
+    ``relax_inertia``, inertias that no body has are replaced.
 
     Raises:
         DescriptionError: If the file, or a file it refers to, cannot be read.
@@ -224,6 +232,7 @@ def load_robot(
             document, _, given = expand(path, given)
         if is_driven:
             assume_drives(document)
+        require_inertias(document, relax=relax_inertia)
         return RobotDescription(
             model=read_model(document), source=path, arguments=given, _document=document
         )

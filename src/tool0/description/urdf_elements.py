@@ -205,6 +205,8 @@ def _read_axis(element: Element, name: str) -> Vector3:
 def _read_limits(element: Element, name: str, kind: JointType) -> JointLimits:
     child = only_child(element, "limit")
     is_limited = kind in _LIMITED
+    if kind is JointType.FIXED:
+        return JointLimits()  # ROS does not read them
     if child is None:
         if is_limited:
             raise LimitsError(

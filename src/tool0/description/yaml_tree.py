@@ -80,7 +80,9 @@ class YamlEntry:
         """Return a description of the value for messages."""
         if self.is_mapping:
             return "a mapping"
-        return "a list" if self.is_list else f"{self.scalar!r}"
+        if self.is_list:
+            return "a list" if self.items else "an empty list"
+        return f"{self.scalar!r}"
 
     def plain(self) -> object:
         """Return the value as Python dicts, lists and scalars."""

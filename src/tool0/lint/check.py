@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ParamSpec, TypeVar, final
@@ -154,8 +154,8 @@ class _Check:
             self._notes.append(
                 f"{path}: not expanded, since nothing here gives it {needs}"
             )
-        elif read is not None:
-            self._findings += read.findings
+        elif read is not None and (read.facts is None or read.facts.links):
+            self._findings += read.findings  # without a link, it is a part of a robot
 
     def _urdf_files(self) -> None:
         for source in self._sources.of(FileKind.URDF):
@@ -178,7 +178,8 @@ class _Check:
                     self._notes.append(f"{source.path}: holds no controllers")
                 continue
             robot = self._robot_of(source, yaml)
-            self._apply(source.path, yaml_findings, (yaml,), robot, self._packages)
+            rules = yaml_findings if source.was_named else _yaml_alone
+            self._apply(source.path, rules, (yaml,), robot, self._packages)
 
     def _robot_of(self, yaml: Source, text: YamlText) -> RobotFacts | None:
         """Return the robot for a YAML that no launch file loads, if only one fits.
@@ -263,6 +264,18 @@ class _Check:
             return list(rules(*arguments, **keywords))
 
         self._findings += self._try(file, found) or ()
+
+
+def _yaml_alone(
+    yamls: Iterable[YamlText], robot: RobotFacts | None, packages: Packages
+) -> Iterator[Finding]:
+    """Yield the findings of YAML that no launch file loads, and nobody named.
+
+    The robot may offer other interfaces with other arguments.
+    """
+    for finding in yaml_findings(yamls, robot, packages):
+        if finding.rule != "interface-mismatch":
+            yield finding
 
 
 def _identity(finding: Finding) -> tuple[object, ...]:

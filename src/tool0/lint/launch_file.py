@@ -52,6 +52,8 @@ class ParsedLaunch:
     spawns: bool = False
     """Whether the robot is spawned in Gazebo."""
     launch: LaunchFile | None = field(default=None, repr=False)
+    has_unread_yaml: bool = False
+    """Whether it loads YAML that could not be read, such as that of other packages."""
     notes: tuple[str, ...] = ()
     """Parts of the file that could not be analysed."""
 
@@ -89,8 +91,22 @@ def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
         included=tuple(f.file for f in launch.files() if f.file != launch.file),
         spawns=any(node.package.resolved == "gazebo_ros" for node in launch.nodes()),
         launch=launch,
-        notes=launch.notes,
+        has_unread_yaml=any(
+            rosparam.command == "load" and rosparam.yaml is None
+            for rosparam in launch.rosparams()
+        ),
+        notes=(*launch.notes, *(() if launch.is_python else _required(launch))),
     )
+
+
+def _required(launch: LaunchFile) -> Iterator[str]:
+    """Yield notes about the arguments that a launch file requires."""
+    for argument in launch.arguments:
+        if argument.origin == "missing":
+            yield (
+                f"{argument.place.location}: the argument '{argument.name}' has no "
+                "default: what depends on it was not checked"
+            )
 
 
 def control_findings(
@@ -98,8 +114,9 @@ def control_findings(
 ) -> Iterator[Finding]:
     """Yield mismatches between a launch file's controllers, YAML and robot."""
     yamls = [*read.yamls, *_plugin_files(read, robot)]
-    yield from yaml_findings(yamls, robot, packages)
     wanted = list(spawn_requests(read.launch)) if read.launch is not None else []
+    started = {request.name for request in wanted}
+    yield from yaml_findings(yamls, robot, packages, started)
     if not wanted:
         return
     tree = Tree()
@@ -110,8 +127,9 @@ def control_findings(
             return  # its content is unknown, which was reported
     config = ControllerConfig(tree)
     files = dict.fromkeys(str(yaml.location.file) for yaml in yamls)
-    is_elsewhere = read.launch is not None and read.launch.is_python
-    if config.names or not is_elsewhere:  # else another launch file has the manager
+    if (
+        config.names and not read.has_unread_yaml
+    ):  # else another launch file has the manager
         yield from spawn_findings(wanted, config, list(files))
 
 
@@ -149,7 +167,7 @@ def _robots(launch: LaunchFile) -> Iterator[tuple[Path, Mapping[str, str] | None
     for parameter in launch.parameters():
         call = xacro_call(parameter)
         if call is not None and call.file is not None:
-            if not launch.is_python or is_file(call.file):  # else reported there
+            if is_file(call.file):  # else reported there
                 yield call.file, call.args
         elif parameter.source == "textfile" and parameter.content.resolved:
             path = Path(parameter.content.resolved)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from tool0.description.finding import Finding, Severity, error_at
+from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.xml_source import parse_file
 from tool0.errors import DescriptionError, SourceLocation
 from tool0.lint.packages import PackageIndex, Packages
@@ -19,6 +20,8 @@ _REQUIRED = ("name", "version", "description", "maintainer", "license")
 _USES = re.compile(r"\$\(find +([\w-]+) *\)|package://([\w-]+)/")
 _CHOICES = ("xacro:if", "xacro:unless")
 _GAZEBO_PLUGIN = "libgazebo_ros_control.so"
+_MOST = 4
+"""Packages that are named with the place of their use."""
 _RULES = ("unresolved-find", "unknown-package", "missing-package")
 _NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
 
@@ -58,46 +61,45 @@ def package_findings(
                 f"<{tag}> is missing, so catkin refuses the package",
                 f"add <{tag}>",
             )
-    declared = _dependencies(root)
-    reached, is_whole = _reached(declared, PackageIndex(given))
-    for used, where in sorted(_used(file.parent, sources).items()):
-        if used in declared or used == root.child("name").text:
-            continue
-        severity: Severity = "warning"
-        if used in reached:
-            reason = f"today it comes with '{reached[used]}', which is named"
-        elif not is_whole and used not in given:
-            reason = "unless a listed package depends on it, rosdep does not install it"
-        else:
-            severity = "error"
-            reason = "rosdep does not install it; on another machine it is missing"
-        yield error_at(
+    reached = _reached(_dependencies(root), PackageIndex(given))
+    lacking = [
+        (used, where)
+        for used, where in sorted(_used(file.parent, sources).items())
+        if used not in reached and used != root.child("name").text
+    ]
+    if lacking:
+        uses = [
+            f"'{used}' (at {_inside(file.parent, where)})" for used, where in lacking
+        ]
+        first = ", ".join(uses[:_MOST])
+        more = f" and {len(uses) - _MOST} more" if len(uses) > _MOST else ""
+        yield warning_at(
             root.location,
             "missing-dependency",
-            used,
-            f"{where} uses '{used}', which package.xml does not name: {reason}",
-            f"add <exec_depend>{used}</exec_depend>",
-            severity=severity,
+            ", ".join(used for used, _ in lacking),
+            f"the files use {first}{more}, and package.xml names no package that needs "
+            "it: rosdep does not install it on another machine",
+            "add "
+            + " ".join(f"<exec_depend>{used}</exec_depend>" for used, _ in lacking),
         )
 
 
-def _reached(
-    declared: Iterable[str], packages: PackageIndex
-) -> tuple[dict[str, str], bool]:
-    """Return indirect package → its dependency, and whether all packages are known."""
-    by: dict[str, str] = {}
-    waiting, is_whole = [(name, name) for name in sorted(declared)], True
+def _inside(folder: Path, where: SourceLocation) -> SourceLocation:
+    file = where.file
+    return replace(where, file=file.relative_to(folder)) if file else where
+
+
+def _reached(declared: Iterable[str], packages: PackageIndex) -> set[str]:
+    """Return the declared packages, and those that these declare, as far as known."""
+    found: set[str] = set()
+    waiting = list(declared)
     while waiting:
-        name, first = waiting.pop()
-        try:
-            further = declared_dependencies(packages.find(name))
-        except DescriptionError:
-            is_whole = False
-            continue
-        for other in sorted(further - by.keys()):
-            by[other] = first
-            waiting.append((other, first))
-    return by, is_whole
+        name = waiting.pop()
+        if name not in found:
+            found.add(name)
+            with suppress(DescriptionError):
+                waiting += declared_dependencies(packages.find(name))
+    return found
 
 
 def _used(folder: Path, sources: Iterable[Source]) -> dict[str, SourceLocation]:
@@ -137,20 +139,19 @@ def _uses(root: Tag) -> Iterator[tuple[str, SourceLocation]]:
 def judge_missing_package(finding: Finding) -> Finding | str:
     """Return the finding with its proper severity, or a note instead.
 
-    A missing package that the file's own package.xml declares is no fault of the file.
-    For a file outside any package it is a warning, unless the name is a typo.
+    A package that this machine lacks is no fault of a file in a package: that its
+    package.xml does not name it is a finding about that.  For a file outside any
+    package it is a warning.  A name that may be a misspelling is an error.
     """
     lacking, file = _missing_package(finding), finding.location.file
-    if lacking is None or file is None:
+    if lacking is None or file is None or "did you mean" in finding.text:
         return finding
     folder = next(
         (f for f in file.absolute().parents if (f / "package.xml").is_file()), None
     )
-    if folder is not None and lacking in declared_dependencies(folder):
-        return f"{file}: '{lacking}' is not on this machine; its files were not checked"
-    if folder is None and "did you mean" not in finding.text:
+    if folder is None:
         return replace(finding, severity="warning")
-    return finding
+    return f"{file}: '{lacking}' is not on this machine; its files were not checked"
 
 
 def _missing_package(finding: Finding) -> str | None:

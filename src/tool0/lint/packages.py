@@ -17,7 +17,7 @@ from tool0.description.packages import (
     is_package,
     name_of_package,
 )
-from tool0.errors import DescriptionError, SourceLocation, nearest_name
+from tool0.errors import DescriptionError, SourceLocation, is_typo, nearest_name
 
 _STANDARD = {"xacro": Path("/opt/ros/noetic/share/xacro")}
 """Accepted without ROS, too: tool0 implements these programs itself."""
@@ -79,12 +79,13 @@ class PackageIndex:
         return self._found[name]
 
     def nearest(self, name: str) -> str | None:
-        """Return the most similar package of those given and those shipped."""
-        return nearest_name(name, _bundled_names().union(self._given), cutoff=0.85)
+        """Return the package, given or shipped, that a name may be a typo of."""
+        near = nearest_name(name, _bundled_names().union(self._given), cutoff=0.85)
+        return near if is_typo(name, near) else None
 
     def unknown(self, name: str, user: str, location: SourceLocation) -> Finding:
         """Return the finding that ``user`` needs a package that does not exist."""
-        near = nearest_name(name, self._given, cutoff=0.85)
+        near = self.nearest(name)
         is_name = _NAME.fullmatch(name) is not None
         message = f"{user} names no package: '{short(name)}' is not a valid name"
         remedy = "write package://PACKAGE/PATH or $(find PACKAGE)"

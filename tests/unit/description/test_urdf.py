@@ -3,11 +3,13 @@ from pathlib import Path
 
 import pytest
 
-from tool0.description.model import JointType, RobotModel
+from tool0.description.config import DescriptionConfig
+from tool0.description.loading import load_description
+from tool0.description.model import JointLimits, JointType, RobotModel
 from tool0.description.shapes import Box, Cylinder, Mesh, Sphere
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_text
-from tool0.errors import DescriptionError, LimitsError, ModelError
+from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
 
 INERTIA = (
     '<inertial><mass value="{mass}"/><inertia ixx="{xx}" ixy="{xy}" ixz="0" '
@@ -225,3 +227,35 @@ def test_principal_moments_agree_with_numpy() -> None:
         np.testing.assert_allclose(
             inertial.principal_moments, expected, rtol=1e-9, atol=1e-12
         )
+
+
+IMPOSSIBLE = """<robot name="r"><link name="a"/><link name="b"><inertial>
+  <mass value="0.05"/>
+  <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.0008"/></inertial></link>
+  <joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint></robot>
+"""
+
+
+def test_an_inertia_that_no_body_has_is_refused_or_replaced(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    file = tmp_path / "r.urdf"
+    file.write_text(IMPOSSIBLE)
+    with pytest.raises(ModelError, match="inertia of link 'b'.*--relax-inertia"):
+        load_description(DescriptionConfig(robot=file))
+    model = load_description(DescriptionConfig(robot=file, relax_inertia=True)).model
+    inertial = model.link("b").inertial
+    assert inertial is not None
+    assert inertial.principal_moments == (0.001, 0.001, 0.001)
+    assert "the inertia of link 'b', which no body has, is replaced" in caplog.text
+    with pytest.raises(ConfigError, match="relax_inertia: only for a robot file"):
+        DescriptionConfig(relax_inertia=True)
+
+
+def test_the_limits_of_a_fixed_joint_are_not_read() -> None:
+    joint = (
+        '<joint name="j" type="fixed"><parent link="a"/><child link="b"/>'
+        '<limit lower="0" upper="0" effort="0" velocity="0"/></joint>'
+    )
+    model = read(f'<link name="a"/><link name="b"/>{joint}')
+    assert model.joint("j").limits == JointLimits()

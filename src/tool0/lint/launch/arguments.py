@@ -100,15 +100,6 @@ class Arguments:
         if argument.default is not None:
             scope.values[name] = _if_active(argument.default, scope)
             return replace(argument, value=scope.values[name], origin="default")
-        if not self._is_included:
-            scope.report(
-                "missing-argument",
-                name,
-                "has no default, and no value is given: what depends on it is unknown",
-                f"give {name}:=… on the command line, or in the <include> of "
-                "another file",
-                severity="warning",
-            )
         return argument
 
     def _refuse_override(

@@ -91,7 +91,7 @@ def findings(tag: Tag) -> Iterator[Finding]:
     for child in tag.children():
         if child.tag not in allowed:
             hint = did_you_mean(child.tag, allowed) if allowed else ""
-            yield error_at(
+            yield warning_at(
                 child.location,
                 "unknown-element",
                 child.tag,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Final, final
@@ -16,10 +16,11 @@ from tool0.control.parameters import (
 from tool0.control.ros1.dialect import ROS1
 from tool0.control.ros1.lint import OF_TOOL0, lint
 from tool0.description.finding import Finding, Severity, error_at
+from tool0.description.model import Interface
 from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import ConfigError, is_typo, nearest_name
 from tool0.lint.plugins import PluginIndex
-from tool0.lint.robot.facts import RobotFacts
+from tool0.lint.robot.facts import InterfaceFacts, RobotFacts
 
 OTHER_TYPES: Final = (
     "ackermann_steering_controller/AckermannSteeringController",
@@ -57,10 +58,15 @@ _MOVEIT_KEYS = frozenset(
     }
 )
 """Keys of MoveIt; its setup assistant writes them into the same files."""
+_KINEMATICS = "kinematics_solver"
+"""Start of MoveIt's keys for a group of joints."""
 
 
 def controller_findings(
-    config: ControllerConfig, robot: RobotFacts | None, plugins: PluginIndex
+    config: ControllerConfig,
+    robot: RobotFacts | None,
+    plugins: PluginIndex,
+    started: Collection[str] = (),
 ) -> Iterator[Finding]:
     """Yield the faults of the controllers of a YAML, for ``robot`` if known."""
     joints = None if robot is None else robot.movable_joints
@@ -73,7 +79,7 @@ def controller_findings(
     wrong = {f.key.partition("/")[0] for f in linted if f.severity == "error"}
     for name, entry in config.tree.root.children.items():
         if name in config.names:
-            controller = _Ros1Controller(config, name, entry, robot, plugins)
+            controller = _Ros1Controller(config, name, entry, robot, plugins, started)
             for finding in controller.findings():
                 key = finding.key.rpartition("/")[2]
                 is_reported = finding.rule == "missing-key" and any(
@@ -97,6 +103,8 @@ def _is_controller(finding: Finding, config: ControllerConfig) -> bool:
     if finding.key in _MOVEIT_KEYS:
         return False
     entry = config.tree.root.children[finding.key]
+    if any(key.startswith(_KINEMATICS) for key in entry.children):
+        return False
     return (
         "controller" in finding.key
         or "meant to be" in finding.remedy
@@ -114,6 +122,8 @@ class _Ros1Controller:
     entry: YamlEntry
     robot: RobotFacts | None
     plugins: PluginIndex
+    started: Collection[str]
+    """The controllers that a launch file starts; none if that is unknown."""
 
     @property
     def type(self) -> str:
@@ -193,12 +203,9 @@ class _Ros1Controller:
                     f"'{name}' has no <transmission>, so ros_control cannot find it",
                     "give it one in the robot's description",
                 )
-            elif (
-                wanted is not None
-                and offered
-                and offered[0].written
-                and not offered[0].written.endswith(wanted.value)
-            ):
+            elif wanted is not None and offered and not _fits(offered[0], wanted):
+                if not self.is_meant_for(name, offered[0]):
+                    continue
                 yield entry.finding(
                     "interface-mismatch",
                     f"{self.type} commands {wanted.value}, but the <transmission> "
@@ -206,6 +213,24 @@ class _Ros1Controller:
                     f"'{offered[0].written}'",
                     "change the controller's type, or the interface",
                 )
+                return  # the others are probably alike
+
+    def is_meant_for(self, joint: str, offered: InterfaceFacts) -> bool:
+        """Return whether it is to drive a joint that offers another interface.
+
+        It is if a launch file starts it, or if no other controller of the YAML fits:
+        many YAML files have one for each interface.
+        """
+        if self.started:
+            return self.name in self.started
+        for name, entry in self.config.tree.root.children.items():
+            if name not in self.config.names or name == self.name:
+                continue
+            kind = INTERFACE_OF_PACKAGE.get(self.config.types[name].partition("/")[0])
+            names = [str(item.scalar) for item in joint_entries(entry)]
+            if kind is not None and joint in names and _fits(offered, kind):
+                return False
+        return True
 
     def _gains(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
         """Yield joints without the gains that this controller needs."""
@@ -243,6 +268,12 @@ class _Ros1Controller:
             )
 
 
+def _fits(offered: InterfaceFacts, wanted: Interface) -> bool:
+    """Return whether a <hardwareInterface>, with its package or without, is that."""
+    written = offered.written
+    return not written or written.rpartition("/")[2] == wanted.value.rpartition("/")[2]
+
+
 @cache
 def usual_joints() -> frozenset[str]:
     """Return the movable joints of the usual robot, a UR5 with a 2F-85."""
@@ -269,6 +300,8 @@ def unknown_joints(
             continue
         unused = known.difference(names)
         near = nearest_name(name, unused) or nearest_name(name, known)
+        if robot is None and not is_typo(name, near):
+            continue
         yield entry.finding(
             "unknown-joint",
             f"names '{name}', but {reason}",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
@@ -25,6 +25,8 @@ _NONE: Packages = MappingProxyType({})
 _KEY = re.compile(r"^( *)([\w/.*-]+) *:(?: *| +[&!]\S+ *)(?:#.*)?$")
 """A key with nothing after it."""
 _ANY = re.compile(r"^( *)([\w/.*-]+) *:")
+_OPENCV = "%YAML:"
+"""Start of a file of OpenCV, which is no YAML."""
 _MARKS = re.compile(
     r"(?:^|[{,])[ \t]*(?:[\w/*]*type *: *['\"]?[\w]+/\w*(?:Controller|Broadcaster)\b"
     r"|[\w/]*pid_gains *:|gazebo_ros_control *:|ros_+parameters? *:"
@@ -52,6 +54,7 @@ def yaml_findings(
     texts: Iterable[YamlText],
     robot: RobotFacts | None = None,
     packages: Packages = _NONE,
+    started: Collection[str] = (),
 ) -> Iterator[Finding]:
     """Yield the faults of the controllers of texts that are loaded together.
 
@@ -59,6 +62,7 @@ def yaml_findings(
         texts: In the order of loading; later ones override.
         robot: The robot that they are for, if it is known.
         packages: The workspace's, which may export types of controllers.
+        started: The controllers that a launch file starts, if that is known.
     """
     trees: list[YamlText] = []
     for text in texts:
@@ -80,11 +84,15 @@ def yaml_findings(
         yield from ros2.controller_findings(whole, robot, PluginIndex(packages))
     else:
         config = ControllerConfig(whole)
-        yield from ros1.controller_findings(config, robot, PluginIndex(packages))
+        yield from ros1.controller_findings(
+            config, robot, PluginIndex(packages), started
+        )
 
 
 def syntax_findings(text: YamlText) -> Iterator[Finding]:
     """Yield a finding if the text, whatever it is about, cannot be parsed."""
+    if text.text.startswith(_OPENCV):
+        return
     try:
         require_yaml(text.text, text.location)
     except ConfigError as error:

@@ -177,6 +177,8 @@ def follower_findings(robot: Robot) -> Iterator[Finding]:
 
 def _loose(robot: Robot) -> Iterator[Finding]:
     facts, body = robot.facts, robot.body
+    if not robot.is_controlled:
+        return  # it is not for Gazebo classic
     geared = {
         body.get(link) for box in facts.gearboxes for link in (box.parent, box.child)
     }

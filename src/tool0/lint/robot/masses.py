@@ -34,6 +34,7 @@ def inertia_findings(robot: Robot) -> Iterator[Finding]:
     links = {link["name"]: link for link in robot.root.children("link")}
     masses = {name: _mass(link) for name, link in links.items()}
     heavy = {body.get(name) for name, mass in masses.items() if mass and mass > 0}
+    geared = {link for box in facts.gearboxes for link in (box.parent, box.child)}
     for_gazebo = robot.is_spawned or facts.has_extensions or bool(facts.transmissions)
     for name, link in links.items():
         inertial, mass = link.child("inertial"), masses[name]
@@ -48,7 +49,12 @@ def inertia_findings(robot: Robot) -> Iterator[Finding]:
         if mass is None:
             continue
         if mass > 0:
-            yield from _tensor(link, mass, is_alone=body.get(name, name) == name)
+            yield from _tensor(
+                link,
+                mass,
+                is_alone=body.get(name, name) == name,
+                has_gear=name in geared,
+            )
         elif mass < 0 or body.get(name) not in {*heavy, _WORLD}:
             yield inertial.child("mass").at.error(
                 "bad-mass",
@@ -104,8 +110,13 @@ def _moments(tensor: Tag, mass: float) -> tuple[float, float, float] | None:
     return (low * scale, middle * scale, high * scale)
 
 
-def _tensor(link: Tag, mass: float, *, is_alone: bool) -> Iterator[Finding]:
-    """Yield the findings about an inertia; fewer if it is merged into another."""
+def _tensor(
+    link: Tag, mass: float, *, is_alone: bool, has_gear: bool
+) -> Iterator[Finding]:
+    """Yield the findings about an inertia; fewer if it is merged into another.
+
+    What ``has_gear`` may carry the inertia of a rotor.
+    """
     tensor = link.child("inertial").child("inertia")
     moments = _moments(tensor, mass)
     if moments is None:
@@ -129,7 +140,7 @@ def _tensor(link: Tag, mass: float, *, is_alone: bool) -> Iterator[Finding]:
             "classic turns it wrongly",
             "check units and axes, and that a CAD program's signs are kept",
         )
-    elif is_alone and (reason := _implausible(body)):
+    elif is_alone and (reason := _implausible(body, has_gear)):
         yield tensor.at.error(
             "implausible-inertia",
             f"{body}; {reason}",
@@ -139,7 +150,7 @@ def _tensor(link: Tag, mass: float, *, is_alone: bool) -> Iterator[Finding]:
         )
 
 
-def _implausible(body: _Body) -> str:
+def _implausible(body: _Body, has_gear: bool) -> str:
     """Return why the radius of gyration is implausible; empty if it is plausible."""
     high = body.moments[2]
     gyration = math.sqrt(high / body.mass)
@@ -156,6 +167,8 @@ def _implausible(body: _Body) -> str:
         )
     if body.extent and not (_SIZES[0] <= gyration / body.extent <= _SIZES[1]):
         much = "small" if gyration < body.extent else "large"
+        if has_gear and much == "large":
+            return ""
         return (
             f"its mass lies {gyration:.3g} m around its centre (radius of gyration), "
             f"while its shapes measure {body.extent:.3g} m: the moments are too {much} "

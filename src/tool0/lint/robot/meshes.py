@@ -19,7 +19,7 @@ _REMOTE = ("model", "http", "https")
 
 
 def mesh_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the meshes that cannot be loaded; each file and each package once."""
+    """Yield the meshes that cannot be loaded; those of one folder once."""
     done: set[str] = set()
     for link in robot.root.children("link"):
         for mesh in link.descendants("mesh"):
@@ -47,11 +47,12 @@ def _uri(at: Subject, packages: PackageIndex, done: set[str]) -> Iterator[Findin
         )
         return
     if "$(" in uri or "${" in uri:
-        yield at.error(
-            _UNRESOLVED,
-            f"'{short(uri)}' is xacro, which nothing expands in a plain URDF",
-            "expand the file with xacro first, or write package://PACKAGE/PATH",
-        )
+        if _is_first("$", done):
+            yield at.error(
+                _UNRESOLVED,
+                f"'{short(uri)}' is xacro, which nothing expands in a plain URDF",
+                "expand the file with xacro first, or write package://PACKAGE/PATH",
+            )
         return
     suffix = os.path.splitext(uri)[1].lower()  # noqa: PTH122  # of a URI
     if suffix not in MESH_SUFFIXES:
@@ -63,16 +64,15 @@ def _uri(at: Subject, packages: PackageIndex, done: set[str]) -> Iterator[Findin
         )
     scheme, separator, rest = uri.partition("://")
     if not separator:
-        yield from _plain(at)
+        yield from _plain(at, done)
     elif scheme == "file":
-        yield from _exists(Path("/" + rest.lstrip("/")), at)
+        yield from _exists(Path("/" + rest.lstrip("/")), at, done)
     elif scheme == "package":
         name, _, inside = rest.partition("/")
         folder = packages.get(name)
         if folder is not None:
-            yield from _exists(folder / inside, at)
-        elif f"package://{name}/" not in done:
-            done.add(f"package://{name}/")
+            yield from _exists(folder / inside, at, done)
+        elif _is_first(f"package://{name}/", done):
             yield packages.unknown(name, f"'{short(uri)}'", at.location)
     elif scheme not in _REMOTE:
         yield at.error(
@@ -82,7 +82,7 @@ def _uri(at: Subject, packages: PackageIndex, done: set[str]) -> Iterator[Findin
         )
 
 
-def _plain(at: Subject) -> Iterator[Finding]:
+def _plain(at: Subject, done: set[str]) -> Iterator[Finding]:
     uri = at.key
     if re.match(r"\w+:/", uri):
         yield at.error(
@@ -91,23 +91,40 @@ def _plain(at: Subject) -> Iterator[Finding]:
             f"write {short(uri.replace(':/', '://', 1))}",
         )
     elif uri.startswith("/"):
-        yield from _exists(Path(uri), at)
-    else:
+        yield from _exists(Path(uri), at, done)
+    elif _is_first(".", done):
         yield at.warning(
             "relative-mesh",
-            f"the path '{short(uri)}' has no base folder: RViz does not find it, "
-            "and Gazebo looks in the folder that it was started in",
+            f"paths such as '{short(uri)}' have no base folder: RViz does not find "
+            "them, and Gazebo looks in the folder that it was started in",
             "write package://PACKAGE/PATH",
         )
 
 
-def _exists(path: Path, at: Subject) -> Iterator[Finding]:
+def _exists(path: Path, at: Subject, done: set[str]) -> Iterator[Finding]:
     if os.path.isfile(path):  # noqa: PTH113  # Path.is_file may raise
+        return
+    folder = path.parent
+    if not folder.is_dir():
+        if _is_first(f"{folder}/", done):
+            yield at.error(
+                _UNRESOLVED,
+                f"there is no folder '{short(str(folder))}' on this machine, so the "
+                "links with its meshes are neither seen nor touched",
+                "write package://PACKAGE/PATH, and put the files into the package",
+            )
         return
     close = nearest_file(path)
     yield at.error(
         _UNRESOLVED,
-        f"there is no file '{short(str(path))}' ('{short(at.key)}'), so the link is "
-        "neither seen nor touched",
+        f"there is no file '{short(path.name)}' in '{short(str(folder))}', so the link "
+        "is neither seen nor touched",
         f"there is '{close}'; write that" if close else "check the path",
     )
+
+
+def _is_first(key: str, done: set[str]) -> bool:
+    """Return whether ``key`` is new, and note it."""
+    is_new = key not in done
+    done.add(key)
+    return is_new

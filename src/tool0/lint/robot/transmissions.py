@@ -46,8 +46,6 @@ def transmission_findings(robot: Robot) -> Iterator[Finding]:
     yield from _unknown_interfaces(robot.facts)
     if robot.is_controlled:
         yield from _undriven(robot.facts)
-    elif robot.is_spawned is None:
-        yield from _without_drive(robot)
 
 
 def _shown(transmission: TransmissionFacts) -> str:
@@ -184,18 +182,6 @@ def _unknown_interfaces(facts: RobotFacts) -> Iterator[Finding]:
                 "robot's own driver may know it",
                 f"for Gazebo write one of {_VALID}",
             )
-
-
-def _without_drive(robot: Robot) -> Iterator[Finding]:
-    """Yield a finding if joints move and none has a drive, of either ROS."""
-    movable = [joint.name for joint in robot.facts.joints.values() if joint.is_drivable]
-    if movable and not robot.facts.ros2_joints:
-        yield robot.root.at.warning(
-            "no-drive",
-            f"no joint has a <transmission>, so nothing can move {quoted(movable)}: "
-            "the robot can be shown, but not controlled",
-            f"write a <transmission> of {SIMPLE} for each joint that has a motor",
-        )
 
 
 def _undriven(facts: RobotFacts) -> Iterator[Finding]:

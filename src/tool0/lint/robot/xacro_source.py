@@ -176,7 +176,7 @@ def call_findings(root: Tag, _: PackageIndex) -> Iterator[Finding]:
 
 
 def _hard_coded(macro: str, call: Tag, prefix: str) -> Finding:
-    return error_at(
+    return warning_at(
         call.location,
         "hardcoded-prefix",
         macro,

@@ -122,9 +122,11 @@ class Resolver:
                 "missing-argument",
                 key,
                 "is used here, and nothing before declares or sets it: launch stops "
-                "here" + (did_you_mean(key, valid) if valid else ""),
+                "here unless the command line gives it"
+                + (did_you_mean(key, valid) if valid else ""),
                 f'put DeclareLaunchArgument("{key}") before it into the '
                 "LaunchDescription",
+                severity="warning",
             )
         reason = f"argument '{key}' has no value"
         return Text(raw=raw, resolved=None, location=where, uses=(key,), reason=reason)

@@ -1,0 +1,74 @@
+"""Inertias that no body has, in your own robot file: refused, or replaced."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from xml.dom.minidom import Document, Element
+
+from tool0.description.model import Inertial
+from tool0.description.urdf_elements import read_inertial
+from tool0.description.xml_source import children, locate, number, only_child
+from tool0.errors import ModelError
+
+logger = logging.getLogger(__name__)
+
+_DIAGONAL = ("ixx", "iyy", "izz")
+_PRODUCTS = ("ixy", "ixz", "iyz")
+
+
+def require_inertias(document: Document, *, relax: bool) -> None:
+    """Replace impossible inertias, with a warning, if ``relax``; else refuse them.
+
+    The replacement has the middle principal moment about every axis.
+
+    Raises:
+        ModelError: Unless ``relax``, with the first link that has one.
+    """
+    for link, tensor, error in _impossible(document):
+        if not relax:
+            raise ModelError(
+                f"{error.message}; --relax-inertia (in Python: relax_inertia=True in "
+                "DescriptionConfig) replaces such an inertia",
+                error.location,
+            )
+        moment = _middle_moment(tensor)
+        if not moment > 0:
+            raise error
+        for key in _DIAGONAL:
+            tensor.setAttribute(key, repr(moment))
+        for key in _PRODUCTS:
+            tensor.setAttribute(key, "0")
+        logger.warning(
+            "%s: the inertia of link '%s', which no body has, is replaced by "
+            "%.3g kg·m² about every axis",
+            error.location,
+            link.getAttribute("name"),
+            moment,
+        )
+
+
+def _impossible(
+    document: Document,
+) -> Iterator[tuple[Element, Element, ModelError]]:
+    """Yield links, their <inertia>, and why no body has it."""
+    robot = document.documentElement
+    for link in () if robot is None else children(robot, "link"):
+        inertial = only_child(link, "inertial")
+        tensor = None if inertial is None else only_child(inertial, "inertia")
+        try:
+            read_inertial(link, link.getAttribute("name"))
+        except ModelError as error:
+            if tensor is not None and error.location == locate(tensor):
+                yield link, tensor, error
+
+
+def _middle_moment(tensor: Element) -> float:
+    """Return the middle principal moment [kg·m²], or the largest if that is not > 0."""
+    ixx, iyy, izz, ixy, ixz, iyz = (
+        number(tensor, key, 0.0) for key in (*_DIAGONAL, *_PRODUCTS)
+    )
+    _, middle, high = Inertial(
+        mass=1.0, ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz
+    ).principal_moments
+    return middle if middle > 0 else high
