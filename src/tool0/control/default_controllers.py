@@ -207,6 +207,8 @@ def _pieces(
         composer = _Composer(description, None, gripper_action, period)
         for arm in own_arms(description.model):
             parts += composer.own_pieces(arm)
+        if not parts:
+            parts += composer.lone_gripper()
     if not parts:
         return []
     path = find_package("tool0_description") / "config" / _FILE
@@ -266,11 +268,18 @@ class _Composer:
             gains=gains if kind is Interface.EFFORT else (),
             limits=limits,
         )
-        hand = joints_beyond(model, arm.joints[-1])
-        kind = common_interface(model, hand, _BY_PREFERENCE)
-        if len(hand) == 1 and kind is not None:
-            piece = self._gripper(hand, kind)
+        for piece in self._own_gripper(joints_beyond(model, arm.joints[-1])):
             yield replace(piece, text=arm.written(piece.text))
+
+    def lone_gripper(self) -> Iterator[_Piece]:
+        """Yield the part of the only gripper of a file without an arm."""
+        yield from self._own_gripper([g.joint for g in self.description.model.grippers])
+
+    def _own_gripper(self, joints: Sequence[str]) -> Iterator[_Piece]:
+        """Yield the part of a gripper of your own file with one driven joint."""
+        kind = common_interface(self.description.model, joints, _BY_PREFERENCE)
+        if len(joints) == 1 and kind is not None:
+            yield self._gripper(joints, kind)
 
     def joint_states(self, text: str) -> str:
         """Return the YAML of a joint_state_controller for the joints of one robot."""

@@ -23,6 +23,8 @@ from tool0.description.cell_file import load_cell, parse_robots
 from tool0.description.config import SPAWN_Z, Argument, Cell, DescriptionConfig
 from tool0.description.expansion import Expanded, expand
 from tool0.description.gripper_files import GRIPPER_FILES, check_gripper_files
+from tool0.description.known_grippers import add_known_grippers
+from tool0.description.model import ParallelGripper
 from tool0.description.packages import (
     find_package,
     packages_around,
@@ -233,9 +235,15 @@ def load_robot(
         if is_driven:
             assume_drives(document)
         require_inertias(document, relax=relax_inertia)
+        add_known_grippers(document, _built_in_gripper)
         return RobotDescription(
             model=read_model(document), source=path, arguments=given, _document=document
         )
+
+
+def _built_in_gripper(name: str) -> ParallelGripper:
+    """Return a gripper of the catalogue: how its opening follows from its joint."""
+    return assemble(gripper=name).model.grippers[0]
 
 
 def named_poses(description: RobotDescription) -> Poses:

@@ -231,7 +231,8 @@ def test_principal_moments_agree_with_numpy() -> None:
 
 IMPOSSIBLE = """<robot name="r"><link name="a"/><link name="b"><inertial>
   <mass value="0.05"/>
-  <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.0008"/></inertial></link>
+  <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.0008"/></inertial>
+  </link>
   <joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint></robot>
 """
 
@@ -241,7 +242,7 @@ def test_an_inertia_that_no_body_has_is_refused_or_replaced(
 ) -> None:
     file = tmp_path / "r.urdf"
     file.write_text(IMPOSSIBLE)
-    with pytest.raises(ModelError, match="inertia of link 'b'.*--relax-inertia"):
+    with pytest.raises(ModelError, match=r"inertia of link 'b'.*--relax-inertia"):
         load_description(DescriptionConfig(robot=file))
     model = load_description(DescriptionConfig(robot=file, relax_inertia=True)).model
     inertial = model.link("b").inertial

@@ -141,6 +141,8 @@ def _pieces(description: RobotDescription, period: float) -> list[_Piece]:
         composer = _Composer(description, None, period)
         for arm in own_arms(description.model):
             parts += composer.own_pieces(arm)
+        if not parts:
+            parts += composer.own_gripper([g.joint for g in description.model.grippers])
     if not parts:
         return []
     path = _config(_FILE)
@@ -209,11 +211,17 @@ class _Composer:
             location=SourceLocation(path, 1),
             limits=self._limits(arm.joints),
         )
-        hand = joints_beyond(model, arm.joints[-1])
-        if len(hand) == 1 and common_interface(model, hand, wanted):
-            piece = self._gripper(hand[0])
+        for piece in self.own_gripper(joints_beyond(model, arm.joints[-1])):
             text = piece.text.partition(_ACTIVATION)[0] if arm.prefix else piece.text
             yield replace(piece, text=arm.written(text))
+
+    def own_gripper(self, joints: Sequence[str]) -> Iterator[_Piece]:
+        """Yield the part of a gripper of your own file with one driven joint."""
+        wanted = (Interface.POSITION,)
+        if len(joints) == 1 and common_interface(
+            self.description.model, joints, wanted
+        ):
+            yield self._gripper(joints[0])
 
     def _refuse_own_file(self) -> None:
         cell, robot = self.description.cell, self.robot

@@ -1,0 +1,84 @@
+"""Grippers of published robot files, recognised by the joint that drives them.
+
+A file of another project has no ``<parallel_gripper>``, which says how the opening
+follows from the joint.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Final
+from xml.dom.minidom import Document, Element
+
+from tool0.description.model import ParallelGripper, RotaryOpening
+from tool0.description.xml_source import children, locate, number, only_child
+
+logger = logging.getLogger(__name__)
+
+_JOINTS: Final = (
+    "robotiq_85_left_knuckle_joint",
+    "robotiq_140_left_knuckle_joint",
+    "finger_joint",
+)
+"""The driven joints of ros-industrial's and PickNik's descriptions, after a prefix."""
+_OF_140: Final = 0.72
+"""Largest upper limit of a 2F-140 [rad]; a 2F-85 closes at 0.8."""
+
+
+def add_known_grippers(
+    document: Document, catalogue: Callable[[str], ParallelGripper]
+) -> None:
+    """Add ``<parallel_gripper>`` for known grippers, if the file has none.
+
+    ``catalogue`` returns the built-in gripper of a name.
+    """
+    robot = document.documentElement
+    if robot is None or _has(robot, "parallel_gripper"):
+        return
+    for joint in children(robot, "joint"):
+        name = joint.getAttribute("name")
+        ending = next((item for item in _JOINTS if name.endswith(item)), None)
+        limit = only_child(joint, "limit")
+        is_known = ending is not None and joint.getAttribute("type") == "revolute"
+        if ending is None or limit is None or not is_known:
+            continue
+        if _has(joint, "mimic"):
+            continue
+        is_140 = "140" in name or number(limit, "upper", 0.0) < _OF_140
+        model = "2f140" if is_140 else "2f85"
+        element = document.createElement("parallel_gripper")
+        prefix = name.removesuffix(ending)
+        values = _values(catalogue(model)) | {"name": f"{prefix}gripper", "joint": name}
+        for key, value in values.items():
+            element.setAttribute(key, value)
+        robot.appendChild(element)
+        logger.info(
+            "%s: '%s' is taken for the joint of a %s",
+            locate(joint),
+            name,
+            model.upper(),
+        )
+
+
+def _has(element: Element, tag: str) -> bool:
+    """Return whether an element has a child called ``tag``."""
+    return next(children(element, tag), None) is not None
+
+
+def _values(gripper: ParallelGripper) -> dict[str, str]:
+    """Return the attributes of ``<parallel_gripper>`` of a gripper that swings."""
+    law = gripper.law
+    assert isinstance(law, RotaryOpening)
+    numbers = {
+        "pad_offset": law.pad_offset,
+        "pad_cos": law.pad_cos,
+        "pad_sin": law.pad_sin,
+        "max_opening": gripper.max_opening,
+        "min_speed": gripper.speed[0],
+        "max_speed": gripper.speed[1],
+        "min_force": gripper.force[0],
+        "max_force": gripper.force[1],
+    }
+    texts = {key: repr(value) for key, value in numbers.items()}
+    return texts if gripper.protocol is None else texts | {"protocol": gripper.protocol}
