@@ -139,9 +139,10 @@ def test_a_gripper_action_is_for_ros_1() -> None:
 def test_your_own_file_gets_them_if_it_has_an_arm(tmp_path: Any) -> None:
     known, unknown = tmp_path / "a.urdf", tmp_path / "b.urdf"
     text = assemble(ros2_control=True).urdf
+    bare = assemble(gripper=None, ros2_control=True).urdf
     known.write_text(text.replace("elbow_joint", "knee_joint"))
     unknown.write_text(
-        text.replace("elbow_joint", "knee_joint")
+        bare.replace("elbow_joint", "knee_joint")
         .replace('name="tool0"', 'name="end"')
         .replace('link="tool0"', 'link="end"')
     )
