@@ -14,7 +14,11 @@ from tool0.description.packages import packages_around
 from tool0.errors import SourceLocation, Tool0Error
 from tool0.lint import launch_file
 from tool0.lint.launch_file import ParsedLaunch
-from tool0.lint.package_file import judge_missing_package, package_findings
+from tool0.lint.package_file import (
+    MISSING_PACKAGE,
+    judge_missing_package,
+    package_findings,
+)
 from tool0.lint.packages import PackageIndex, Packages
 from tool0.lint.parameters.yaml_text import YamlText, syntax_findings, yaml_findings
 from tool0.lint.resource_limits import run_limited
@@ -281,8 +285,11 @@ def _yaml_alone(
 def _identity(finding: Finding) -> tuple[object, ...]:
     """Return a key that is equal for two findings of the same fault.
 
-    A macro's source and its expansion have the same typo, under two keys.
+    A macro's source and its expansion have the same typo, under two keys.  A package
+    that is not found is reported once for each file.
     """
+    if finding.rule in MISSING_PACKAGE:
+        return finding.location.file, finding.rule, finding.key
     key = finding.remedy if finding.rule == "interface-typo" else finding.key
     return finding.location, finding.rule, key, finding.remedy
 

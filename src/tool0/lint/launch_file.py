@@ -115,7 +115,7 @@ def control_findings(
     """Yield mismatches between a launch file's controllers, YAML and robot."""
     yamls = [*read.yamls, *_plugin_files(read, robot)]
     wanted = list(spawn_requests(read.launch)) if read.launch is not None else []
-    started = {request.name for request in wanted}
+    started = {request.name for request in wanted if request.is_started}
     yield from yaml_findings(yamls, robot, packages, started)
     if not wanted:
         return

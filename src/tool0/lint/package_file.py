@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tool0.description.finding import Finding, error_at, warning_at
 from tool0.description.xml_source import parse_file
-from tool0.errors import DescriptionError, SourceLocation
+from tool0.errors import DescriptionError, SourceLocation, is_typo
 from tool0.lint.packages import PackageIndex, Packages
 from tool0.lint.robot.elements import Tag
 from tool0.lint.sources import FileKind, Source, finding_of
@@ -22,7 +22,8 @@ _CHOICES = ("xacro:if", "xacro:unless")
 _GAZEBO_PLUGIN = "libgazebo_ros_control.so"
 _MOST = 4
 """Packages that are named with the place of their use."""
-_RULES = ("unresolved-find", "unknown-package", "missing-package")
+MISSING_PACKAGE = ("unresolved-find", "unknown-package", "missing-package")
+_MEANT = re.compile(r"did you mean '([\w-]+)'")
 _NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
 
 
@@ -144,7 +145,10 @@ def judge_missing_package(finding: Finding) -> Finding | str:
     package it is a warning.  A name that may be a misspelling is an error.
     """
     lacking, file = _missing_package(finding), finding.location.file
-    if lacking is None or file is None or "did you mean" in finding.text:
+    if lacking is None or file is None:
+        return finding
+    meant = _MEANT.search(finding.text)
+    if meant is not None and is_typo(lacking, meant[1]):
         return finding
     folder = next(
         (f for f in file.absolute().parents if (f / "package.xml").is_file()), None
@@ -156,7 +160,7 @@ def judge_missing_package(finding: Finding) -> Finding | str:
 
 def _missing_package(finding: Finding) -> str | None:
     """Return the package that the finding reports as missing, if any."""
-    if finding.rule in _RULES:
+    if finding.rule in MISSING_PACKAGE:
         return finding.key
     match = _NO_PACKAGE.search(finding.message)
     return None if match is None else match[1]

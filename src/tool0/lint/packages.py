@@ -103,7 +103,7 @@ class PackageIndex:
             "unknown-package",
             name,
             message,
-            f"write {near}" if near else remedy,
+            f"did you mean '{near}'?" if near else remedy,
         )
 
     def package_of(self, file: Path) -> str | None:

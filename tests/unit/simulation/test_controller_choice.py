@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import tool0
-from tool0.description.loading import load_robot
+from tool0.description.loading import assemble, load_robot
 
 ROOT = Path(__file__).parents[3]
 CELL = ROOT / "examples/cell"
@@ -95,6 +95,15 @@ def test_each_of_several_arms_of_your_own_gets_controllers(
         goals = robot.move_joints({"left_elbow_joint": -0.3, "right_elbow_joint": -0.3})
         for goal in goals:
             assert goal.wait(timeout=9.0).status is tool0.GoalStatus.SUCCEEDED
+
+
+def test_an_arm_without_a_flange_moves_in_ros2_too(tmp_path: Path) -> None:
+    file = tmp_path / "arm.urdf"
+    text = assemble(gripper=None, ros2_control=True).urdf
+    file.write_text(text.replace('"tool0"', '"end"'))
+    with tool0.bringup(robot=file, realtime=False) as robot:
+        (goal,) = robot.move_joints({"elbow_joint": -0.3}, duration=1.0)
+        assert goal.wait(timeout=3.0).status is tool0.GoalStatus.SUCCEEDED
 
 
 def test_a_robot_that_fits_none_is_told_what_to_pass(

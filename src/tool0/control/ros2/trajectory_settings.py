@@ -44,7 +44,7 @@ class SpeedSource:
 
     def factor(self, settable: float) -> float:
         """Return trajectory time per simulated time; ``settable`` is the topic's."""
-        return settable if self.prefix is None else self.factors[self.prefix]
+        return settable if self.prefix is None else self.factors.get(self.prefix, 1.0)
 
     def check(self, factor: float, controller: str) -> None:
         """Raise ControlError if the topic of a controller cannot set this factor."""

@@ -40,7 +40,7 @@ def test_a_missing_package_is_another_matter(package: Path) -> None:
     finding = only(check_mesh(package, "package://ur5_x/a.stl"), "unknown-package")
     assert finding.severity == "warning"
     finding = only(check_mesh(package, "package://my_robott/a.stl"), "unknown-package")
-    assert (finding.severity, finding.remedy) == ("error", "write my_robot")
+    assert (finding.severity, finding.remedy) == ("error", "did you mean 'my_robot'?")
 
 
 @pytest.mark.parametrize(
