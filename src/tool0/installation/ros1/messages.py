@@ -36,6 +36,8 @@ _CLASSES_OF_SECTIONS = {
     ".action": ("Goal", "Result", "Feedback"),
 }
 """Suffixes of the class names of a file's sections."""
+_KINDS = ("msg", "srv", "action")
+"""Folders of definitions, and suffixes of the files in them."""
 _FIELD = re.compile(r"^\S+ (\w+)$", re.MULTILINE)
 """A line of our definitions that is a field, not a constant."""
 _MANIFEST = """\
@@ -73,12 +75,18 @@ def import_messages() -> None:
 
 def package_names() -> tuple[str, ...]:
     """Return the packages that tool0 has definitions of."""
-    return tuple(sorted(folder.name for folder in DEFINITIONS.iterdir()))
+    folders = {file.parent.parent for kind in _KINDS for file in _files("*", kind)}
+    return tuple(sorted(folder.name for folder in folders))
 
 
 def definition_files(package: str) -> list[Path]:
     """Return the files that define the package's types, sorted."""
-    return sorted(DEFINITIONS.joinpath(package).glob("*/*.*"))
+    return sorted(file for kind in _KINDS for file in _files(package, kind))
+
+
+def _files(package: str, kind: str) -> Iterator[Path]:
+    """Yield definitions of a kind; pip adds compiled files to Python modules."""
+    return DEFINITIONS.glob(f"{package}/{kind}/*.{kind}")
 
 
 def module_files(package: str) -> list[Path]:

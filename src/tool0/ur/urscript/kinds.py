@@ -12,7 +12,7 @@ from typing import Annotated, Any, Final, TypeAlias, cast, final
 
 from tool0.description.transform import FARTHEST
 from tool0.protocol.state import Six
-from tool0.ur.urscript.trees import INT_RANGE
+from tool0.ur.urscript.syntax import INT_RANGE
 from tool0.ur.urscript.values import Pose, Value, described, is_number
 from tool0.ur.urscript_errors import ValueProblem
 

@@ -6,11 +6,16 @@ Chains of operators are flat, so that a long sum is not a deep tree.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, final
+from typing import Final, Literal, TypeAlias, final
 
 from tool0.ur.urscript_errors import Place
 
 Constant: TypeAlias = bool | int | float | str
+
+INT_RANGE: Final = range(-(2**31), 2**31)
+"""Integers of URScript have 32 bits."""
+MAX_TEXT: Final = 1023
+"""Longest string [bytes], as on the robot."""
 
 
 @final

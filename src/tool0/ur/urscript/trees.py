@@ -8,12 +8,9 @@ from typing import Any, Final, cast, final
 from lark import Token, Transformer
 
 from tool0.ur.urscript import syntax as s
+from tool0.ur.urscript.syntax import INT_RANGE, MAX_TEXT
 from tool0.ur.urscript_errors import Place, URScriptError
 
-INT_RANGE: Final = range(-(2**31), 2**31)
-"""Integers of URScript have 32 bits."""
-MAX_TEXT: Final = 1023
-"""Longest string [bytes], as on the robot."""
 _POSE: Final = "p"
 _STRUCT: Final = "struct"
 _DIGITS: Final = re.compile("[0-9]{1,10}")

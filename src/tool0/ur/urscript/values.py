@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias, Union, final
 
-from tool0.ur.urscript.trees import INT_RANGE, MAX_TEXT
+from tool0.ur.urscript.syntax import INT_RANGE, MAX_TEXT
 from tool0.ur.urscript_errors import ValueProblem
 
 MAX_LIST: Final = 10_000

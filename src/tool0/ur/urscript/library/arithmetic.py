@@ -11,7 +11,7 @@ import numpy as np
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import AnyValue, Integer, ListLike, Number, Numbers
 from tool0.ur.urscript.library.poses import pose_inv
-from tool0.ur.urscript.trees import INT_RANGE
+from tool0.ur.urscript.syntax import INT_RANGE
 from tool0.ur.urscript.values import (
     MAX_LIST,
     Pose,
