@@ -81,7 +81,9 @@ class PackageIndex:
     def nearest(self, name: str) -> str | None:
         """Return the package, given or shipped, that a name may be a typo of."""
         near = nearest_name(name, _bundled_names().union(self._given), cutoff=0.85)
-        return near if is_typo(name, near) else None
+        # ur_description is no misspelling of pr2_description
+        is_meant = is_typo(name, near) and near is not None and near[0] == name[0]
+        return near if is_meant else None
 
     def unknown(self, name: str, user: str, location: SourceLocation) -> Finding:
         """Return the finding that ``user`` needs a package that does not exist."""

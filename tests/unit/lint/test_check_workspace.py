@@ -281,3 +281,26 @@ def test_one_parameter_may_be_any_yaml(
     )
     folder = workspace(tmp_path, launch=launch)
     assert {finding.rule for finding in check([folder]).findings} == found
+
+
+def test_faults_of_strangers_files_that_are_none(tmp_path: Path) -> None:
+    """Parts of robots, files of OpenCV, required arguments, packages of others."""
+    xmlns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    write(
+        tmp_path,
+        {
+            "ur_description/package.xml": PACKAGE.format(
+                name="ur_description", depends="<depend>pr2_description</depend>"
+            ),
+            "ur_description/colors.xacro": f'<robot {xmlns}><material name="a">'
+            '<color rgba="1 0 0 1"/></material></robot>',
+            "ur_description/camera.yaml": "%YAML:1.0\nmatrix: !!opencv-matrix\n",
+            "ur_description/show.launch": '<launch><arg name="cfg"/>'
+            '<param name="p" value="$(arg cfg)"/>'
+            '<param name="f" textfile="$(find pr2_description)/a.txt"/></launch>',
+        },
+    )
+    report = check([tmp_path])
+    assert report.findings == ()
+    assert any("the argument 'cfg' has no default" in note for note in report.notes)
+    assert any("'pr2_description' is not on this machine" in n for n in report.notes)

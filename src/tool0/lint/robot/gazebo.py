@@ -177,8 +177,8 @@ def follower_findings(robot: Robot) -> Iterator[Finding]:
 
 def _loose(robot: Robot) -> Iterator[Finding]:
     facts, body = robot.facts, robot.body
-    if not robot.is_controlled:
-        return  # it is not for Gazebo classic
+    if not robot.is_controlled or facts.ros2_joints:
+        return  # it is not for Gazebo classic of ROS 1
     geared = {
         body.get(link) for box in facts.gearboxes for link in (box.parent, box.child)
     }
