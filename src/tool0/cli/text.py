@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import shutil
 import sys
@@ -97,12 +96,10 @@ def greeting(
 
 def ur_lines(arms: Mapping[str, UrArm]) -> list[str]:
     """Return where each arm is served as a UR."""
-    has_grammar = importlib.util.find_spec("lark") is not None
-    script = "URScript" if has_grammar else "no URScript, which needs the package lark"
     lines = []
     for name, arm in arms.items():
         title = arm.address if len(arms) == 1 else f"{arm.address} ({name})"
-        line = f"UR: {title}: RTDE, dashboard server, {script}"
+        line = f"UR: {title}: RTDE, dashboard server, URScript"
         if arm.modbus_port is not None:
             line += (
                 f"; gripper: its socket, Modbus on {arm.modbus_port} and "

@@ -64,13 +64,12 @@ def parse(text: str, name: str) -> syntax.Block:
     if len(text) > MAX_SIZE:
         message = f"the program has {len(text)} characters; at most {MAX_SIZE} are read"
         raise URScriptError(message, Place(1, 1), name)
-    grammar = parser()  # or lark is not installed
     from lark import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
     from lark.exceptions import VisitError
 
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     try:
-        return cast("syntax.Block", grammar.parse(text))
+        return cast("syntax.Block", parser().parse(text))
     except URScriptError as error:
         place = Place(error.line, error.column)
         raise URScriptError(error.message, place, name) from None
