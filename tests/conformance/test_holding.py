@@ -72,6 +72,8 @@ def test_two_arms_in_one_scene_hold_both(bring_up: BringUp) -> None:
         initial_pose={
             f"{s}_{j}": q for s in ("left", "right") for j, q in pose.items()
         },
+        controllers=[],
+        stopped_controllers=[],
     )
     assert len(robot.joint_state.position) == 24
     assert set(robot.grippers) == {"left", "right"}

@@ -222,11 +222,11 @@ def _not_yaml(error: yaml.YAMLError, location: SourceLocation) -> ConfigError:
 
     if not isinstance(error, yaml.MarkedYAMLError):
         return ConfigError(f"not YAML: {error}", location)
+    where = _line_of(error.problem_mark, location)
+    if "nesting depth" in str(error.problem):  # the C library's own limit of brackets
+        return _too_deep(where)
     context = f" ({error.context})" if error.context else ""
-    return ConfigError(
-        f"not YAML: {error.problem or error}{context}",
-        _line_of(error.problem_mark, location),
-    )
+    return ConfigError(f"not YAML: {error.problem or error}{context}", where)
 
 
 def _too_deep(where: SourceLocation) -> ConfigError:

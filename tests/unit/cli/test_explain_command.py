@@ -51,7 +51,7 @@ def test_a_package_and_a_name_do_as_well(
     shown = capsys.readouterr().out
     assert shown.startswith("arm_gazebo/launch/inc/control.launch.xml\n")
     words = " ".join(shown.split())  # where it wraps depends on the path
-    assert "controller_file: has no default" in words
+    assert "argument 'controller_file' has no value" in words
 
 
 def test_json_holds_the_same(capsys: Capture) -> None:
