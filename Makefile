@@ -116,7 +116,7 @@ clean:
 $(RUN): pyproject.toml tools/setup-venv
 	@echo 'setting up $(VENV), and the panel with it: about a minute' >&2
 	@tools/setup-venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	$(BIN)/python -m pip install --disable-pip-version-check --editable .
 	@touch $@
 
 # `pip install --group` came with pip 25.1; a distribution's pip is older.

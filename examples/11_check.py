@@ -20,4 +20,4 @@ with TemporaryDirectory() as folder:
     report = tool0.check([file])
 for finding in report.findings:
     print(f"line {finding.location.line}, {finding.severity}: {finding.text}")
-print(f"{report.n_errors} errors, {report.n_warnings} warnings")
+print(f"errors: {report.n_errors}, warnings: {report.n_warnings}")

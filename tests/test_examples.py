@@ -82,7 +82,7 @@ PRINTED = {
     "11_check": [
         r"line 4, error: .*'finger_joint'.*",
         r"line 5, error: .*did you mean 'finger_joint'\?",
-        r"3 errors, 0 warnings",
+        r"errors: 2, warnings: 1",
     ],
     "12_camera": [
         r"seen at +([+-]\d\.\d{3} ?){3} m",

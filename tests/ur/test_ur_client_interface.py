@@ -225,9 +225,11 @@ def test_an_error_has_its_place_and_nothing_moves(rig, clients):
     next(messages)
     before = positions(rig.robot)
     secondary.connection.sendall(b"def bad():\n  movej([0,0,0,0,0,0])\n  jump()\nend\n")
+    kind, said = next(messages)
+    assert (kind, said["text"]) == ("text", "unknown function 'jump'")
     kind, error = next(messages)
     assert (kind, error["line"]) == ("exception", 3)
-    assert "jump" in error["text"]
+    assert error["text"] == "compile_error_name_not_found:jump:"
     assert positions(rig.robot) == pytest.approx(before, abs=SWAY)
 
 
@@ -276,6 +278,8 @@ def test_safety_modes_are_announced(rig, clients):
     rig.robot.channel.call(StopProtectively(reason="a test"))
     kind, safety = next(messages)
     assert (kind, safety["mode"]) == ("safety", 3)
+    kind, error = next(messages)
+    assert (kind, error["code"]) == ("error", 209)
     assert next(packets.states())["mode"]["protective_stopped"]
     dashboard = rig.dashboard()
     dashboard.until("safetymode", "Safetymode: PROTECTIVE_STOP")

@@ -190,7 +190,11 @@ def test_a_good_file_has_no_findings() -> None:
     [
         ("0.01", "1", (7, "wrong-type", "error", "write 1.0")),
         ("tolerance", "tolerence", (7, "unread-key", "error", "did you mean 'g")),
-        ("allow_stalling: t", "gains.hip.p: 1.0 #", (8, "misplaced-key", "warning", "")),
+        (
+            "allow_stalling: t",
+            "gains.hip.p: 1.0 #",
+            (8, "misplaced-key", "warning", ""),
+        ),
         ("allow_stalling: t", "colour: red #", (8, "unread-key", "warning", "remove")),
         ("\nhand:", "\nhamd:", (4, "no-controller", "error", "did you mean 'hand'")),
         ("\nhand:", "\n/a/hand:", (4, "no-controller", "error", "namespace")),

@@ -8,6 +8,7 @@ from functools import cache
 from typing import Final, final
 
 from tool0.control.config import ControllerConfig
+from tool0.control.controller_parts import CATALOGUE_JOINTS
 from tool0.control.parameters import (
     INTERFACE_OF_PACKAGE,
     RobotJoints,
@@ -282,6 +283,10 @@ def usual_joints() -> frozenset[str]:
     return frozenset(joint.name for joint in assemble().model.movable_joints)
 
 
+_OF_HAND: Final = 3
+"""Joints of the usual gripper that tell that a list is for it."""
+
+
 def unknown_joints(
     entries: Sequence[tuple[str, YamlEntry]], robot: RobotFacts | None
 ) -> Iterator[Finding]:
@@ -295,12 +300,14 @@ def unknown_joints(
         if sum(name in known for name in names) < _ENOUGH * len(names):
             return
         reason = "a UR with a 2F-85, whose joints are beside it, has no such joint"
+    hand = known.difference(CATALOGUE_JOINTS)
+    is_of_hand = len(hand.intersection(names)) >= _OF_HAND
     for name, entry in entries:
         if name in known:
             continue
         unused = known.difference(names)
         near = nearest_name(name, unused) or nearest_name(name, known)
-        if robot is None and not is_typo(name, near):
+        if robot is None and not (is_typo(name, near) or is_of_hand):
             continue
         yield entry.finding(
             "unknown-joint",
