@@ -30,6 +30,7 @@ from tool0.ros1.options import Ros1Options
 from tool0.ros2.options import Ros2Options
 from tool0.simulation.config import ControlConfig, Names, SimulationConfig
 from tool0.ur.options import UrOptions
+from tool0.user_data import data_folder
 
 
 @final
@@ -130,6 +131,12 @@ class Ros2NodeOptions:
         return Ros2Options(ns=self.ros2_ns, domain=self.domain)
 
 
+def _saved_programs() -> Path | None:
+    """Return the folder of UR programs in the user's data, if there is one."""
+    folder = data_folder() / "ur-programs"
+    return folder if folder.is_dir() else None
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UrControllerOptions:
@@ -152,7 +159,7 @@ class UrControllerOptions:
         return UrOptions(
             host=self.ur_host,
             port_base=self.ur_port_base,
-            programs=self.ur_programs,
+            programs=self.ur_programs or _saved_programs(),
             allow_sockets=self.ur_sockets,
             active_gripper=self.ur_active_gripper,
         )

@@ -73,10 +73,7 @@ class Dashboard:
     """The dashboard server of one control box."""
 
     def __init__(self, box: UrControlBox, programs: Path | None = None) -> None:
-        """Serve ``box``; programs are loaded from the folder ``programs``.
-
-        If it is left out, the folder is ``default_programs``.
-        """
+        """Serve ``box``; programs are loaded from the folder ``programs``."""
         self._box, self._files = box, ProgramFiles(programs)
         self._port = Port("dashboard server", self._serve)
         self._loaded: ProgramFile | None = None

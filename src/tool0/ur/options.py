@@ -24,8 +24,7 @@ class UrOptions:
     port_base: int = 0
     """Added to the port numbers of a real robot."""
     programs: Path | None = None
-    """Folder with the programs that the dashboard server can load; if it is left out,
-    ``ur-programs`` in tool0's folder of the user's data."""
+    """Folder with the programs that the dashboard server can load."""
     allow_sockets: bool = False
     """Whether URScript programs may connect to other machines."""
     active_gripper: bool = False

@@ -7,17 +7,11 @@ from pathlib import Path, PurePosixPath
 from typing import Final, final
 
 from tool0.ur.client_interface.scripts import MAX_PROGRAM
-from tool0.user_data import data_folder
 
 SUFFIX: Final = ".script"
 """Of URScript programs; PolyScope's ``.urp`` files are not read."""
 ROOTS: Final = ("/programs", "/ursim/programs")
 """Where a UR and its simulator keep programs: here, both are the folder."""
-
-
-def default_programs() -> Path:
-    """Return where programs are found unless told otherwise; it may not exist."""
-    return data_folder() / "ur-programs"
 
 
 @final
@@ -35,8 +29,8 @@ class ProgramFiles:
     """Reads programs from one folder, and nothing outside it."""
 
     def __init__(self, folder: Path | None) -> None:
-        """Read from ``folder``; from ``default_programs``, if it is None."""
-        self._folder = (folder or default_programs()).resolve()
+        """Read from ``folder``; None has no programs."""
+        self._folder = None if folder is None else folder.resolve()
 
     def read(self, name: str) -> ProgramFile | None:
         """Return a program, or None if there is none of that name.
@@ -57,7 +51,7 @@ class ProgramFiles:
         return ProgramFile(PurePosixPath(name).name, text)
 
     def _find(self, name: str) -> Path | None:
-        if not name or "\0" in name:
+        if self._folder is None or not name or "\0" in name:
             return None
         relative = PurePosixPath(name)
         for root in ROOTS:

@@ -3,7 +3,7 @@
 Names and types are those of UR's guide.  Fields of the e-Series are offered by every
 box.  Without meaning in a simulation, and therefore constant, are encoders, the
 injection moulding machine's interface, momentum, energies, the window of currents,
-collision detection, forces on the base and execution times.
+deviation and collision ratios, forces on the base and execution times.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ OUTPUTS: Final[dict[str, OutputField]] = {
     "actual_current_window": _constant("VECTOR6D", (0.0,) * 6),
     "actual_current_as_torque": OutputField("VECTOR6D", lambda box: box.effort),
     "joint_control_output": OutputField("VECTOR6D", q.currents),
-    "joint_position_deviation_ratio": OutputField("DOUBLE", q.deviation_ratio),
+    "joint_position_deviation_ratio": _constant("DOUBLE", 0.0),
     "joint_temperatures": _constant("VECTOR6D", (q.ROOM_TEMPERATURE,) * 6),
     "joint_mode": OutputField("VECTOR6INT32", q.joint_modes),
     "actual_joint_voltage": OutputField("VECTOR6D", lambda box: (q.voltage(box),) * 6),

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Final
 
 from tool0.protocol.control_box_state import AnalogDomain, RobotMode, SafetyMode
 from tool0.protocol.state import Six
-from tool0.sensing.stalls import LARGEST_LAG
 from tool0.ur.programs import RuntimeState
 
 if TYPE_CHECKING:
@@ -159,18 +158,6 @@ def tcp_acceleration(box: UrControlBox, *, target: bool = False) -> Six:
     then = box.velocity_at([x for x, _ in later], [v for _, v in later])
     a, b, c, d, e, f = ((y - x) / _STEP for x, y in zip(now, then, strict=True))
     return (a, b, c, d, e, f)
-
-
-def deviation_ratio(box: UrControlBox) -> float:
-    """Return the largest distance of a joint from its setpoint.
-
-    1.0 is that from which an arm counts as kept off its path.
-    """
-    speeds = [joint.limits.velocity for joint in box.chain.joints]
-    return max(
-        abs(x - y) / (LARGEST_LAG * speed)
-        for x, y, speed in zip(box.q, box.target_q, speeds, strict=True)
-    )
 
 
 def tcp_force(box: UrControlBox) -> float:
