@@ -11,7 +11,7 @@ import asyncio
 import logging
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar, final
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar, cast, final
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from tool0.protocol.arm_motion import (
     StopArm,
     path_request,
 )
+from tool0.ur.pacer import Pacer
 
 if TYPE_CHECKING:
     from tool0.protocol.state import Six
@@ -71,6 +72,7 @@ class Moves:
         self._box = box
         self._running: _Running | None = None
         self._lead = LEAD[1]
+        self._pacer = Pacer(box)
 
     # ---- moves ----------------------------------------------------------------------
 
@@ -174,17 +176,24 @@ class Moves:
                 timeout=OWN_STREAM,
             )
         )
-        await box.sleep(t)
+        await self._pacer.wait(t)
 
     async def speedj(self, qd: Six, a: float, t: float | None = None) -> None:
-        """Ramp to joint velocities [rad/s]; return after ``t``, or at full speed."""
+        """Ramp to joint velocities [rad/s]; return after ``t``, or at full speed.
+
+        Velocities beyond the limits of the joints are scaled, all in proportion.
+        """
         box, a = self._box, _above_0(a)
+        limits = [joint.limits.velocity for joint in box.chain.joints]
+        excess = max(abs(v) / limit for v, limit in zip(qd, limits, strict=True))
+        if excess > 1.0:
+            qd = cast("Six", tuple(v / excess for v in qd))
         change = np.subtract(qd, box.target_qd)
         self._running = None
         box.send(
             SpeedJoints(arm=box.arm, velocities=qd, acceleration=a, timeout=OWN_STREAM)
         )
-        await box.sleep(float(np.abs(change).max()) / a if t is None else t)
+        await self._pacer.wait(float(np.abs(change).max()) / a if t is None else t)
 
     async def speedl(
         self, xd: Six, a: float, t: float | None = None, a_rot: float | None = None
@@ -200,7 +209,7 @@ class Moves:
         )
         if t is None:
             t = _duration(change, a, a_rot)
-        await box.sleep(t)
+        await self._pacer.wait(t)
 
     async def stopj(self, a: float = 2.0) -> None:
         """Ramp down to rest from any motion; ``a`` is the leading joint's [rad/s²]."""

@@ -10,15 +10,13 @@ from typing import final
 class CriticalSection:
     """While a thread is inside, no other thread executes a statement.
 
-    UR does not document how turns are taken.  Here, threads that waited go on before
-    the one that leaves can enter again.
+    UR does not document how turns are taken.  Here, whoever can go on does so before a
+    thread enters, also one that has just left.
     """
 
     def __init__(self) -> None:
         self._owner: object | None = None
         self._free = asyncio.Event()
-        self._is_awaited = False
-        """Whether a thread waited since the owner entered."""
 
     def is_inside(self, thread: object) -> bool:
         """Return whether the thread has entered."""
@@ -27,14 +25,11 @@ class CriticalSection:
     async def wait(self, thread: object) -> None:
         """Wait while another thread is inside."""
         while self._owner is not None and self._owner is not thread:
-            self._is_awaited = True
             await self._free.wait()
 
     async def enter(self, thread: object) -> None:
         """Wait for the turn of the thread; it is inside then."""
-        if self._is_awaited and self._owner is None:
-            self._is_awaited = False
-            await asyncio.sleep(0)  # those that wait are woken up
+        await asyncio.sleep(0)
         await self.wait(thread)
         self._owner = thread
         self._free.clear()

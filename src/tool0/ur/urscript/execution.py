@@ -10,6 +10,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Mapping
 from typing import TYPE_CHECKING, Final, Protocol, TypeVar, final
 
+from tool0.ur.pacer import Pacer
 from tool0.ur.tool_contact import ToolHistory
 from tool0.ur.urscript.critical import CriticalSection
 from tool0.ur.urscript.sockets import Sockets
@@ -65,6 +66,8 @@ class Thread:
         """Statements until others have their turn."""
         self.depth = 0
         """Of calls in calls."""
+        self.pacer = Pacer(execution.box)
+        """Of the times that it waits."""
         self._spun = 0
 
     @property

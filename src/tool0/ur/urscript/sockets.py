@@ -22,65 +22,102 @@ MAX_BUFFER: Final = 1 << 16
 """Most data of a peer that is kept unread [bytes]."""
 OWN_GRIPPER: Final = ("127.0.0.1", 63352)
 """Where a program finds its gripper, which may listen at another address."""
-_CHUNK: Final = 4096
 _LOOPBACK: Final = ipaddress.ip_network("127.0.0.0/8")
 
 
 @final
-class Connection:
+class Connection(asyncio.Protocol):
     """One connection; strings have one character for each byte."""
 
-    def __init__(
-        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
-    ) -> None:
-        self._reader = reader
-        self._writer = writer
+    def __init__(self) -> None:
         self._buffer = bytearray()
+        self._arrived = asyncio.Event()
+        """Whether something has changed since somebody looked."""
+        self._is_writable = asyncio.Event()
+        self._is_writable.set()
+        self._transport: asyncio.Transport | None = None
+
+    # ---- asyncio's side -------------------------------------------------------------
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Take the connection."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+
+    def data_received(self, data: bytes) -> None:
+        """Keep what arrives; the peer waits if nobody reads it."""
+        self._buffer += data
+        if len(self._buffer) > MAX_BUFFER and self._transport is not None:
+            self._transport.pause_reading()
+        self._arrived.set()
+
+    def pause_writing(self) -> None:
+        """Wait before the next data: the peer does not read."""
+        self._is_writable.clear()
+
+    def resume_writing(self) -> None:
+        """Send again."""
+        self._is_writable.set()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """End every wait."""
+        self._transport = None
+        self._arrived.set()
+        self._is_writable.set()
+
+    # ---- the program's side ---------------------------------------------------------
 
     async def send(self, data: bytes) -> bool:
         """Send and return whether the peer is there."""
-        if self._writer.transport.is_closing():
+        if self._transport is None or self._transport.is_closing():
             return False
-        try:
-            self._writer.write(data)
-            return await _within(_drained(self._writer), OPEN_TIMEOUT) is not None
-        except OSError:
-            return False
+        self._transport.write(data)
+        if not self._is_writable.is_set():
+            await _within(self._is_writable.wait(), OPEN_TIMEOUT)
+        return self._transport is not None and self._is_writable.is_set()
+
+    def take(self, find: Callable[[bytearray], T | None]) -> T | None:
+        """Return what is found in the bytes that are here, and take it out.
+
+        ``find`` removes what it returns from the buffer; it is None for nothing.
+        """
+        found = find(self._buffer)
+        if len(self._buffer) > MAX_BUFFER and found is None:
+            self._buffer.clear()
+        if self._transport is not None and len(self._buffer) <= MAX_BUFFER:
+            self._transport.resume_reading()
+        return found
 
     async def receive(
         self, find: Callable[[bytearray], T | None], timeout: float
     ) -> T | None:
-        """Return what is found in the bytes received, and take it out.
+        """Return what ``take`` finds, as soon as it is there.
 
         Args:
-            find: Removes what it returns from the buffer; None to wait for more.
+            find: As for ``take``.
             timeout: Longest wait [wall s]; no limit if 0 or less.
 
         Returns:
             None after the timeout, or if the connection has ended.
         """
-        try:
-            return await _within(
-                self._receive(find), timeout if timeout > 0.0 else None
-            )
-        except OSError:
-            return None
+        found = self.take(find)
+        if found is not None:
+            return found
+        return await _within(self._wait_for(find), timeout if timeout > 0.0 else None)
 
-    async def _receive(self, find: Callable[[bytearray], T | None]) -> T | None:
-        while True:
-            found = find(self._buffer)
+    async def _wait_for(self, find: Callable[[bytearray], T | None]) -> T | None:
+        while self._transport is not None:
+            self._arrived.clear()
+            await self._arrived.wait()
+            found = self.take(find)
             if found is not None:
                 return found
-            if len(self._buffer) > MAX_BUFFER:
-                self._buffer.clear()
-            data = await self._reader.read(_CHUNK)
-            if not data:
-                return None
-            self._buffer += data
+        return None
 
     def close(self) -> None:
         """End the connection."""
-        self._writer.close()
+        if self._transport is not None:
+            self._transport.close()
 
 
 @final
@@ -115,15 +152,16 @@ class Sockets:
                 )
             )
             return False
+        loop = asyncio.get_running_loop()
         try:
-            streams = await _within(
-                asyncio.open_connection(host, port, limit=_CHUNK), OPEN_TIMEOUT
+            made = await _within(
+                loop.create_connection(Connection, host, port), OPEN_TIMEOUT
             )
         except (OSError, OverflowError, UnicodeError):
             return False
-        if streams is None:
+        if made is None:
             return False
-        self._connections[name] = Connection(*streams)
+        self._connections[name] = made[1]
         return True
 
     def find(self, name: str) -> Connection | None:
@@ -155,11 +193,6 @@ async def _within(action: Coroutine[Any, Any, T], timeout: float | None) -> T | 
         if not task.done():
             task.cancel()
     return task.result() if task.done() else None
-
-
-async def _drained(writer: asyncio.StreamWriter) -> bool:
-    await writer.drain()
-    return True
 
 
 def _is_loopback(host: str) -> bool:

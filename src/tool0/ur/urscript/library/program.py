@@ -18,12 +18,12 @@ async def sleep(thread: Thread, t: Number) -> None:
     """Wait for simulated time [s]."""
     if t < 0.0:
         raise ValueProblem(f"the time is {t}, less than 0")
-    await thread.box.sleep(t)
+    await thread.pacer.wait(t)
 
 
 async def sync(thread: Thread) -> None:
     """Wait for the next control period of the robot."""
-    await thread.box.sleep(1.0 / thread.box.rate)
+    await thread.pacer.wait(1.0 / thread.box.rate)
 
 
 def get_steptime(thread: Thread) -> float:

@@ -68,6 +68,9 @@ async def _receive(
     connection = thread.execution.sockets.find(name)
     if connection is None:
         return None
+    found = connection.take(find)  # others have no turn if the data are here
+    if found is not None:
+        return found
     return await thread.apart(connection.receive(find, timeout))
 
 
