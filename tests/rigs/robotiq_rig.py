@@ -18,6 +18,7 @@ from urscript_rig import error_text, is_error
 import tool0
 from tool0.ur.control_box import UrControlBox
 from tool0.ur.messages import Message
+from tool0.ur.pacer import Pacer
 from tool0.ur.robotiq.gripper import RobotiqGripper
 from tool0.ur.robotiq.interface import RobotiqInterface
 
@@ -58,7 +59,7 @@ class ServedGripper:
 
     def sleep(self, duration: float) -> None:
         """Let simulated time pass [s]."""
-        self.do(lambda: self.box.sleep(duration))
+        self.do(lambda: Pacer(self.box).wait(duration))
 
     def take(self, message: Message) -> None:
         """Remember what the box reports."""

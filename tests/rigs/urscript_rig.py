@@ -133,9 +133,8 @@ class TimeBox:
         if waiting is not None:
             waiting.set_result(None)
 
-    async def sleep(self, duration: float) -> None:
-        end = self.ticks + round(duration / 0.002)
-        while self.ticks < end:
+    async def until(self, condition: Callable[[], bool]) -> None:
+        while not condition():
             await self.next_update()
 
 

@@ -182,11 +182,6 @@ class UrControlBox:
         while not condition():
             await self.next_update()
 
-    async def sleep(self, duration: float) -> None:
-        """Wait for simulated time to pass [s]; a reset of the time ends it."""
-        start = self.time
-        await self.until(lambda: not 0.0 <= self.time - start < duration - 1e-9)
-
     # ---- requests -------------------------------------------------------------------
 
     async def call(self, request: Request[R]) -> R:

@@ -18,7 +18,7 @@ class Pacer:
     """Waits for intervals that follow each other without gaps.
 
     Programs count their time in steps of the control period, as those with splines do.
-    On a robot, each step takes exactly as long.  Here, a program runs in another process
+    On a robot, each step takes exactly as long.  Here, the program is another process
     than the simulation, and may see an update late: its next steps are shorter then.
     """
 

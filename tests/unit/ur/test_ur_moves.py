@@ -17,6 +17,7 @@ from tool0.protocol.arm_motion import ReturnArm, TakeArm
 from tool0.protocol.state import Six
 from tool0.ur.control_box import UrControlBox
 from tool0.ur.moves import STOP, Moves
+from tool0.ur.pacer import Pacer
 
 HOME = np.array([0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0])
 HARDEST = 40.0
@@ -148,7 +149,7 @@ def test_a_move_that_comes_later_is_blended_or_starts_at_rest(
 ) -> None:
     async def program(box: UrControlBox, moves: Moves) -> None:
         await moves.movel(lifted(box, 0.0, 0.0, -0.1), a=3.0, v=0.3, r=0.04)
-        await box.sleep(pause)
+        await Pacer(box).wait(pause)
         await moves.movel(lifted(box, 0.1, 0.0, -0.1), a=3.0, v=0.3, r=0.04)
         await moves.movej(panned(0.1), a=3.0, v=1.05)
         check_at(box, panned(0.1))
