@@ -18,7 +18,7 @@ PATH_DEVIATION: Final = 153
 class ProgramWatch:
     """Pauses the program with its arm, and ends it when it has lost the arm.
 
-    Clients are told why the arm stopped, with a program or without.
+    It reports to the clients why the arm stopped, also when no program runs.
 
     A program of a real UR is paused by a protective stop, and may continue after it.
     Here, it ends: it has to be started anew, from the beginning.
@@ -27,8 +27,10 @@ class ProgramWatch:
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._task: asyncio.Task[None] | None = None
-        self._seen = self._told = ""
-        """Why the arm had stopped at the last update, and when clients were told."""
+        self._seen = ""
+        """The reason of the stop at the last update."""
+        self._told = ""
+        """The reason that was reported last."""
 
     async def start(self, host: str, port_base: int) -> None:
         """Watch from now on; there is no port."""
@@ -58,9 +60,9 @@ class ProgramWatch:
         return self._box.state.protective_stop or self._box.state.motion_failure
 
     def _tell(self) -> None:
-        """Tell clients why the arm has stopped, once.
+        """Report once why the arm has stopped.
 
-        Not at the first update that shows it: clients know the safety mode before.
+        It waits for a second update, so that clients receive the safety mode first.
         """
         box, reason = self._box, self._reason
         if reason == self._seen and reason != self._told:

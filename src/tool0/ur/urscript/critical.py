@@ -10,8 +10,8 @@ from typing import final
 class CriticalSection:
     """While a thread is inside, no other thread executes a statement.
 
-    UR does not document how turns are taken.  Here, whoever can go on does so before a
-    thread enters, also one that has just left.
+    UR does not document how turns are taken.  Here, threads that are ready run before a
+    thread enters, also before one that has just left.
     """
 
     def __init__(self) -> None:

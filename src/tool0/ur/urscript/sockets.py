@@ -132,7 +132,7 @@ class Sockets:
     async def open(self, address: str, port: int, name: str) -> bool:
         """Connect, and return whether it worked.  A name in use is closed first.
 
-        Clients are told if the address is not allowed.
+        An address that is not allowed is reported to the clients.
 
         Raises:
             ValueProblem: There are too many.
@@ -152,17 +152,18 @@ class Sockets:
                 )
             )
             return False
-        loop = asyncio.get_running_loop()
+        # Known from the start: a program that is killed meanwhile closes it, too.
+        self._connections[name] = connection = Connection()
+        attempt = asyncio.get_running_loop().create_connection(
+            lambda: connection, host, port
+        )
         try:
-            made = await _within(
-                loop.create_connection(Connection, host, port), OPEN_TIMEOUT
-            )
+            made = await _within(attempt, OPEN_TIMEOUT)
         except (OSError, OverflowError, UnicodeError):
-            return False
+            made = None
         if made is None:
-            return False
-        self._connections[name] = made[1]
-        return True
+            self.close(name)
+        return made is not None
 
     def find(self, name: str) -> Connection | None:
         """Return an open connection."""

@@ -129,6 +129,8 @@ def checked_struct(names: tuple[str, ...], values: Sequence[Value]) -> Struct:
 
 def weight(items: Sequence[Value]) -> int:
     """Return how many values a list has, with those of its rows, poses or structs."""
+    if items and isinstance(items[0], Struct):  # their lists may differ in length
+        return sum(map(_weight, items))
     return len(items) * _weight(items[0]) if items else 0
 
 

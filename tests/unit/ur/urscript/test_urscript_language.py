@@ -140,6 +140,10 @@ FAILURES = {
     "x = k.length()": "length: an integer has no methods",
     "items.append(one)": "append: a list has elements of one kind",
     "items.insert(9, k)": "insert: index 9 of a list of 2 elements",
+    "all = make_list(9, struct(q = make_list(2000, 0)))": "lists have at most 10000",
+    "all = [struct(q = [1]), struct(q = make_list(9999, 0)), struct(q = [1])]": (
+        "lists have at most 10000"
+    ),
     "assert(k == 3)": "assert: the assertion does not hold",
     "x = str_cat(long, long)": "at most 1023 bytes, not 2000",
     "x = pose_inv(p[0, 0, 0, 1e200 * k, 0, 0])": "pose_inv: 2e+200 is too large",
