@@ -9,6 +9,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
+from tool0.description import arm_files
 from tool0.description.catalogue import CataloguePart, PartKind, shared_folder
 from tool0.description.model import FLANGE, Interface, RobotModel
 from tool0.description.parts import find_arms
@@ -20,14 +21,7 @@ from tool0.errors import ConfigError, SourceLocation
 if TYPE_CHECKING:
     from tool0.control.gains import DerivedGains
 
-CATALOGUE_JOINTS: Final = (
-    "shoulder_pan_joint",
-    "shoulder_lift_joint",
-    "elbow_joint",
-    "wrist_1_joint",
-    "wrist_2_joint",
-    "wrist_3_joint",
-)
+CATALOGUE_JOINTS: Final = tuple(arm_files.JOINTS.values())
 """The joints that the shared files of arms name."""
 LIMITS: Final = "joint_limits"
 """Key of limits in a YAML that replace the URDF's."""
