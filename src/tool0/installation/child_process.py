@@ -121,7 +121,7 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
         with self._reading:
             if self._pid is None:
                 with self._connection.makefile("rb") as stream:
-                    self._pid = int(stream.readline() or 0)
+                    self._pid = int([b"0", *stream.readline().split()][-1])
             return self._pid
 
     @property

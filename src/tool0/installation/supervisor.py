@@ -1,8 +1,9 @@
 """Ends a process group when its parent ends: the other side of ``child_process``.
 
 Run as a script, in a Python without site-packages, it starts the program that a line of
-JSON on standard input describes, and answers with its process id.  Standard input is a
-socket: when its other end closes, for whatever reason, the group is ended.
+JSON on standard input describes, and answers with its process id, then ``0`` if it
+cannot be executed.  Standard input is a socket: when its other end closes, for whatever
+reason, the group is ended.
 Nothing of tool0 is imported here.
 """
 
@@ -26,6 +27,12 @@ def main() -> NoReturn:
         request = json.loads(stream.readline() or "null")
     if request is None:  # the parent has ended already
         os._exit(1)
+    answer = os.dup(0)
+
+    def send(text: str) -> None:
+        with contextlib.suppress(OSError):
+            os.write(answer, text.encode())
+
     try:
         program = subprocess.Popen(
             request["command"],
@@ -33,12 +40,14 @@ def main() -> NoReturn:
             cwd=request["folder"],
             stdin=subprocess.DEVNULL,
             start_new_session=True,
+            # It says its id itself: once it runs, we may be killed at any moment.
+            preexec_fn=lambda: send(f"{os.getpid()} "),  # noqa: PLW1509 - no threads yet
         )
     except OSError as error:
+        send("0\n")
         print(error, file=sys.stderr, flush=True)
         os._exit(127)
-    with contextlib.suppress(OSError):
-        os.write(0, f"{program.pid}\n".encode())
+    send("\n")
     supervise(program.pid, 0, program.wait, request["grace"])
 
 

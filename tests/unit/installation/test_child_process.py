@@ -93,7 +93,9 @@ def test_a_child_with_grace_is_interrupted_first(tmp_path: Path) -> None:
 def test_a_child_whose_supervisor_was_killed_is_ended(
     pids: Path, end: Callable[[ChildProcess], object]
 ) -> None:
-    with ChildProcess(["sh", "-c", DEAF], grace=TIMEOUT) as child:
+    # The supervisor is stopped as early as the program can do it:
+    script = f"kill -STOP $PPID; {DEAF}"
+    with ChildProcess(["sh", "-c", script], grace=TIMEOUT) as child:
         watch = Watch(started(pids))
         os.kill(child._process.pid, signal.SIGKILL)
         end(child)
