@@ -13,7 +13,7 @@ from ur_rig import ur_rig
 
 PROGRAM = Path(__file__).parents[1] / "data" / "urscript" / "external_control.script"
 RATE = 250  # setpoints per second
-TIMEOUT = 200  # after which the program ends by itself [ms]
+TIMEOUT = 1000  # after which the program ends by itself [ms]
 AMPLITUDE = 0.1  # [rad]
 FREQUENCY = 0.5  # [Hz]
 JOINTS = (

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar, cast, final
@@ -26,7 +27,7 @@ from tool0.protocol.arm_motion import (
     StopArm,
     path_request,
 )
-from tool0.ur.pacer import Pacer
+from tool0.ur.pacer import CATCH_UP, Pacer
 
 if TYPE_CHECKING:
     from tool0.protocol.state import Six
@@ -47,6 +48,8 @@ _LEAD_DECAY: Final = 0.8
 _ATTEMPTS: Final = 4
 _SHOWN_WARNINGS: Final = 5
 _ROUNDING: Final = 1e-9
+_SHOWN_AFTER: Final = 0.02
+"""How long an update may lack a motion that was sent [s]."""
 OWN_STREAM: Final = 1e6
 """Timeout of the streams of a program of the box itself [wall s]: it may pause between
 two commands, and nobody else sends them, who could fall silent."""
@@ -73,6 +76,10 @@ class Moves:
         self._running: _Running | None = None
         self._lead = LEAD[1]
         self._pacer = Pacer(box)
+        self._sent = -math.inf
+        """When a motion was sent last [s]: updates show it a little later."""
+        self._owed = (0.0, 0.0)
+        """Change of velocity that the steps until a time [s] have not executed."""
 
     # ---- moves ----------------------------------------------------------------------
 
@@ -92,6 +99,7 @@ class Moves:
             ControlError: If the arm may not move now.
         """
         self._running = running = await self._start(tuple(moves))
+        self._sent = running.sent
         plan = running.plan
         self._warn(plan.warnings)
         if wait:
@@ -165,7 +173,7 @@ class Moves:
     ) -> None:
         """Follow joint positions [rad]; return after ``t`` [s]."""
         box = self._box
-        self._running = None
+        self._running, self._sent = None, box.time
         box.send(
             ServoJoints(
                 arm=box.arm,
@@ -181,40 +189,66 @@ class Moves:
     async def speedj(self, qd: Six, a: float, t: float | None = None) -> None:
         """Ramp to joint velocities [rad/s]; return after ``t``, or at full speed.
 
-        Velocities beyond the limits of the joints are scaled, all in proportion.
+        Velocities beyond the limits of the joints are scaled, all in proportion.  The
+        speed scaling slows down all of it.
         """
         box, a = self._box, _above_0(a)
         limits = [joint.limits.velocity for joint in box.chain.joints]
         excess = max(abs(v) / limit for v, limit in zip(qd, limits, strict=True))
         if excess > 1.0:
             qd = cast("Six", tuple(v / excess for v in qd))
-        change = np.subtract(qd, box.target_qd)
-        self._running = None
+        if t is None:
+            t = float(np.abs(np.subtract(qd, box.target_qd)).max()) / a
+        self._running, self._sent = None, box.time
+        a = self._hastened(a, t)
         box.send(
             SpeedJoints(arm=box.arm, velocities=qd, acceleration=a, timeout=OWN_STREAM)
         )
-        await self._pacer.wait(float(np.abs(change).max()) / a if t is None else t)
+        await self._pacer.wait(t, is_scaled=True)
 
     async def speedl(
         self, xd: Six, a: float, t: float | None = None, a_rot: float | None = None
     ) -> None:
         """Ramp to a velocity of the TCP [m/s, rad/s]; return as ``speedj`` does."""
         box, a = self._box, _above_0(a)
-        change = np.subtract(xd, box.tcp_speed(target=True))
-        self._running = None
+        if t is None:
+            change = np.subtract(xd, box.tcp_speed(target=True))
+            t = _duration(change, a, a_rot)
+        self._running, self._sent = None, box.time
+        a = self._hastened(a, t)
         box.send(
             SpeedTool(
                 arm=box.arm, twist=xd, acceleration=a, tcp=box.tcp, timeout=OWN_STREAM
             )
         )
-        if t is None:
-            t = _duration(change, a, a_rot)
-        await self._pacer.wait(t)
+        await self._pacer.wait(t, is_scaled=True)
+
+    def _hastened(self, a: float, t: float) -> float:
+        """Return the acceleration for a step of velocities that may begin late.
+
+        A step that begins late has less time for its ramp.  One that would have ended
+        already is replaced by the next step, which executes both ramps.
+        """
+        scale = self._box.state.speed_scaling
+        if not scale or t > CATCH_UP:
+            return a
+        start = self._pacer.start
+        end, (owed, since) = start + t / scale, self._owed
+        change = a * t / scale
+        if abs(start - since) < _ROUNDING:
+            change += owed
+        left = end - self._box.time
+        if left < _ROUNDING:
+            self._owed = (change, end)
+            return a
+        return change / left
 
     async def stopj(self, a: float = 2.0) -> None:
         """Ramp down to rest from any motion; ``a`` is the leading joint's [rad/s²]."""
-        box = self._box
-        await box.call(StopArm(arm=box.arm, deceleration=_above_0(a)))
+        box, deceleration = self._box, _above_0(a)
+        if self._is_at_rest():
+            return
+        await box.call(StopArm(arm=box.arm, deceleration=deceleration))
         self._running = None  # also a path that was to begin later
         await self._rest()
 
@@ -329,6 +363,12 @@ class Moves:
             return update.is_done or update.mode != "path"
         is_reset = self._box.time < running.sent
         return update.path > running.number or running.number == 0 or is_reset
+
+    def _is_at_rest(self) -> bool:
+        """Return whether there is nothing to stop."""
+        box = self._box
+        is_shown = not self._sent <= box.time < self._sent + _SHOWN_AFTER
+        return is_shown and box.arm_sample.is_done and not any(box.target_qd)
 
     async def _rest(self) -> None:
         await self._box.next_update()

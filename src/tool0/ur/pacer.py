@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 CATCH_UP: Final = 0.02
 """How late a step may begin and still count from when it was due [s]."""
+_ROUNDING: Final = 1e-9
 
 
 @final
@@ -27,10 +28,26 @@ class Pacer:
         self._due = -math.inf
         """When the last interval ended [s]."""
 
-    async def wait(self, duration: float) -> None:
-        """Wait for simulated time to pass [s]; a reset of the time ends it."""
+    @property
+    def start(self) -> float:
+        """When an interval begins that is waited for now [s]."""
         now = self._box.time
-        start = self._due if 0.0 <= now - self._due <= CATCH_UP else now
-        self._due = end = start + duration
+        return self._due if 0.0 <= now - self._due <= CATCH_UP else now
+
+    async def wait(self, duration: float, *, is_scaled: bool = False) -> None:
+        """Wait for simulated time to pass [s]; a reset of the time ends it.
+
+        The speed scaling slows it down if it ``is_scaled``.
+        """
+        box, start, left = self._box, self.start, duration
+        is_over = False
         await asyncio.sleep(0)  # others have their turn, also if it is over already
-        await self._box.until(lambda: not start <= self._box.time < end - 1e-9)
+        while not is_over:
+            scale = box.state.speed_scaling if is_scaled else 1.0
+            self._due = end = start + (left / scale if scale else math.inf)
+            while not (is_over := not start <= box.time < end - _ROUNDING):
+                await box.next_update()
+                if is_scaled and box.state.speed_scaling != scale:
+                    break
+            left -= scale * (box.time - start)
+            start = box.time

@@ -115,12 +115,36 @@ def test_velocities_ramp_with_the_leading_joint(rate: float) -> None:
     assert stream.setpoint.positions[0] == pytest.approx(1.0, abs=1e-9)
 
 
-def test_the_speed_slider_scales_velocities() -> None:
+def test_the_speed_slider_slows_down_the_clock_of_velocities() -> None:
     stream = speed()
     stream.aim(six(1.0), 10.0)
-    for k in range(300):
-        stream.advance(k * DT, DT, 0.3)
-    assert stream.setpoint.velocities[0] == pytest.approx(0.3)
+    for k in range(200):  # as 0.1 s at full speed
+        stream.advance(k * DT, DT, 0.5)
+    assert stream.setpoint.velocities[0] == pytest.approx(0.5)
+    ramp = 0.5 * 1.0 * 0.1
+    assert stream.setpoint.positions[0] == pytest.approx(ramp)
+    for k in range(200, 400):
+        stream.advance(k * DT, DT, 0.5)
+    assert stream.setpoint.positions[0] == pytest.approx(ramp + 0.1)
+
+
+@pytest.mark.parametrize("acceleration", [0.01, 10.0])
+def test_a_pause_stops_velocities_and_their_end_is_not_slowed_down(
+    acceleration: float,
+) -> None:
+    stream = speed(ArmSetpoint.resting(six())._replace(velocities=six(0.4)))
+    stream.aim(six(0.4), acceleration, until=10.0)
+    stream.advance(0.0, DT, 1.0)
+    for k in range(100):
+        stream.advance(k * DT, DT, 0.0)
+    assert stream.setpoint.is_at_rest
+    stream.aim(six(0.4), 10.0, until=10.0)
+    for k in range(400):
+        stream.advance(1.0 + k * DT, DT, 0.5)
+    assert stream.setpoint.velocities[0] == pytest.approx(0.2)
+    for k in range(20):
+        stream.advance(10.0 + k * DT, DT, 0.5)
+    assert stream.setpoint.is_at_rest
 
 
 def test_velocities_end_before_a_position_limit() -> None:

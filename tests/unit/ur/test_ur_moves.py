@@ -14,6 +14,7 @@ import tool0
 from tool0.errors import UnreachableError
 from tool0.motion.moves import Move
 from tool0.protocol.arm_motion import ReturnArm, TakeArm
+from tool0.protocol.control_box import SetSpeedSlider
 from tool0.protocol.state import Six
 from tool0.ur.control_box import UrControlBox
 from tool0.ur.moves import STOP, Moves
@@ -234,3 +235,25 @@ def test_movec_and_movep_and_servoc(robot: tool0.Robot) -> None:
     play(robot, program)  # what is planned for the first time comes late
     trace = play(robot, program)
     assert len(set(itertools.dropwhile(lambda path: path < 2, trace.paths))) >= 3
+
+
+def test_steps_of_velocities_add_up_at_any_speed_scaling(robot: tool0.Robot) -> None:
+    """Steps of one period, as programs that interpolate send them."""
+    step, n = 0.008, 100
+    speeds = 0.3 * np.sin(np.linspace(0.0, np.pi, n)) ** 2
+
+    async def program(box: UrControlBox, moves: Moves) -> None:
+        await box.call(SetSpeedSlider(arm=box.arm, fraction=0.5))
+        await box.until(lambda: box.state.speed_scaling == 0.5)
+        start, before = box.time, 0.0
+        for v in speeds:
+            a = max(abs(v - before), 1e-6) / step
+            await moves.speedj((v, 0.0, 0.0, 0.0, 0.0, 0.0), a, step)
+            before = v
+        assert box.time - start == pytest.approx(n * step / 0.5, abs=0.1)
+        await moves.stopj(10.0)
+        await box.call(SetSpeedSlider(arm=box.arm, fraction=1.0))
+        moved = np.subtract(box.target_q, HOME)
+        assert moved[0] == pytest.approx(speeds.sum() * step, abs=0.005)
+
+    play(robot, program)

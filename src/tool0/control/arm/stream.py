@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+SLOWING: Final = 4.0
+"""Least acceleration with which velocities follow a smaller speed scaling [rad/s²]: a
+stream with a small acceleration must come to rest, too, when it is paused."""
 MAX_ACCELERATION: Final = 40.0
 """Acceleration of a joint that follows a stream [rad/s²]: the largest of ur_rtde
 (JOINT_ACCELERATION_MAX, https://sdurobotics.gitlab.io/ur_rtde/)."""
@@ -142,7 +145,8 @@ class SpeedStream:
     """Moves with joint velocities, or with a twist of the tool: ``speedj``, ``speedl``.
 
     The velocity changes along a straight line in its space, at the acceleration of the
-    leading component.
+    leading component.  The speed scaling slows down the clock of this motion: at 0.5,
+    velocities are half, and accelerations a quarter.
     """
 
     def __init__(
@@ -160,6 +164,10 @@ class SpeedStream:
         self._ramp = math.inf
         """Duration of the ramp to rest after a target that is none [s]."""
         self._end = math.inf
+        self._scale = 0.0
+        """Speed scaling of the last tick."""
+        self._is_slowing = False
+        """Whether the velocity still follows a smaller speed scaling."""
 
     def aim(
         self,
@@ -199,16 +207,27 @@ class SpeedStream:
         is_over = time >= self._end - _ROUNDING
         scale = 0.0 if is_over else speed_scaling
         target = [scale * v for v in self._target]
+        change = period * self._scaled_acceleration(speed_scaling, is_over=is_over)
         if self._lever is None:
-            most = self._acceleration * period
-            wanted = _ramped(self.setpoint.velocities, target, most)
+            wanted = _ramped(self.setpoint.velocities, target, change)
+            self._is_slowing &= wanted != target
             velocities = self._within(wanted, period)
         else:
-            velocities = self._of_tool(target, self._lever, period)
+            velocities = self._of_tool(target, self._lever, period, change)
         self.setpoint = _moved(self.setpoint, velocities, period)
 
+    def _scaled_acceleration(self, speed_scaling: float, *, is_over: bool) -> float:
+        """Return the acceleration of a tick; ramps to rest are not scaled."""
+        self._is_slowing |= speed_scaling < self._scale
+        self._scale = speed_scaling
+        if is_over:
+            return self._acceleration
+        if self._is_slowing or not speed_scaling:
+            return max(self._acceleration, SLOWING)
+        return self._acceleration * speed_scaling**2
+
     def _of_tool(
-        self, target: Sequence[float], lever: Array, period: float
+        self, target: Sequence[float], lever: Array, period: float, most: float
     ) -> list[float]:
         """Return the joint velocities for a ramp of the tool's twist."""
         import numpy as np
@@ -222,9 +241,10 @@ class SpeedStream:
             twist = self._model.place(q, lever).jacobian @ qd
         change = np.asarray(target) - twist
         size = math.sqrt(max(change[:3] @ change[:3], change[3:] @ change[3:]))
-        most = self._acceleration * period
         if size > most:
             change *= most / size
+        else:
+            self._is_slowing = False
         # The tick's velocity is reached at its end.
         J = self._model.place(q + period * qd, lever).jacobian
         wanted: list[float] = damped_inverse(J, twist + change).tolist()

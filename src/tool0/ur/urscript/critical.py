@@ -10,8 +10,10 @@ from typing import final
 class CriticalSection:
     """While a thread is inside, no other thread executes a statement.
 
-    UR does not document how turns are taken.  Here, threads that are ready run before a
-    thread enters, also before one that has just left.
+    A thread is outside while it waits for something that takes time.  UR does not
+    document that, nor how turns are taken; its driver's program relies on it, which
+    executes trajectories and reads sockets inside.  Here, threads that are ready run
+    before a thread enters, also before one that has just left.
     """
 
     def __init__(self) -> None:
@@ -30,6 +32,10 @@ class CriticalSection:
     async def enter(self, thread: object) -> None:
         """Wait for the turn of the thread; it is inside then."""
         await asyncio.sleep(0)
+        await self.resume(thread)
+
+    async def resume(self, thread: object) -> None:
+        """Be inside again, at once if no other thread is."""
         await self.wait(thread)
         self._owner = thread
         self._free.clear()

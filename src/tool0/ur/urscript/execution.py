@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping
-from typing import TYPE_CHECKING, Final, Protocol, TypeVar, final
+from typing import TYPE_CHECKING, Final, Protocol, final
 
 from tool0.ur.pacer import Pacer
 from tool0.ur.tool_contact import ToolHistory
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
     from tool0.ur.moves import Moves
 
-T = TypeVar("T")
 
 MAX_THREADS: Final = 50
 MAX_VARIABLES: Final = 2_000
@@ -98,22 +97,16 @@ class Thread:
     async def timed(self, action: Awaitable[Value]) -> Value:
         """Wait for something that takes time, and for the permission to go on."""
         self._spun = 0
-        value = await action
-        await self.hold()
-        return value
-
-    async def apart(self, action: Awaitable[T]) -> T:
-        """Wait for another program; meanwhile this is outside of a critical section.
-
-        UR's driver relies on that: its program reads a socket in a critical section.
-        """
         critical = self.execution.critical
         was_inside = critical.is_inside(self)
         critical.leave(self)
-        result = await action
+        value = await action
+        await self.execution.gate()
         if was_inside:
-            await critical.enter(self)
-        return result
+            await critical.resume(self)
+        else:
+            await critical.wait(self)
+        return value
 
     async def hold(self) -> None:
         """Wait while the program is paused, or another thread is critical."""

@@ -340,7 +340,10 @@ def test_a_critical_section_holds_other_threads() -> None:
     sleep(0.003)
     enter_critical
     textmsg("in")
-    sleep(0.1)
+    count = 0
+    while count < 20000:
+      count = count + 1
+    end
     textmsg("out")
     exit_critical
     sleep(0.005)
@@ -371,7 +374,10 @@ def test_threads_enter_a_critical_section_in_turn() -> None:
     assert max(counts) - min(counts) <= 1
 
 
-def test_a_thread_that_reads_a_socket_in_a_critical_section_holds_nobody() -> None:
+@pytest.mark.parametrize(
+    "wait", ["socket_read_binary_integer(1, timeout=0.1)", "sleep(0.1)"]
+)
+def test_a_thread_that_waits_in_a_critical_section_holds_nobody(wait: str) -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
         run = run_in_time(f"""
@@ -384,9 +390,12 @@ def test_a_thread_that_reads_a_socket_in_a_critical_section_holds_nobody() -> No
         socket_open("127.0.0.1", {port})
         enter_critical
         t = run other()
-        socket_read_binary_integer(1, timeout=0.2)
+        {wait}
         textmsg("read")
-        sleep(0.1)
+        count = 0
+        while count < 20000:
+          count = count + 1
+        end
         textmsg("out")
         exit_critical
         """)

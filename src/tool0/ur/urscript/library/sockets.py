@@ -46,7 +46,7 @@ async def socket_open(
     thread: Thread, address: Text, port: PortNumber, socket_name: Text = DEFAULT
 ) -> bool:
     """Connect to a server within 2 s; return whether it worked."""
-    return await thread.apart(thread.execution.sockets.open(address, port, socket_name))
+    return await thread.execution.sockets.open(address, port, socket_name)
 
 
 async def socket_close(thread: Thread, socket_name: Text = DEFAULT) -> None:
@@ -71,7 +71,7 @@ async def _receive(
     found = connection.take(find)  # others have no turn if the data are here
     if found is not None:
         return found
-    return await thread.apart(connection.receive(find, timeout))
+    return await connection.receive(find, timeout)
 
 
 async def socket_send_string(
