@@ -185,7 +185,7 @@ class BoxRig:
 
         def take() -> None:
             for snapshot in subscription.pending() if boxes else ():
-                boxes[0].take(snapshot)
+                boxes[0].take(snapshot, snapshot.time)
 
         def in_loop() -> None:
             with suppress(RuntimeError):

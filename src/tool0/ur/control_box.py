@@ -130,6 +130,8 @@ class UrControlBox:
         self.snapshot: Snapshot
         """The newest state."""
         self._show(first)
+        self.newest_time = self.time
+        """Simulated time of an update that may be shown later [s]."""
         self.gripper: RobotiqGripper | None = None
         """The gripper that the arm carries, if it speaks Robotiq's protocol."""
         self.has_foreign_gripper = False
@@ -149,9 +151,13 @@ class UrControlBox:
 
     # ---- updates --------------------------------------------------------------------
 
-    def take(self, snapshot: Snapshot) -> None:
-        """Show the robot after another update, and tell everyone."""
+    def take(self, snapshot: Snapshot, newest: float) -> None:
+        """Show the robot after another update, and tell everyone.
+
+        ``newest`` is the time of the newest update that is here [s].
+        """
         self._show(snapshot)
+        self.newest_time = newest
         for callback in tuple(self.when_updated):
             try:
                 callback()

@@ -237,7 +237,7 @@ class Moves:
         change = a * t / scale
         if abs(start - since) < _ROUNDING:
             change += owed
-        left = end - self._box.time
+        left = end - self._box.newest_time
         if left < _ROUNDING:
             self._owed = (change, end)
             return a

@@ -188,6 +188,8 @@ async def _within(action: Coroutine[Any, Any, T], timeout: float | None) -> T | 
     asyncio.wait_for drops a cancellation that comes together with the result.
     """
     task = asyncio.ensure_future(action)
+    # An error is no news if whoever waits has been cancelled.
+    task.add_done_callback(lambda done: done.cancelled() or done.exception())
     try:
         await asyncio.wait({task}, timeout=timeout)
     finally:
