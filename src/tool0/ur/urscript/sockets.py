@@ -100,19 +100,15 @@ class Connection(asyncio.Protocol):
         Returns:
             None after the timeout, or if the connection has ended.
         """
-        found = self.take(find)
-        if found is not None:
-            return found
         return await _within(self._wait_for(find), timeout if timeout > 0.0 else None)
 
     async def _wait_for(self, find: Callable[[bytearray], T | None]) -> T | None:
-        while self._transport is not None:
+        while True:
+            found = self.take(find)
+            if found is not None or self._transport is None:
+                return found
             self._arrived.clear()
             await self._arrived.wait()
-            found = self.take(find)
-            if found is not None:
-                return found
-        return None
 
     def close(self) -> None:
         """End the connection."""
