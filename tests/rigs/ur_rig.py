@@ -24,6 +24,8 @@ class UrRig:
     robot: tool0.Robot
     host: str
     controller: UrController
+    programs: Path | None
+    """The folder of the dashboard server."""
 
     def connect(self, port: int) -> socket.socket:
         """Return a connection to one of the ports."""
@@ -44,7 +46,7 @@ def ur_rig(programs: Path | None = None, **options: Any) -> Iterator[UrRig]:
         UrController(robot, UrOptions(host=host, programs=programs)) as controller,
     ):
         controller.wait()
-        yield UrRig(robot, host, controller)
+        yield UrRig(robot, host, controller, programs)
 
 
 class DashboardLines:

@@ -98,6 +98,15 @@ def test_answers_are_those_of_the_documents(dashboard, command, answer):
     assert dashboard.ask(command) == answer
 
 
+def test_the_log_is_saved(rig, dashboard):
+    assert dashboard.ask("addToLog Cell 8 is ready") == "Added log message"
+    assert dashboard.ask("popup Hello") == "showing popup"
+    assert dashboard.ask("saveLog") == "Log saved to disk"
+    lines = (rig.programs / "log_history.txt").read_text().splitlines()
+    assert lines[-2].endswith(" note: Cell 8 is ready")
+    assert lines[-1].endswith(" popup: Message Hello")
+
+
 def test_a_serial_number_is_a_number(dashboard):
     number = dashboard.ask("get serial number")
     assert number.isdigit()

@@ -7,6 +7,7 @@ module adds only the command line's own options.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -131,9 +132,11 @@ class Ros2NodeOptions:
         return Ros2Options(ns=self.ros2_ns, domain=self.domain)
 
 
-def _saved_programs() -> Path | None:
-    """Return the folder of UR programs in the user's data, if there is one."""
+def _own_programs() -> Path | None:
+    """Return the folder of UR programs in the user's data; None if none can be made."""
     folder = data_folder() / "ur-programs"
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
     return folder if folder.is_dir() else None
 
 
@@ -147,8 +150,8 @@ class UrControllerOptions:
     ur_port_base: int = 0
     """Added to the port numbers of a real robot."""
     ur_programs: Path | None = None
-    """Folder with the programs (*.script) that the dashboard server can load;
-    ~/.local/share/tool0/ur-programs if not given."""
+    """Folder with the programs (*.script) that the dashboard server can load, and
+    where it saves its log; ~/.local/share/tool0/ur-programs if not given."""
     ur_sockets: bool = False
     """Allow URScript programs to connect to other machines."""
     ur_active_gripper: bool = False
@@ -159,7 +162,7 @@ class UrControllerOptions:
         return UrOptions(
             host=self.ur_host,
             port_base=self.ur_port_base,
-            programs=self.ur_programs or _saved_programs(),
+            programs=self.ur_programs or _own_programs(),
             allow_sockets=self.ur_sockets,
             active_gripper=self.ur_active_gripper,
         )

@@ -188,7 +188,7 @@ class Dashboard:
             DashboardCommand("get robot model", _saying(lambda _: robot_model(box))),
             DashboardCommand("generate flight report", _saying(lambda _: NO_REPORT)),
             DashboardCommand("generate support file", _saying(lambda _: NO_REPORT)),
-            DashboardCommand("saveLog", _saying(lambda _: NO_REPORT)),
+            DashboardCommand("saveLog", self._save_log),
         )
 
     # ---- programs -------------------------------------------------------------------
@@ -268,6 +268,13 @@ class Dashboard:
                 return f"PAUSED {self._name}"
         return f"STOPPED {self._name}"
 
+    async def _save_log(self, _: str) -> str:
+        try:
+            await asyncio.to_thread(self._files.save_log, tuple(self._box.messages.log))
+        except OSError as error:
+            return f"Error while saving log: {error}"
+        return "Log saved to disk"
+
     def _load_installation(self, name: str) -> str:
         if name == INSTALLATION:
             return f"Loading installation: {name}"
@@ -339,6 +346,7 @@ class Dashboard:
         if not text:
             return "No log message to add"
         logger.info("%s: %s", self._box.arm, text)
+        self._box.messages.note(text)
         return "Added log message"
 
     @property

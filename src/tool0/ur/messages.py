@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
+from datetime import datetime, timezone
 from enum import Enum
-from typing import NamedTuple, final
+from typing import Final, NamedTuple, final
 
 from tool0.ur.urscript_errors import URScriptError
+
+MAX_LOG: Final = 10_000
+"""Messages in the log; older ones are forgotten."""
 
 
 class MessageKind(Enum):
@@ -46,6 +51,8 @@ class Messages:
         self.listeners: set[Callable[[Message], None]] = set()
         self.popup: Message | None = None
         """The popup that is shown."""
+        self.log: deque[str] = deque(maxlen=MAX_LOG)
+        """The messages as lines: wall time, kind and text."""
 
     def text(self, text: str) -> None:
         """Send a line of ``textmsg``."""
@@ -76,6 +83,12 @@ class Messages:
         """Remove the popup, if there is one."""
         self.popup = None
 
+    def note(self, text: str, kind: str = "note") -> None:
+        """Add a line to the log, without a message."""
+        now = datetime.now(timezone.utc).isoformat(timespec="milliseconds")
+        self.log.append(f"{now} {kind}: {' '.join(text.split())}")
+
     def _send(self, message: Message) -> None:
+        self.note(f"{message.title} {message.text}", message.kind.value)
         for listener in tuple(self.listeners):
             listener(message)

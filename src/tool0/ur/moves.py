@@ -53,6 +53,8 @@ _SHOWN_AFTER: Final = 0.02
 OWN_STREAM: Final = 1e6
 """Timeout of the streams of a program of the box itself [wall s]: it may pause between
 two commands, and nobody else sends them, who could fall silent."""
+MAX_ACCELERATION: Final = 1000.0
+"""What requests accept [rad/s², m/s²]."""
 STOP: Final = 4.0
 """Of the leading joint, when a motion is cancelled or replaced [rad/s²]."""
 
@@ -241,7 +243,7 @@ class Moves:
         if left < _ROUNDING:
             self._owed = (change, end)
             return a
-        return change / left
+        return min(change / left, MAX_ACCELERATION)
 
     async def stopj(self, a: float = 2.0) -> None:
         """Ramp down to rest from any motion; ``a`` is the leading joint's [rad/s²]."""
@@ -386,7 +388,7 @@ def _above_0(acceleration: float) -> float:
     """Return an acceleration within what requests accept; ControlError unless > 0."""
     if not acceleration > 0.0:
         raise ControlError(f"an acceleration must be above 0, got {acceleration}")
-    return min(acceleration, 1000.0)
+    return min(acceleration, MAX_ACCELERATION)
 
 
 def _duration(change: Array, a: float, a_rot: float | None) -> float:

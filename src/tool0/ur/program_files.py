@@ -1,13 +1,16 @@
-"""Program files for the dashboard server, from one folder."""
+"""The files of the dashboard server, in one folder: programs, and the saved log."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Final, final
 
 from tool0.ur.client_interface.scripts import MAX_PROGRAM
+from tool0.user_data import replace_text
 
+LOG: Final = "log_history.txt"
 SUFFIX: Final = ".script"
 """Of URScript programs; PolyScope's ``.urp`` files are not read."""
 ROOTS: Final = ("/programs", "/ursim/programs")
@@ -26,7 +29,7 @@ class ProgramFile:
 
 @final
 class ProgramFiles:
-    """Reads programs from one folder, and nothing outside it."""
+    """Reads programs from one folder, and nothing outside it; saves the log there."""
 
     def __init__(self, folder: Path | None) -> None:
         """Read from ``folder``; None has no programs."""
@@ -49,6 +52,18 @@ class ProgramFiles:
         if len(text) > MAX_PROGRAM:
             return None
         return ProgramFile(PurePosixPath(name).name, text)
+
+    def save_log(self, lines: Iterable[str]) -> None:
+        """Write the log, in place of the last one.
+
+        Raises:
+            OSError: If that is not possible.
+        """
+        if self._folder is None:
+            raise FileNotFoundError("there is no folder for it")
+        self._folder.mkdir(parents=True, exist_ok=True)
+        text = "".join(f"{line}\n" for line in lines)
+        replace_text(self._folder / LOG, text.encode(errors="replace").decode())
 
     def _find(self, name: str) -> Path | None:
         if self._folder is None or not name or "\0" in name:

@@ -11,9 +11,8 @@ def test_programs_are_in_the_users_data(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    assert UrControllerOptions().options().programs is None
     saved = tmp_path / "tool0" / "ur-programs"
-    saved.mkdir(parents=True)
     assert UrControllerOptions().options().programs == saved
+    assert saved.is_dir()
     chosen = UrControllerOptions(ur_programs=tmp_path)
     assert chosen.options().programs == tmp_path
