@@ -11,16 +11,16 @@ tool: {xyz: [0, 0, 0.1418]}   # between the pads, in the flange
 steps:
   - {kind: gripper, opening: open}
   - kind: move_joint
-    pose: {xyz: [0.5487, 0.1091, 0.2], rpy: [!degrees 180, 0, 0]}
+    pose: {xyz: [0.5487, 0.1091, 0.2], rpy: [180deg, 0, 0]}
     blend: 0.03
   - kind: move_linear
-    pose: {xyz: [0.5487, 0.1091, 0.0025], rpy: [!degrees 180, 0, 0]}
+    pose: {xyz: [0.5487, 0.1091, 0.0025], rpy: [180deg, 0, 0]}
   - {kind: gripper, opening: closed, force: 40, must_hold: true}
   - kind: move_linear
-    pose: {xyz: [0.5487, 0.1091, 0.2], rpy: [!degrees 180, 0, 0]}
+    pose: {xyz: [0.5487, 0.1091, 0.2], rpy: [180deg, 0, 0]}
     blend: 0.05
   - kind: move_joint
-    pose: {xyz: [0.50, -0.32, 0.2], rpy: [!degrees 180, 0, 0]}
+    pose: {xyz: [0.50, -0.32, 0.2], rpy: [180deg, 0, 0]}
   - {kind: comment, text: it falls into the bin}
   - {kind: gripper, opening: 0.07}
   - {kind: move_joint, named_pose: home}

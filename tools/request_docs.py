@@ -172,6 +172,7 @@ def _shown(hint: Any) -> str:
         bounds = [
             f"{sign} {value:g}"
             for meta in args[1:]
+            if isinstance(meta, msgspec.Meta)
             for sign, value in (
                 (">", meta.gt),
                 ("≥", meta.ge),

@@ -60,7 +60,7 @@ class _Copies:
     ) -> None:
         self.texts[module, name] = ""
         left_out = [
-            item for item in getattr(statement, "body", []) if _imports_numpy(item)
+            item for item in getattr(statement, "body", []) if _is_left_out(item)
         ]
         for item in ast.walk(statement):
             is_kept = not any(item in ast.walk(method) for method in left_out)
@@ -119,11 +119,18 @@ def _names(item: ast.AST) -> set[str]:
     }
 
 
-def _imports_numpy(statement: ast.stmt) -> bool:
-    """Return whether a method needs NumPy, which the node's Python may lack."""
-    return isinstance(statement, ast.FunctionDef) and any(
-        isinstance(item, ast.Import) and item.names[0].name == "numpy"
-        for item in statement.body
+def _is_left_out(statement: ast.stmt) -> bool:
+    """Return whether a method is not for the node.
+
+    It may need NumPy, which the node's Python may lack, or check values that people
+    give: the node gets checked ones.
+    """
+    return isinstance(statement, ast.FunctionDef) and (
+        statement.name == "__post_init__"
+        or any(
+            isinstance(item, ast.Import) and item.names[0].name == "numpy"
+            for item in statement.body
+        )
     )
 
 

@@ -19,6 +19,7 @@ from tool0.description.transform import (
     to_pose,
     to_transform,
 )
+from tool0.description.units import ANGLE
 from tool0.errors import ConfigError, ModelError, SourceLocation
 
 if TYPE_CHECKING:
@@ -83,6 +84,7 @@ class Camera:
             raise ConfigError(
                 f"the field of view {of} must be above 0 and below pi rad, "
                 f"got {self.field_of_view:g}"
+                + ANGLE.suggestion(self.field_of_view, lambda meant: meant < math.pi)
             )
         if not 0.0 < self.near < self.far < math.inf:
             raise ConfigError(

@@ -27,8 +27,8 @@ from tool0.description.config import Cell, CellRobot, DescriptionConfig
 from tool0.description.scene import Scene
 from tool0.description.scene_file import read_scene, scene_path
 from tool0.description.units import ANGLE, LENGTH, Quantity, read_number
-from tool0.description.yaml_tree import YamlEntry, read_files
-from tool0.description.yaml_values import Namespace
+from tool0.description.yaml_tree import YamlEntry, read_mapping
+from tool0.description.yaml_values import Namespace, number_of
 from tool0.errors import ConfigError, SourceLocation
 from tool0.user_data import expanded
 
@@ -65,9 +65,7 @@ def load_cell(path: Path | str) -> Cell:
         ConfigError: If it contains a mistake, with file and line.
     """
     path = expanded(path)
-    tree = read_files([path])
-    tree.require_unique_keys()
-    root = Namespace(tree.root)
+    root = Namespace(read_mapping(path))
     root.only("robots", "scene", "namespaces")
     listed = root.find("robots")
     return Cell(
@@ -121,13 +119,14 @@ def _robot(entry: YamlEntry, folder: Path) -> CellRobot:
         if values.find(name):
             given[name] = folder / expanded(values.text(name))
     for name, quantities in _NUMBERS.items():
-        if found := values.find(name):
-            given[name] = _number(found, *quantities)
+        if values.find(name):
+            given[name] = values.number(name, None, *quantities)
     for name in _POSES:
         if pose := values.namespace(name):
             pose.only("xyz", "rpy")
-            given[f"{name}_xyz"] = _vector(pose, "xyz", LENGTH)
-            given[f"{name}_rpy"] = _vector(pose, "rpy", ANGLE)
+            for key, quantity in (("xyz", LENGTH), ("rpy", ANGLE)):
+                if pose.find(key):
+                    given[f"{name}_{key}"] = pose.vector(key, None, quantity)
     own = values.find("controllers_file")
     return CellRobot(
         name=values.text("name"),
@@ -159,7 +158,8 @@ def _initial_pose(values: Namespace) -> str | Mapping[str, float] | None:
     if not found.is_mapping:
         return values.text("initial_pose")
     return {
-        joint: _number(entry, ANGLE, LENGTH) for joint, entry in found.children.items()
+        joint: number_of(entry, ANGLE, LENGTH)
+        for joint, entry in found.children.items()
     }
 
 
@@ -175,28 +175,3 @@ def _scene(root: Namespace, folder: Path) -> Scene | Path | None:
         return near if near.is_file() else scene_path(name)
     except ConfigError as error:
         raise ConfigError(error.message, found.location) from None
-
-
-def _vector(pose: Namespace, key: str, quantity: Quantity) -> tuple[float, ...] | None:
-    found = pose.find(key)
-    if found is None:
-        return None
-    if len(found.items) != 3:
-        raise ConfigError(
-            f"'{found.key}' must be a list of 3 numbers, got {found.describe()}",
-            found.location,
-        )
-    return tuple(_number(item, quantity) for item in found.items)
-
-
-def _number(entry: YamlEntry, *quantities: Quantity) -> float:
-    """Return a number of YAML, or one with a unit."""
-    value = entry.scalar
-    if isinstance(value, bool) or value is None:
-        raise ConfigError(
-            f"'{entry.key}' must be a number, got {entry.describe()}", entry.location
-        )
-    try:
-        return read_number(str(value), *quantities)[0]
-    except ConfigError as error:
-        raise ConfigError(f"'{entry.key}': {error}", entry.location) from None

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Final, Literal, final
 
 from tool0.description.scene import Scene
-from tool0.description.units import Metres, Radians
+from tool0.description.units import Metres, Radians, require_plausible_angles
 from tool0.errors import ConfigError, SourceLocation
 
 Argument = str | bool | int | float | Path | Sequence[float] | None
@@ -97,7 +97,7 @@ class DescriptionConfig:
     """Position of the arm in the world [m]."""
     base_rpy: Sequence[Radians] | None = None
     """Orientation of the arm in the world: roll, pitch, yaw [rad]."""
-    pedestal_height: float | None = None
+    pedestal_height: Metres | None = None
     """Height of the pedestal below the arm's base [m], 0 for none.  If not given, it
     reaches from an upright arm to the ground."""
     meshes: Literal["tool0", "upstream"] | None = None
@@ -134,6 +134,8 @@ class DescriptionConfig:
     """Prefix of the frames in ROS; the robot itself does not change."""
 
     def __post_init__(self) -> None:
+        for name in ("base_rpy", "mount_rpy"):
+            require_plausible_angles(getattr(self, name), name)
         given = [name for name in self._given() if name not in _OF_EACH]
         if self.ros2_control and self.transmission_hw_interface is not None:
             raise ConfigError(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +14,7 @@ from tool0.description.loading import named_poses
 from tool0.description.named_pose import NamedPose, Positions
 from tool0.description.parts import gripper_joints, joints_of_robot
 from tool0.description.robot import RobotDescription
+from tool0.description.units import ANGLE, LENGTH, read_number
 from tool0.description.yaml_tree import YamlEntry, read_verbatim
 from tool0.errors import (
     ConfigError,
@@ -244,11 +244,10 @@ def _children(entry: YamlEntry, what: str) -> dict[str, YamlEntry]:
 
 def _number(entry: YamlEntry, what: str) -> float:
     try:
-        number = float(str(entry.scalar))  # YAML 1.1 takes 1e-05 for a text
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
+        return read_number(str(entry.scalar), ANGLE, LENGTH)[0]
+    except ConfigError:
         raise ConfigError(
-            f"{what} must be a finite number, got {entry.describe()}", entry.location
-        )
-    return number
+            f"{what} must be a finite number, alone or with a unit, got "
+            f"{entry.describe()}",
+            entry.location,
+        ) from None

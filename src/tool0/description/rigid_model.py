@@ -25,6 +25,7 @@ from tool0.description.shapes import (
     sizes,
 )
 from tool0.description.transform import Pose, Transform, to_pose, to_transform
+from tool0.description.units import within_a_turn
 from tool0.description.urdf import read_model
 from tool0.description.urdf_elements import read_inertial
 from tool0.description.xml_source import (
@@ -356,7 +357,8 @@ def _sdf_pose(element: Element) -> Transform:
                 f"<pose {attribute}=…> is not supported; write the pose in the parent",
                 locate(child),
             )
-    x, y, z, roll, pitch, yaw = _numbers(child, 6) if text_of(child) else [0.0] * 6
+    x, y, z, *angles = _numbers(child, 6) if text_of(child) else [0.0] * 6
+    roll, pitch, yaw = map(within_a_turn, angles)
     return to_transform(Pose(xyz=(x, y, z), rpy=(roll, pitch, yaw)))
 
 

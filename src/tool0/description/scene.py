@@ -9,9 +9,12 @@ from dataclasses import dataclass, field
 from typing import final
 
 from tool0.description.camera import Camera
+from tool0.description.finding import Finding
+from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import RobotModel
 from tool0.description.shapes import RGBA, Box, Solid, check_solid
 from tool0.description.transform import Pose, Vector3, to_transform
+from tool0.description.units import FAR, require_plausible_size
 from tool0.errors import ConfigError, SourceLocation
 
 DEFAULT_FRICTION = 1.0
@@ -73,7 +76,7 @@ class SceneObject:
                 "use letters, digits, '_', '-', '.' and single spaces"
             )
         of = f"of object '{self.name}'"
-        check_solid(self.geometry, of)
+        check_solid(self.geometry, of, is_fixed=self.mass is None)
         if not all(map(math.isfinite, (*self.pose.xyz, *self.pose.rpy))):
             raise ConfigError(f"the pose {of} must be finite, got {self.pose}")
         if self.mass is not None and not 0.0 < self.mass < math.inf:
@@ -115,6 +118,26 @@ class Scene:
                 )
             seen.add(item.name)
 
+    def far_objects(self, model: RobotModel) -> tuple[Finding, ...]:
+        """Return a warning for each object that is far from every link."""
+        places = [pose.position for pose in link_poses(model).values()]
+        found = []
+        for item in self.objects:
+            distance = min(math.dist(item.pose.xyz, place) for place in places)
+            if distance < FAR:
+                continue
+            found.append(
+                Finding(
+                    location=self.locations.get(item.name, SourceLocation(None)),
+                    rule="far-object",
+                    severity="warning",
+                    key=item.name,
+                    message=f"the object is {distance:g} m from the robot",
+                    remedy="positions are in metres; write 400mm or 0.4",
+                )
+            )
+        return tuple(found)
+
     def check_beside(self, model: RobotModel) -> None:
         """Raise ConfigError if an object has the name of a link, or of the ground."""
         taken = {**dict.fromkeys(model.link_by_name, "a link"), GROUND: "the ground"}
@@ -151,6 +174,7 @@ def bin_walls(
         ConfigError: If the walls leave no room inside, or a value is invalid.
     """
     x, y, z = size
+    require_plausible_size((x, y, z), f"bin '{name}'", is_fixed=True)
     if not 0.0 < 2 * wall < min(x, y) or not wall < z:
         raise ConfigError(
             f"the walls of bin '{name}' must be above 0 m and leave room inside, "

@@ -4,7 +4,7 @@ The keys are those of ``SceneObject`` and ``Camera``, except that the key of the
 is its kind, and that a camera's pose may have a point to look at::
 
     objects:
-      - {name: table, box: {size: [0.6, 0.8, 0.04]}, pose: {xyz: [0.6, 0, 0]}}
+      - {name: table, box: {size: [0.6, 0.8, 40mm]}, pose: {xyz: [0.6, 0, 0]}}
       - {name: can, cylinder: {radius: 0.03, length: 0.1}, mass: 0.2, friction: 0.6}
       - {name: part, mesh: {file: part.stl, scale: [0.001, 0.001, 0.001]}, mass: 0.1}
       - {name: tray, bin: {size: [0.3, 0.2, 0.1], wall: 0.004}}
@@ -23,10 +23,10 @@ A bin is a fixed open box; it becomes the objects ``tray.floor``, ``tray.front``
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from tool0.description.camera import Camera, looking
 from tool0.description.scene import (
@@ -47,7 +47,8 @@ from tool0.description.shapes import (
     read_geometry,
 )
 from tool0.description.transform import Pose
-from tool0.description.yaml_tree import YamlEntry, read_files
+from tool0.description.units import ANGLE, LENGTH, Quantity
+from tool0.description.yaml_tree import YamlEntry, read_mapping
 from tool0.description.yaml_values import Namespace
 from tool0.errors import (
     ConfigError,
@@ -72,7 +73,11 @@ _SHAPE_KEYS = {
     "mesh": ("file", "scale"),
     _BIN: ("size", "wall"),
 }
-_CAMERA_NUMBERS = ("field_of_view", "near", "far")
+_CAMERA_NUMBERS: Final[Mapping[str, Quantity]] = {
+    "field_of_view": ANGLE,
+    "near": LENGTH,
+    "far": LENGTH,
+}
 _CAMERA_PIXELS = ("width", "height")
 
 
@@ -107,9 +112,7 @@ def load_scene(path: Path | str) -> Scene:
     Raises:
         ConfigError: If it contains a mistake, with file and line.
     """
-    tree = read_files([scene_path(path)])
-    tree.require_unique_keys()
-    return read_scene(tree.root)
+    return read_scene(read_mapping(scene_path(path)))
 
 
 def read_scene(entry: YamlEntry) -> Scene:
@@ -161,8 +164,8 @@ def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...
         with _located(shape.entry):
             return bin_walls(
                 name,
-                size=shape.vector("size"),
-                wall=shape.number("wall", DEFAULT_WALL),
+                size=shape.vector("size", None, LENGTH),
+                wall=shape.number("wall", DEFAULT_WALL, LENGTH),
                 pose=_pose(values),
                 friction=friction,
                 rgba=rgba,
@@ -224,8 +227,10 @@ def _geometry(kind: str, values: Namespace, of: str) -> Geometry:
     def numbers(
         name: str, count: int, default: tuple[float, ...] | None = None
     ) -> tuple[float, ...]:
-        one = count == 1
-        return (shape.number(name),) if one else shape.numbers(name, count, default)
+        of = () if name == "scale" else (LENGTH,)
+        if count == 1:
+            return (shape.number(name, None, *of),)
+        return shape.numbers(name, count, default, *of)
 
     def uri() -> tuple[str, SourceLocation]:
         return shape.text("file"), (shape.find("file") or shape.entry).location
@@ -243,7 +248,11 @@ def _camera(entry: YamlEntry) -> Camera:
     values = Namespace(entry)
     values.only("name", "link", "pose", *_CAMERA_PIXELS, *_CAMERA_NUMBERS)
     given: dict[str, Any] = {  # keywords of two types
-        **{key: values.number(key) for key in _CAMERA_NUMBERS if values.find(key)},
+        **{
+            key: values.number(key, None, quantity)
+            for key, quantity in _CAMERA_NUMBERS.items()
+            if values.find(key)
+        },
         **{key: _pixels(values, key) for key in _CAMERA_PIXELS if values.find(key)},
     }
     with _located(entry):
@@ -263,8 +272,8 @@ def _camera_pose(values: Namespace) -> Pose:
     pose.only("xyz", "look_at", "up")
     with _located(pose.entry):
         return looking(
-            pose.vector("xyz", _ZERO),
-            pose.vector("look_at"),
+            pose.vector("xyz", _ZERO, LENGTH),
+            pose.vector("look_at", None, LENGTH),
             pose.vector("up", (0.0, 0.0, 1.0)),
         )
 
@@ -285,7 +294,10 @@ def _pose(values: Namespace, *other_keys: str) -> Pose:
     if pose is None:
         return Pose()
     pose.only("xyz", "rpy", *other_keys)
-    return Pose(xyz=pose.vector("xyz", _ZERO), rpy=pose.vector("rpy", _ZERO))
+    with _located(pose.entry):
+        return Pose(
+            xyz=pose.vector("xyz", _ZERO, LENGTH), rpy=pose.vector("rpy", _ZERO, ANGLE)
+        )
 
 
 @contextmanager

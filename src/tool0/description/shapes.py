@@ -12,6 +12,7 @@ from typing import final
 
 from tool0.description.packages import resolve_uri
 from tool0.description.transform import Pose, Vector3
+from tool0.description.units import require_plausible_size
 from tool0.errors import ConfigError, DescriptionError, SourceLocation
 
 MESH_SUFFIXES = (".dae", ".obj", ".stl")
@@ -154,13 +155,15 @@ def sizes(geometry: Geometry) -> tuple[float, ...]:
             return scale
 
 
-def check_solid(solid: Solid, of: str) -> None:
+def check_solid(solid: Solid, of: str, *, is_fixed: bool) -> None:
     """Raise ConfigError unless sizes and poses are valid; ``of`` names the owner."""
     if not isinstance(solid, Compound):
         check_geometry(solid, of)
+        _check_scale(solid, of, is_fixed=is_fixed)
         return
     for number, (geometry, pose) in enumerate(solid.parts, start=1):
         check_geometry(geometry, f"of shape {number} {of}")
+        _check_scale(geometry, f"of shape {number} {of}", is_fixed=is_fixed)
         if not all(map(math.isfinite, (*pose.xyz, *pose.rpy))):
             raise ConfigError(
                 f"the pose of shape {number} {of} must be finite, got {pose}"
@@ -191,6 +194,21 @@ def check_geometry(geometry: Geometry, of: str) -> None:
         raise ConfigError(
             f"each size of the {kind} {of} must be above 0 m and finite, got {got}"
         )
+
+
+def _check_scale(geometry: Geometry, of: str, *, is_fixed: bool) -> None:
+    """Raise ConfigError if the sizes must be in another unit."""
+    match geometry:
+        case Box(size=edges):
+            pass
+        case Cylinder(radius=radius, length=length):
+            edges = (2.0 * radius, 2.0 * radius, length)
+        case Sphere(radius=radius):
+            edges = (2.0 * radius,) * 3
+        case Mesh():  # in any unit: its scale says which
+            return
+    what = f"the {type(geometry).__name__.lower()} {of}"
+    require_plausible_size(edges, what, is_fixed=is_fixed)
 
 
 def _find_mesh(uri: str, location: SourceLocation | None) -> Path:

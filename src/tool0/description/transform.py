@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, final
 
+from tool0.description.units import require_plausible_angles
 from tool0.errors import ModelError
 
 if TYPE_CHECKING:  # NumPy is slow to import
@@ -38,6 +39,10 @@ class Pose:
     """[m]"""
     rpy: Vector3 = (0.0, 0.0, 0.0)
     """Fixed-axis roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+
+    def __post_init__(self) -> None:
+        """Raise ConfigError if an angle must be in degrees."""
+        require_plausible_angles(self.rpy, "rpy")
 
 
 @final

@@ -1,22 +1,34 @@
-"""Lengths and angles as people type them: ``40mm``, ``90deg``.  Inside, all is SI."""
+"""Numbers with units as people write them, and values that must be in another unit.
+
+Every file and option of tool0 takes ``40mm``, ``90deg`` and ``250mm/s``, with a blank
+or without one, and ROS's forms of angles: ``deg(90)``, ``rad(1.57)``, in YAML also
+``!degrees 90`` and ``!radians 1.57``.  Inside, all is SI.
+"""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Final, final
 
 from tool0.errors import ConfigError
 
-_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([^\W\d_]*)", re.I)
+_NUMBER = re.compile(
+    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([^\W\d_]*(?:/s)?)", re.I
+)
+_ROS_ANGLE = re.compile(r"(deg|rad)\(([^)]*)\)")
+"""rosparam's ``deg(90)`` and ``rad(pi/2)``, of which only numbers are understood."""
+ANGLE_TAGS: Final = {"!degrees": "deg", "!radians": "rad"}
+"""ROS's tags in YAML, and the unit that each stands for."""
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Quantity:
-    """A physical quantity, with the units in which it can be typed."""
+    """A physical quantity, with the units in which it can be written."""
 
     name: str
     units: Mapping[str, float]
@@ -37,39 +49,100 @@ class Quantity:
             return ""
         return f"; did you mean {value:g}{other} = {meant:.4g} {si}?"
 
+    def require_plausible(self, value: float, what: str) -> None:
+        """Raise ConfigError if ``value``, in SI, must have been meant in another unit.
+
+        Args:
+            value: The value; one that is no finite float is left to others.
+            what: What has the value, for the message.
+        """
+        if self.suspect <= abs(value) <= sys.float_info.max:
+            hint = self.suggestion(value, lambda meant: True)
+            si = next(iter(self.units))
+            raise ConfigError(
+                f"{what}: {value:g} {si} is no plausible {self.name}{hint}"
+            )
+
 
 LENGTH: Final = Quantity("length", {"m": 1.0, "mm": 1e-3}, 1.0)
 ANGLE: Final = Quantity("angle", {"rad": 1.0, "deg": math.radians(1.0)}, 10.0)
+SPEED: Final = Quantity("speed", {"m/s": 1.0, "mm/s": 1e-3}, 10.0)
+"""Of a tool: no arm is as fast."""
 
 Metres = Annotated[float, LENGTH]
 Radians = Annotated[float, ANGLE]
+MetresPerSecond = Annotated[float, SPEED]
+
+FAR: Final = 100.0
+"""An object as far from every link is probably placed in mm [m]."""
+LARGEST_MOVABLE: Final = 5.0
+"""A body that can move is smaller in some direction [m]."""
+LARGEST_FIXED: Final = 20.0
+"""So is one that cannot: ground may be a block [m]."""
 
 
 def read_number(text: str, *quantities: Quantity) -> tuple[float, Quantity | None]:
-    """Return a typed number in SI units, and what its unit measures.
+    """Return a number that was typed or written, in SI, and what its unit measures.
 
     Args:
         text: A number, with a unit or without one.
         quantities: What it may measure.
 
     Raises:
-        ConfigError: If it is no finite number, if it has another unit, or if it is an
-            angle of several turns without a unit.
+        ConfigError: If it is no finite number, if it has another unit, or if it is
+            implausible without one, such as an angle of several turns.
     """
-    match = _NUMBER.fullmatch(text.strip())
+    ros = _ROS_ANGLE.fullmatch(text.strip())
+    match = _NUMBER.fullmatch(ros[2].strip() + ros[1] if ros else text.strip())
     value = float(match[1]) if match else math.nan
     if match is None or not math.isfinite(value):
         raise ConfigError(f"'{text}': need a finite number{_with_unit(quantities)}")
     if not match[2]:
-        if quantities == (ANGLE,) and abs(value) >= ANGLE.suspect:
-            hint = ANGLE.suggestion(value, lambda meant: True)
-            raise ConfigError(f"'{text}': an angle of {value:g} rad{hint}")
+        if quantities in ((ANGLE,), (SPEED,)):
+            quantities[0].require_plausible(value, f"'{text}'")
         return value, None
     for quantity in quantities:
         if match[2] in quantity.units:
             return value * quantity.units[match[2]], quantity
     problem = f"'{match[2]}' is not a unit here"
     raise ConfigError(f"'{text}': {problem}; need a number{_with_unit(quantities)}")
+
+
+def is_ros_angle(text: str) -> bool:
+    """Return whether a text has rosparam's form of an angle."""
+    return _ROS_ANGLE.fullmatch(text) is not None
+
+
+def within_a_turn(angle: float) -> float:
+    """Return an implausible angle of a robot's file as the same direction [rad].
+
+    ROS takes such files as they are.
+    """
+    return angle if abs(angle) < ANGLE.suspect else math.remainder(angle, math.tau)
+
+
+def require_plausible_angles(angles: object, what: str) -> None:
+    """Raise ConfigError if an angle must be in degrees; what is no number is left."""
+    for angle in angles if isinstance(angles, Sequence) else ():
+        if isinstance(angle, int | float):
+            ANGLE.require_plausible(angle, what)
+
+
+def require_plausible_size(
+    edges: Sequence[float], what: str, *, is_fixed: bool
+) -> None:
+    """Raise ConfigError if a body is so large in every direction that it is in mm.
+
+    Args:
+        edges: Its lengths [m].
+        what: The body, for the message.
+        is_fixed: Whether it cannot move.
+    """
+    largest = LARGEST_FIXED if is_fixed else LARGEST_MOVABLE
+    if largest <= min(edges) < math.inf:
+        size = " x ".join(f"{edge:g}" for edge in edges)
+        hint = LENGTH.suggestion(min(edges), lambda meant: True)
+        raise ConfigError(f"the size of {what} is {size} m{hint}")
 
 
 def _with_unit(quantities: tuple[Quantity, ...]) -> str:

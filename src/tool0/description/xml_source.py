@@ -16,6 +16,7 @@ from xml.dom.minidom import Attr, Document, Element, Node
 from xml.parsers import expat
 
 from tool0.description.transform import Pose, Vector3
+from tool0.description.units import within_a_turn
 from tool0.errors import DescriptionError, ModelError, SourceLocation, did_you_mean
 
 MAX_DEPTH = 500
@@ -311,7 +312,8 @@ def origin(element: Element) -> Pose:
     if child is None:
         return Pose()
     zero = (0.0, 0.0, 0.0)
-    return Pose(xyz=vector(child, "xyz", zero), rpy=vector(child, "rpy", zero))
+    roll, pitch, yaw = map(within_a_turn, vector(child, "rpy", zero))
+    return Pose(xyz=vector(child, "xyz", zero), rpy=(roll, pitch, yaw))
 
 
 def not_negative(value: float, what: str, element: Element) -> float:

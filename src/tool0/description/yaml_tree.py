@@ -5,8 +5,6 @@ Controllers, scenes, launch files, the linter and xacro read YAML through this m
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -14,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 from tool0.description.finding import Finding, Severity, error_at
+from tool0.description.units import ANGLE, ANGLE_TAGS, is_ros_angle, read_number
 from tool0.errors import ConfigError, SourceLocation
 
 if TYPE_CHECKING:
@@ -27,8 +26,6 @@ MOST_ENTRIES = 30_000
 """Largest number of values in one text: a few lines of aliases can mean billions."""
 MOST_LEVELS = 100
 """Largest depth of lists and mappings in each other."""
-_ANGLE = re.compile(r"(deg|rad)\(([^)]*)\)")
-"""rosparam's ``deg(90)`` and ``rad(pi/2)``, of which only numbers are understood."""
 
 
 @final
@@ -141,23 +138,29 @@ class Tree:
             )
 
 
-def read_files(files: list[Path]) -> Tree:
-    """Return the parameters of all files; later files override earlier ones.
+def read_mapping(file: Path) -> YamlEntry:
+    """Return the mapping in a YAML file, read as ``read_verbatim`` does.
 
     Raises:
-        ConfigError: If a file cannot be read, is not YAML, or not a mapping.
+        ConfigError: If it cannot be read, is not YAML, not a mapping, or has a key
+            twice.
     """
-    tree = Tree()
-    for file in files:
-        tree.load(text_of(file), SourceLocation(file, 1))
-    return tree
+    tree = read_verbatim(file)
+    tree.require_unique_keys()
+    root = tree.root
+    if root.is_null:
+        root.value = {}
+    elif not root.is_mapping:
+        raise ConfigError(f"expected a mapping, got {root.describe()}", root.location)
+    return root
 
 
 def read_verbatim(file: Path, units: Mapping[str, Constructor] | None = None) -> Tree:
     """Return the content of a YAML file; the root is null if it is empty.
 
-    Keys and strings are used as they are, without rosparam's slashes and angles.
-    ``units`` constructs tagged scalars by tag, such as ``!degrees``.
+    Keys and strings are used as they are, without rosparam's slashes and angles;
+    ``!degrees 90`` is the text ``90deg``, for ``read_number``.  ``units``, if given,
+    constructs tagged scalars by tag instead.
 
     Raises:
         ConfigError: If it cannot be read, or is not YAML.
@@ -424,14 +427,15 @@ class _TreeReader:
                 return value
         except (ValueError, yaml.YAMLError) as error:
             raise ConfigError(f"'{key}' is {text!r}: {error}", where) from None
+        written = text + ANGLE_TAGS.get(node.tag, "")
         if self._units is None:
-            match = _ANGLE.fullmatch(text) if node.tag.endswith(":str") else None
-            if match is not None:
-                return _angle(match[1] == "deg", match[2], key, where)
-            if node.tag in ("!degrees", "!radians"):
-                return _angle(node.tag == "!degrees", text, key, where)
+            is_text = node.tag.endswith(":str")
+            if node.tag in ANGLE_TAGS or (is_text and is_ros_angle(text)):
+                return _angle(written, key, where)
+        elif not self._units and node.tag in ANGLE_TAGS:
+            return written
         if node.tag.startswith("!"):
-            known = " and ".join(self._units or ("!degrees", "!radians"))
+            known = " and ".join(self._units or ANGLE_TAGS)
             raise ConfigError(
                 f"'{key}' has the tag {node.tag}; known are {known}", where
             )
@@ -442,9 +446,8 @@ def _joined(key: str, path: list[str]) -> str:
     return "/".join([key, *path] if key else path)
 
 
-def _angle(is_degrees: bool, text: str, key: str, where: SourceLocation) -> float:
+def _angle(text: str, key: str, where: SourceLocation) -> float:
     try:
-        value = float(text)
-    except ValueError:
+        return read_number(text, ANGLE)[0]
+    except ConfigError:
         raise ConfigError(f"'{key}' must be an angle, got {text!r}", where) from None
-    return math.radians(value) if is_degrees else value

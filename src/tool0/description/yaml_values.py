@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TypeVar, final
 
 from tool0.description.transform import Vector3
+from tool0.description.units import Quantity, read_number
 from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
 
@@ -106,11 +107,17 @@ class Namespace:
                     entry.location,
                 )
 
-    def number(self, path: str, default: float | None = None) -> float:
-        """Return the finite number at ``path``."""
+    def number(
+        self, path: str, default: float | None = None, *quantities: Quantity
+    ) -> float:
+        """Return the finite number at ``path``, in SI.
+
+        With ``quantities``, which it may measure, it can have a unit.
+        """
         if default is not None and self.find(path) is None:
             return self._recorded(path, default)
-        return self._recorded(path, _number(self._required(path, "a number")))
+        entry = self._required(path, "a number")
+        return self._recorded(path, number_of(entry, *quantities))
 
     def integer(self, path: str, default: int) -> int:
         """Return the whole number at ``path``."""
@@ -123,20 +130,27 @@ class Namespace:
         return self._recorded(path, value)
 
     def numbers(
-        self, path: str, count: int, default: tuple[float, ...] | None = None
+        self,
+        path: str,
+        count: int,
+        default: tuple[float, ...] | None = None,
+        *quantities: Quantity,
     ) -> tuple[float, ...]:
-        """Return the list of ``count`` finite numbers at ``path``."""
+        """Return the list of ``count`` finite numbers at ``path``, as ``number``."""
         if default is not None and self.find(path) is None:
             return self._recorded(path, default)
         kind = f"a list of {count} numbers"
         entry = self._required(path, kind)
         if len(entry.items) != count:
             raise _wrong(entry, kind)
-        return self._recorded(path, tuple(_number(item) for item in entry.items))
+        numbers = tuple(number_of(item, *quantities) for item in entry.items)
+        return self._recorded(path, numbers)
 
-    def vector(self, path: str, default: Vector3 | None = None) -> Vector3:
-        """Return the three numbers at ``path``."""
-        x, y, z = self.numbers(path, 3, default)
+    def vector(
+        self, path: str, default: Vector3 | None = None, *quantities: Quantity
+    ) -> Vector3:
+        """Return the three numbers at ``path``, as ``number``."""
+        x, y, z = self.numbers(path, 3, default, *quantities)
         return (x, y, z)
 
     def items(self, path: str) -> tuple[YamlEntry, ...]:
@@ -204,8 +218,18 @@ class Namespace:
         )
 
 
-def _number(entry: YamlEntry) -> float:
+def number_of(entry: YamlEntry, *quantities: Quantity) -> float:
+    """Return a finite number, in SI; with a unit only if it measures ``quantities``.
+
+    Raises:
+        ConfigError: If it is none, with its location.
+    """
     value = entry.scalar
+    if quantities and value is not None and not isinstance(value, bool):
+        try:
+            return read_number(str(value), *quantities)[0]
+        except ConfigError as error:
+            raise ConfigError(f"'{entry.key}': {error}", entry.location) from None
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise _wrong(entry, "a number")
     if not math.isfinite(value):

@@ -10,10 +10,13 @@ import numpy as np
 from tool0.description.model import JointType
 from tool0.description.posture import Branch, Solution
 from tool0.description.transform_arrays import sine_vectors
+from tool0.description.units import LENGTH
 from tool0.errors import ControlError, UnreachableError
 from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import SINGULAR, ArmGeometry, wrapped
 
+_NEAREST = 0.05
+"""Of the reach: a wrist that would be nearer in mm is too far in m."""
 PRECISION = 1e-9
 """Largest error of a solution [m, rad]."""
 EXACT = 1e-6
@@ -162,10 +165,13 @@ class InverseKinematics:
                 f"out of reach: {wrist} {beside:.3f} m from the axis of the base, and "
                 f"cannot come nearer than {abs(geometry.lateral):.3f} m"
             )
-        if distance > geometry.reach:
+        if distance > (reach := geometry.reach):
+            in_mm = LENGTH.suggestion(
+                distance, lambda meant: _NEAREST * reach < meant <= reach
+            )
             return (
                 f"out of reach: {wrist} {distance:.3f} m from the shoulder, and the "
-                f"arm reaches {geometry.reach:.3f} m"
+                f"arm reaches {reach:.3f} m{in_mm}"
             )
         return (
             f"out of reach with this orientation: {wrist} {distance:.3f} m from the "

@@ -15,6 +15,7 @@ from msgspec.structs import fields
 
 from tool0.description.yaml_tree import YamlEntry, read_verbatim_text, text_of
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
+from tool0.programs.measures import plain_in_si
 from tool0.protocol.program import Program, Step, StepPath
 from tool0.protocol.programs import ProgramProblem
 from tool0.protocol.request import problem_text
@@ -22,7 +23,6 @@ from tool0.protocol.request import problem_text
 _PLACE: Final = re.compile(r"^(?P<what>.*?)(?: - at `\$(?P<path>.*)`)?$", re.DOTALL)
 _PART: Final = re.compile(r"\.(\w+)|\[(\d+)\]")
 _UNKNOWN: Final = re.compile(r"unknown field `(\w+)`")
-_DEGREES: Final = {"!degrees": lambda _, node: math.radians(float(node.value))}
 KINDS: Final = tuple(str(kind.__struct_config__.tag) for kind in get_args(Step))
 """Of steps."""
 
@@ -56,7 +56,7 @@ def parse_program(text: str, file: Path | None = None) -> ProgramFile:
     Raises:
         ConfigError: If it is no program; with the line.
     """
-    tree = read_verbatim_text(text, SourceLocation(file, 1), _DEGREES)
+    tree = read_verbatim_text(text, SourceLocation(file, 1))
     tree.require_unique_keys()
     root = tree.root
     if not root.is_mapping:
@@ -69,7 +69,7 @@ def parse_program(text: str, file: Path | None = None) -> ProgramFile:
         _require_finite(entry)
     try:
         # YAML 1.1 takes 1e-3 for a text.
-        program = msgspec.convert(root.plain(), Program, strict=False)
+        program = msgspec.convert(plain_in_si(root, Program), Program, strict=False)
     except msgspec.ValidationError as error:
         raise _explained(error, root) from None
     lines: dict[StepPath, int] = {}

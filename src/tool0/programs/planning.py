@@ -13,7 +13,8 @@ from typing import Final, NamedTuple, final
 
 import numpy as np
 
-from tool0.errors import ControlError, ModelError, did_you_mean
+from tool0.description.units import SPEED, require_plausible_angles
+from tool0.errors import ConfigError, ControlError, ModelError, did_you_mean
 from tool0.kinematics.chain import Array
 from tool0.motion.moves import Move, MoveError, MovePlan
 from tool0.programs.robot_context import RobotContext
@@ -37,6 +38,8 @@ from tool0.protocol.program import (
 )
 from tool0.protocol.programs import PlannedMotion, ProgramCheck, ProgramProblem
 
+_REFUSALS: Final = (ControlError, ModelError, ConfigError)
+"""Of a step, before it is planned."""
 _SAME: Final = 1e-7
 """Postures closer to each other than this are one [rad]."""
 _MOST_POSTURES: Final = 8
@@ -176,24 +179,28 @@ def static_problems(context: RobotContext) -> list[ProgramProblem]:
     if any(isinstance(step, MoveStep | UntilStep) for _, step in numbered):
         try:
             _ = context.planner
-        except (ControlError, ModelError) as error:
+        except _REFUSALS as error:
             return [ProgramProblem(step=(), text=str(error))]
     for path, step in numbered:
         try:
             _check(context, path, step)
-        except (ControlError, ModelError) as error:
+        except _REFUSALS as error:
             found.append(ProgramProblem(step=path, text=str(error)))
     return found
 
 
 def _check(context: RobotContext, path: StepPath, step: Step) -> None:
-    """Raise ControlError or ModelError if a step is impossible in itself."""
+    """Raise one of the refusals if a step is impossible in itself."""
     if len(path) > MOST_NESTED + 1:
         raise ControlError(f"more than {MOST_NESTED} loops are within each other here")
     match step:
-        case MoveJointStep() | MoveLinearStep():
+        case MoveJointStep():
+            context.move(step)
+        case MoveLinearStep():
+            SPEED.require_plausible(step.speed, "speed")
             context.move(step)
         case UntilStep():
+            SPEED.require_plausible(step.speed, "speed")
             context.direction(step, np.eye(4))
         case GripperStep():
             context.opening(step)
@@ -202,6 +209,8 @@ def _check(context: RobotContext, path: StepPath, step: Step) -> None:
         case PlaceObjectStep(name=name) if name not in context.objects:
             hint = did_you_mean(name, context.objects)
             raise ControlError(f"there is no object '{name}'{hint}")
+        case PlaceObjectStep():
+            require_plausible_angles(step.rpy, "rpy")
         case LoopStep(times=int(), while_input=int()):
             raise ControlError("a loop has 'times' or 'while_input', not both")
         case LoopStep(steps=steps):
@@ -320,12 +329,12 @@ def preview(paths: Sequence[ProgramPath], context: RobotContext) -> PlannedMotio
         rows += plan.path.at(grid).positions.tolist()
         steps += [path.steps[plan.move_at(time)] for time in grid.tolist()]
         start += plan.duration
-    tools = context.tool(np.array(rows).reshape(-1, 6))[:, :3, 3]
+    points = context.tool(np.array(rows))[:, :3, 3].tolist() if rows else []
     return PlannedMotion(
         joint_names=context.joint_names,
         times=tuple(times),
         positions=tuple(tuple(row) for row in rows),
-        points=tuple((x, y, z) for x, y, z in tools.tolist()),
+        points=tuple((x, y, z) for x, y, z in points),
         steps=tuple(steps),
     )
 

@@ -11,18 +11,20 @@ from typing import Annotated, Final, Literal
 
 from msgspec import Meta, Struct, field
 
+from tool0.description.units import Metres, MetresPerSecond, Radians
 from tool0.errors import ControlError
 
 Name = Annotated[str, Meta(min_length=1, max_length=200)]
 Text = Annotated[str, Meta(max_length=1000)]
-Coordinate = Annotated[float, Meta(ge=-1000.0, le=1000.0)]
+Coordinate = Annotated[Metres, Meta(ge=-1000.0, le=1000.0)]
 """[m]"""
 Place = tuple[Coordinate, Coordinate, Coordinate]
-Angles = tuple[float, float, float]
+Angles = tuple[Radians, Radians, Radians]
 """Fixed-axis roll, pitch, yaw [rad]."""
-Blend = Annotated[float, Meta(ge=0.0, le=10.0)]
+Blend = Annotated[Metres, Meta(ge=0.0, le=10.0)]
 """[m]"""
 Speed = Annotated[float, Meta(gt=0.0, le=100.0)]
+ToolSpeed = Annotated[MetresPerSecond, Meta(gt=0.0, le=100.0)]
 Acceleration = Annotated[float, Meta(gt=0.0, le=1000.0)]
 Duration = Annotated[float, Meta(ge=0.0, le=1e6)]
 """[s]"""
@@ -62,7 +64,7 @@ class _Move(_Step, frozen=True, kw_only=True):
 
     label: Annotated[str, Meta(max_length=200)] = ""
     """Name of the target for people, such as ``above cube``."""
-    joints: dict[str, float] | None = None
+    joints: dict[str, Radians] | None = None
     """Joint → position [rad], for all joints of the arm.  In a cell, the robot's prefix
     may be left out."""
     pose: ToolPose | None = None
@@ -85,7 +87,7 @@ class MoveJointStep(_Move, frozen=True, kw_only=True, tag="move_joint"):
 class MoveLinearStep(_Move, frozen=True, kw_only=True, tag="move_linear"):
     """Move the tool on a straight line, as URScript's ``movel``."""
 
-    speed: Speed = 0.25
+    speed: ToolSpeed = 0.25
     """Speed of the tool [m/s]."""
     acceleration: Acceleration = 1.2
     """Acceleration of the tool [m/s²]."""
@@ -94,9 +96,9 @@ class MoveLinearStep(_Move, frozen=True, kw_only=True, tag="move_linear"):
 class GripperStep(_Step, frozen=True, kw_only=True, tag="gripper"):
     """Move the gripper's pads, and wait until they stand still."""
 
-    opening: float | Literal["open", "closed"]
+    opening: Metres | Literal["open", "closed"]
     """Distance between the pads [m]."""
-    speed: Speed | None = None
+    speed: ToolSpeed | None = None
     """Speed of the pads relative to each other [m/s]; the fastest, if left out."""
     force: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
     """Largest force at each pad [N]; the strongest, if left out."""
@@ -122,9 +124,9 @@ class UntilStep(_Step, frozen=True, kw_only=True, tag="until"):
     """Direction of the move; its length must not be zero."""
     frame: Literal["root", "tool"] = "root"
     """Frame whose axes the direction has."""
-    distance: Annotated[float, Meta(gt=0.0, le=10.0)]
+    distance: Annotated[Metres, Meta(gt=0.0, le=10.0)]
     """The longest way [m]."""
-    speed: Speed = 0.02
+    speed: ToolSpeed = 0.02
     """Speed of the tool [m/s]."""
     acceleration: Acceleration = 1.2
     """Acceleration and deceleration of the tool [m/s²]."""

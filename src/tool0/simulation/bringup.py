@@ -52,6 +52,7 @@ def start_simulation(
         ground=engine.world.ground,
         collisions=collisions,
         warnings=(
+            *setup.scene.far_objects(model),
             *setup.choice.findings,
             *setup.choice.config.lint([joint.name for joint in model.movable_joints]),
         ),

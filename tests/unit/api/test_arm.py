@@ -12,9 +12,10 @@ from ur5_rig import ARM, ARM_JOINTS, CONTROLLERS, HOME
 import tool0
 from tool0.description.posture import Branch
 from tool0.description.transform import Pose, Transform, to_transform
-from tool0.errors import ControlError, ModelError, UnreachableError
+from tool0.errors import ConfigError, ControlError, ModelError, UnreachableError
 from tool0.motion import linear
 from tool0.motion.path import Path as JointPath
+from tool0.scene import Scene, SceneObject, Sphere
 
 pytestmark = pytest.mark.slow
 
@@ -203,3 +204,27 @@ def test_robots_without_or_with_two_arms_say_so(tmp_path: Path) -> None:
         assert sorted(robot.arms) == ["left", "right"]
         with pytest.raises(ControlError):
             _ = robot.arm
+
+
+def test_values_in_another_unit_are_named(robot: tool0.Robot) -> None:
+    in_mm = Pose(xyz=(400.0, 100.0, 300.0), rpy=(np.pi, 0.0, 0.0))
+    arm = robot.arm
+    for move in (arm.move_to, arm.move_linear, arm.inverse_kinematics):
+        with pytest.raises(UnreachableError, match=r"mean 509\.\d+mm = 0\.5099 m"):
+            move(in_mm)
+    with pytest.raises(UnreachableError) as far:
+        robot.arm.move_to(Pose(xyz=(2.0, 0.0, 0.3), rpy=(np.pi, 0.0, 0.0)))
+    assert "did you mean" not in str(far.value)
+    said = "speed: 250 m/s is no plausible speed; did you mean 250mm/s = 0.25 m/s?"
+    with pytest.raises(ConfigError, match=said):
+        robot.arm.move_linear(AHEAD, speed=250)
+
+
+def test_an_object_far_away_is_a_warning() -> None:
+    ball = Sphere(radius=0.02)
+    near = SceneObject(name="near", geometry=ball, pose=Pose(xyz=(30.0, 0.0, 0.0)))
+    far = SceneObject(name="far", geometry=ball, pose=Pose(xyz=(400.0, 0.0, 300.0)))
+    with tool0.bringup(scene=Scene((near, far)), realtime=False) as robot:
+        (warning,) = robot.warnings
+    assert "far: the object is" in warning
+    assert "positions are in metres; write 400mm or 0.4" in warning

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tool0.description.units import ANGLE, LENGTH, Quantity, read_number
+from tool0.description.units import ANGLE, LENGTH, SPEED, Quantity, read_number
 from tool0.errors import ConfigError
 
 
@@ -39,7 +39,14 @@ def test_a_number_without_a_unit_is_in_si(text: str) -> None:
         ("1 2", (LENGTH,), "'1 2'"),
         ("40cm", (LENGTH,), "'cm' is not a unit here"),
         ("40mm", (ANGLE,), "'mm' is not a unit here"),
-        ("180", (ANGLE,), "180 rad; did you mean 180deg = 3.142 rad?"),
+        (
+            "180",
+            (ANGLE,),
+            "180 rad is no plausible angle; did you mean 180deg = 3.142 rad?",
+        ),
+        ("250", (SPEED,), "did you mean 250mm/s = 0.25 m/s?"),
+        ("deg(x)", (ANGLE,), "'deg(x)': need a finite number"),
+        ("deg(9)", (LENGTH,), "'deg' is not a unit here"),
         ("-90", (ANGLE,), "did you mean -90deg = -1.571 rad?"),
     ],
 )

@@ -8,10 +8,22 @@ from pathlib import Path
 
 import pytest
 
-from tool0.description.yaml_tree import MOST_LEVELS, Tree, read_files, read_verbatim
-from tool0.errors import ConfigError
+from tool0.description.yaml_tree import (
+    MOST_LEVELS,
+    Tree,
+    read_mapping,
+    read_verbatim,
+    text_of,
+)
+from tool0.errors import ConfigError, SourceLocation
 
 Read = Callable[[Path], Tree]
+
+
+def read_as_ros(file: Path) -> Tree:
+    tree = Tree()
+    tree.load(text_of(file), SourceLocation(file, 1))
+    return tree
 
 
 def chained(link: str, n: int = 60) -> str:
@@ -37,7 +49,7 @@ HOSTILE = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("read", [lambda file: read_files([file]), read_verbatim])
+@pytest.mark.parametrize("read", [read_as_ros, read_verbatim])
 @pytest.mark.parametrize("case", HOSTILE)
 def test_a_hostile_text_is_refused(case: str, read: Read, tmp_path: Path) -> None:
     text, reason = HOSTILE[case]
@@ -81,9 +93,17 @@ def test_merges_are_read_as_yaml_says(tmp_path: Path) -> None:
         "more: &more {<<: *base, i: 3, d: 4}\n"
         "all: {p: 0, <<: [*more, *base]}\n"
     )
-    plain = read_files([file]).root.plain()
+    plain = read_mapping(file).plain()
     assert plain == {
         "base": {"p": 1, "i": 2},
         "more": {"p": 1, "i": 3, "d": 4},
         "all": {"p": 0, "i": 3, "d": 4},
     }
+
+
+@pytest.mark.parametrize("text", ["- 1", "7", "a: 1\na: 2"])
+def test_a_mapping_has_each_key_once(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "own.yaml"
+    file.write_text(text)
+    with pytest.raises(ConfigError, match=r"own\.yaml"):
+        read_mapping(file)

@@ -12,12 +12,14 @@ from tool0 import (
     LoopStep,
     MoveJointStep,
     MoveLinearStep,
+    PlaceObjectStep,
     Program,
     ProgramCheck,
     ToolPose,
     UntilStep,
     WaitStep,
 )
+from tool0.scene import Sphere
 
 DOWN = (math.pi, 0.0, 0.0)
 
@@ -150,3 +152,53 @@ def test_joints_may_leave_out_the_prefix_of_a_cell(robot: tool0.Robot) -> None:
         reached = cell.joint_state.position
         for name, position in joints.items():
             assert reached[f"right_{name}"] == pytest.approx(position, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("step", "said"),
+    [
+        (
+            MoveLinearStep(pose=ToolPose(xyz=(0.4, 0.1, 0.3), rpy=(180.0, 0.0, 0.0))),
+            "rpy: 180 rad is no plausible angle; did you mean 180deg = 3.142 rad?",
+        ),
+        (
+            MoveLinearStep(pose=ToolPose(xyz=(0.4, 0.1, 0.3), rpy=DOWN), speed=50.0),
+            "speed: 50 m/s is no plausible speed; did you mean 50mm/s = 0.05 m/s?",
+        ),
+        (
+            UntilStep(direction=(0.0, 0.0, -1.0), distance=0.1, speed=20.0),
+            "did you mean 20mm/s = 0.02 m/s?",
+        ),
+        (
+            MoveJointStep(pose=ToolPose(xyz=(400.0, 100.0, 300.0), rpy=DOWN)),
+            "; did you mean 509.865mm",
+        ),
+        (
+            PlaceObjectStep(name="part", xyz=(0.4, 0.1, 0.3), rpy=(0.0, 0.0, 90.0)),
+            "did you mean 90deg = 1.571 rad?",
+        ),
+    ],
+)
+def test_values_in_another_unit_are_named(
+    robot: tool0.Robot, step: tool0.protocol.program.Step, said: str
+) -> None:
+    if isinstance(step, PlaceObjectStep):
+        robot.scene.add(step.name, Sphere(radius=0.01), xyz=(1.0, 0.0, 0.5))
+    (problem,) = check(robot, step).problems
+    assert problem.step == (1,)
+    assert said in problem.text
+
+
+@pytest.mark.parametrize(
+    ("tool", "said"),
+    [
+        (ToolPose(xyz=(0.0, 0.0, 0.1), rpy=(0.0, 45.0, 0.0)), "rpy: 45 rad"),
+        (ToolPose(xyz=(0.0, 0.0, 0.1), relative_to="nowhere"), "nowhere"),
+    ],
+)
+def test_a_wrong_tool_is_a_problem(
+    robot: tool0.Robot, tool: ToolPose, said: str
+) -> None:
+    found = robot.programs.check(Program(name="p", tool=tool, steps=(FIRST,)))
+    (problem,) = found.problems
+    assert said in problem.text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import threading
 from collections.abc import Iterator
@@ -72,6 +73,13 @@ def test_no_name_of_a_robot_leads_out_of_the_folder() -> None:
 def test_reading_creates_no_file(book: PoseStore) -> None:
     assert book.all() == {}
     assert not book.file.parent.exists()
+
+
+def test_an_edited_pose_may_have_units(book: PoseStore) -> None:
+    write(book.file, "up: {elbow: 90deg, slide: 40mm, wrist: !degrees -90, hand: 8}")
+    assert saved(book)["up"] == pytest.approx(
+        {"elbow": math.pi / 2.0, "slide": 0.04, "wrist": -math.pi / 2.0, "hand": 8.0}
+    )
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import FLANGE
 from tool0.description.posture import Branch, Solution
 from tool0.description.transform import Transform
+from tool0.description.units import SPEED
 from tool0.errors import ControlError
 from tool0.protocol.arm import (
     ArmInfo,
@@ -115,6 +116,7 @@ def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
 
     from tool0.motion.linear import plan_line
 
+    SPEED.require_plausible(request.speed, "speed")
     chain, model = simulation.arm(request.arm), simulation.description.model
     controller = _controller(simulation, chain)
     standing = _at_rest(simulation, controller)
