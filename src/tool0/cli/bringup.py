@@ -227,11 +227,18 @@ def _ur_controller(options: BringupOptions) -> UrController | None:
 def _run(
     robot: Robot, options: BringupOptions, stop: StopSignal, status: StatusLine
 ) -> None:
-    """Run the simulation until the duration is over or a signal arrives."""
+    """Run the simulation until the duration is over or a signal arrives.
+
+    It counts from now on: time may have run while interfaces were starting.
+    """
     simulation, duration = options.simulation, options.run.duration
-    end = math.inf if duration is None else duration
+    length = math.inf if duration is None else duration
+    begin = robot.time
     reported: str | None = None
-    while not stop.is_set and (left := end - robot.time) > 0.0:
+    while not stop.is_set:
+        begin = min(begin, robot.time)  # a reset sets the time back
+        if (left := begin + length - robot.time) <= 0.0:
+            break
         status.refresh(robot)
         snapshot = robot.snapshot
         if snapshot.fault is not None and (duration is not None or _is_lost(robot)):

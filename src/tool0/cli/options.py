@@ -60,7 +60,8 @@ class RunOptions:
     """Duration, output and access."""
 
     duration: float | None = None
-    """End at this simulated time [s]; without it, run until Ctrl-C."""
+    """End after this simulated time [s], counted from when all interfaces are up;
+    without it, run until Ctrl-C."""
     headless: bool = False
     """Disable the panel, and open no window."""
     summary: bool = True

@@ -1,4 +1,5 @@
 import contextlib
+import io
 import json
 import os
 import signal
@@ -12,8 +13,10 @@ from served import serving, use_folder
 
 import tool0
 from tool0.cli import FAILED, OK, main
+from tool0.cli.bringup import _run as run_to_the_end
 from tool0.cli.options import BringupOptions, RunOptions
-from tool0.cli.text import finite, greeting
+from tool0.cli.stop_signal import StopSignal
+from tool0.cli.text import StatusLine, finite, greeting
 from tool0.protocol.address import Claim
 
 pytestmark = pytest.mark.slow
@@ -125,6 +128,18 @@ def test_a_long_control_period_is_simulated(
 def test_real_time_ends_too(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("--headless --duration 0.05 --speed 2 --json") == OK
     assert json.loads(capsys.readouterr().out)["sim_time"] >= 0.05
+
+
+def test_the_duration_counts_from_when_everything_is_up() -> None:
+    options = BringupOptions(
+        simulation=tool0.SimulationConfig(realtime=False),
+        run=RunOptions(duration=0.2),
+    )
+    with tool0.bringup(simulation=options.simulation) as robot, StopSignal() as stop:
+        robot.run(1.0)  # as while interfaces start
+        run_to_the_end(robot, options, stop, StatusLine(io.StringIO()))
+        assert robot.time == pytest.approx(1.2)
+        assert robot.summary()["steps"] == 1200
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
