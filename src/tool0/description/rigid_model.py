@@ -130,6 +130,17 @@ def read_rigid_model(text: str) -> RigidModel:
     )
 
 
+def mesh_uris(text: str) -> tuple[str, ...]:
+    """Return the meshes that a model names; none if it is no XML."""
+    try:
+        meshes = parse_text(text).getElementsByTagName("mesh")
+    except DescriptionError:
+        return ()
+    of_sdf = (text_of(child) for mesh in meshes for child in children(mesh, "uri"))
+    of_urdf = (mesh.getAttribute("filename") for mesh in meshes)
+    return tuple(uri for uri in (*of_urdf, *of_sdf) if uri)
+
+
 def _bounded(model: RigidModel) -> RigidModel:
     """Return ``model`` with a friction that is no larger than it needs to be.
 

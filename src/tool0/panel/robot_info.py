@@ -77,6 +77,8 @@ class RobotFiles:
             geometries += [shape.geometry for shape in link.collisions]
         meshes = [item for item in geometries if isinstance(item, Mesh)]
         self._numbers = itertools.count()
+        self.known: set[Path] = set()
+        """Every mesh that the model and the scene have had so far."""
         self._url_of = self._urls(meshes, {})
         self._url_of_uri = {mesh.uri: self._url_of[mesh.path] for mesh in meshes}
         self._url_of_object: Mapping[Path, str] = {}
@@ -106,6 +108,7 @@ class RobotFiles:
     def _urls(
         self, meshes: Sequence[Mesh], known: Mapping[Path, str]
     ) -> Mapping[Path, str]:
+        self.known.update(mesh.path for mesh in meshes)
         return {
             file: known.get(file)
             or f"/meshes/{next(self._numbers)}{file.suffix.lower()}"

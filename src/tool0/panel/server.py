@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import threading
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Collection, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
@@ -19,6 +19,7 @@ from tool0.protocol.channel import Connected, backend_of
 from tool0.protocol.motion import PoseJoints
 from tool0.protocol.request import Request
 from tool0.recording.options import episodes_folder, recordings_folder
+from tool0.server.peer_files import PeerFiles
 from tool0.server.server import Server
 
 if TYPE_CHECKING:
@@ -93,8 +94,8 @@ class WebService:
             source: Makes what pages see, in the server's thread.
             endpoint: The listening socket.
             setpoint_requests: Further requests that pages stream.
-            folder: One below which pages may record, besides the user's folders of
-                recordings and of episodes.
+            folder: One below which pages may have files written and read, besides the
+                user's folders of recordings and of episodes.
         """
         own = (recordings_folder(), episodes_folder())
         self._folders = own if folder is None else (*own, folder)
@@ -137,7 +138,7 @@ class WebService:
         self._recording = LastRecording(hub.backend, self._endpoint.host)
         app = build_app(
             source.files,
-            self._serve_page(hub),
+            self._serve_page(hub, source),
             self._endpoint,
             STATIC,
             recording=self._recording,
@@ -173,8 +174,16 @@ class WebService:
     def release(self) -> None:
         self.listener.close()
 
-    def _serve_page(self, hub: Hub) -> Callable[[WebSocket], Awaitable[None]]:
+    def _serve_page(
+        self, hub: Hub, source: ViewSource
+    ) -> Callable[[WebSocket], Awaitable[None]]:
         n_pages = 0
+
+        def known() -> Collection[Path]:
+            source.frame()  # with the newest objects
+            return source.files.known
+
+        files = PeerFiles(folders=self._folders, known=known)
 
         async def serve(socket: WebSocket) -> None:
             nonlocal n_pages
@@ -185,7 +194,7 @@ class WebService:
             await socket.accept()
             n_pages += 1
             try:
-                await hub.serve(_PageTransport(socket, self._folders))
+                await hub.serve(_PageTransport(socket, files))
             finally:
                 n_pages -= 1
 
@@ -198,10 +207,10 @@ class _PageTransport:
 
     is_trusted: Final = False
 
-    def __init__(self, socket: WebSocket, folders: Sequence[Path]) -> None:
+    def __init__(self, socket: WebSocket, files: PeerFiles) -> None:
         from tool0.panel.connection_limits import Visitor
 
-        self.folders = folders
+        self.files = files
         self._socket = socket
         self._visitor = Visitor.of(socket.scope)
 

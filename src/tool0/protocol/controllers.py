@@ -194,6 +194,9 @@ class LoadController(Request[None], frozen=True):
     configure: bool = True
     """Whether it is configured at once; a controller of ROS 1 always is."""
 
+    def read_paths(self) -> tuple[str, ...]:
+        return self.files
+
 
 class ConfigureController(Request[None], frozen=True):
     """Check the parameters of a loaded controller: it can be started then."""

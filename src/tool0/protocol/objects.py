@@ -138,6 +138,9 @@ class AddObject(Request[None], frozen=True):
     allow_penetration: bool = False
     """Whether it may be inside a link."""
 
+    def read_paths(self) -> tuple[str, ...]:
+        return _mesh_files(self.shape)
+
 
 class SpawnedModel(Struct, frozen=True, kw_only=True):
     """The object that a model became."""
@@ -164,6 +167,11 @@ class AddModel(Request[SpawnedModel], frozen=True):
     """Of the model's frame; of any length but zero."""
     allow_penetration: bool = False
     """Whether it may be inside a link."""
+
+    def read_paths(self) -> tuple[str, ...]:
+        from tool0.description.rigid_model import mesh_uris  # only with documents
+
+        return mesh_uris(self.model)
 
 
 class RemoveObject(Request[None], frozen=True):
@@ -335,6 +343,13 @@ def with_meshes(shape: Shape, files: Mapping[str, Path]) -> Shape:
     return shape
 
 
+def _mesh_files(shape: Shape) -> tuple[str, ...]:
+    """Return the files of a shape's meshes."""
+    if isinstance(shape, CompoundShape):
+        return tuple(file for part in shape.parts for file in _mesh_files(part.shape))
+    return (shape.file,) if isinstance(shape, MeshShape) else ()
+
+
 def _geometry_of(shape: SingleShape) -> Geometry:
     match shape:
         case BoxShape(size=size):
@@ -344,4 +359,4 @@ def _geometry_of(shape: SingleShape) -> Geometry:
         case SphereShape(radius=radius):
             return Sphere(radius=radius)
         case MeshShape(file=file, scale=scale):
-            return mesh(Path(file), scale)
+            return mesh(file, scale)

@@ -45,6 +45,10 @@ class Request(
     """Whether it is about the streams of one connection: the server answers it, for
     every backend."""
 
+    def read_paths(self) -> tuple[str, ...]:
+        """Return the files on the robot's machine that it names to be read."""
+        return ()
+
 
 class ArmRequest(Request[Response], Generic[Response], frozen=True, kw_only=True):
     """The field of every request to an arm or its control box."""

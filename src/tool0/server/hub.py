@@ -32,7 +32,6 @@ from tool0.protocol.motion import SteerJoints
 from tool0.protocol.request import Request
 from tool0.protocol.running import Run, Step
 from tool0.protocol.subscriptions import Subscribe, SubscribeView, ViewShown
-from tool0.server import written_paths
 from tool0.server.budget import Budget
 from tool0.server.outages import Outages
 from tool0.server.session import Ident, Session, Transport
@@ -157,7 +156,7 @@ class Hub:
         self.look_for_outage()
         refusal = (
             self._missing(request)
-            or _forbidden(session, request)
+            or (session.files and session.files.refusal(request))
             or self._outages.refusal(session, request, is_streamed=ident is None)
         )
         if refusal is not None:
@@ -351,13 +350,6 @@ class Hub:
             if isinstance(sender, Session) and sender in self.sessions:
                 sender.send(encode_error(None, _logged(error)))
             self.when_refused(str(error))
-
-
-def _forbidden(session: Session, request: Request[Any]) -> ControlError | None:
-    """Return why a peer may not send a request; None if it may."""
-    if session.folders is None or not request.written_paths:
-        return None
-    return written_paths.refusal(request, session.folders)
 
 
 async def _close(session: Session) -> None:

@@ -25,7 +25,7 @@ class LineTransport(asyncio.BufferedProtocol):
     """One program; see ``session.Transport``."""
 
     is_trusted: Final = True
-    folders: Final = None
+    files: Final = None
 
     def __init__(self, account: Account) -> None:
         self.account = account

@@ -17,7 +17,6 @@ import contextlib
 import logging
 from collections import deque
 from collections.abc import Awaitable, Callable, Collection, Sequence
-from pathlib import Path
 from typing import Any, Final, NamedTuple, Protocol, final
 
 from tool0.errors import ControlError, TransportError
@@ -29,6 +28,7 @@ from tool0.protocol.codec import (
 )
 from tool0.protocol.request import Request, method_name
 from tool0.server.budget import Account
+from tool0.server.peer_files import PeerFiles
 
 logger = logging.getLogger(__name__)
 
@@ -81,8 +81,8 @@ class Transport(Protocol):
         """Whether the peer is a program of this user, which may read late."""
 
     @property
-    def folders(self) -> Sequence[Path] | None:
-        """Folders in which the peer may have files written; None for all."""
+    def files(self) -> PeerFiles | None:
+        """Files that the peer may name; None for all."""
 
     @property
     def account(self) -> Account:
@@ -129,7 +129,7 @@ class Session:
         self._carry_out = carry_out
         self._stop = stop
         self.account = transport.account
-        self.folders = transport.folders
+        self.files = transport.files
         self._wake = asyncio.Event()
         self._queue: deque[bytes] = deque()
         self._n_unread = 0

@@ -16,6 +16,7 @@ import tool0
 from tool0.panel.address import TOKEN_VARIABLE, Endpoint, open_endpoint
 from tool0.panel.server import Panel, panel_service
 from tool0.recording.options import episodes_folder, recordings_folder
+from tool0.scene import Pose, Scene, SceneObject, mesh
 from tool0.server.server import Server
 
 HTML = "<!doctype html><title>Panel</title>"
@@ -180,6 +181,83 @@ def test_a_page_records_only_where_recordings_are(
             assert page.request("stop_recording") is None
         assert page.request("open_episodes", folder=f"{episodes_folder()}/a") is None
         assert page.request("close_episodes") is None
+
+
+TETRAHEDRON = """\
+v 0 0 0
+v 1 0 0
+v 0 1 0
+v 0 0 1
+f 1 3 2
+f 1 2 4
+f 1 4 3
+f 2 3 4
+"""
+MODEL = (
+    '<robot name="part"><link name="part"><inertial><mass value="1"/>'
+    '<inertia ixx="1" iyy="1" izz="1"/></inertial><collision><geometry>'
+    '<mesh filename="{}"/></geometry></collision></link></robot>'
+)
+SDF = (
+    '<sdf version="1.6"><model name="part"><link name="part"><collision name="c">'
+    "<geometry><mesh><uri>{}</uri></mesh></geometry></collision></link></model></sdf>"
+)
+
+
+def test_a_page_has_only_files_read_that_the_robot_knows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    own, allowed = tmp_path / "own", tmp_path / "allowed"
+    for folder in (own, allowed, tmp_path / "ros" / "parts"):
+        folder.mkdir(parents=True)
+        for name in ("known.obj", "secret.obj"):
+            (folder / name).write_text(TETRAHEDRON)
+    (allowed / "link.obj").symlink_to(own / "secret.obj")
+    (tmp_path / "ros" / "parts" / "package.xml").write_text("<name>parts</name>")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "ros"))
+    known, secret = f"{own}/known.obj", f"{own}/secret.obj"
+    at = Pose(xyz=(1.0, 1.0, 1.0))
+    part = SceneObject(name="part", geometry=mesh(known, 0.01), pose=at)
+    endpoint = open_endpoint(port=0)
+
+    def shape(file: str) -> dict[str, object]:
+        return {"kind": "mesh", "file": file, "scale": [0.01, 0.01, 0.01]}
+
+    with tool0.bringup(scene=Scene((part,)), realtime=False) as robot:
+        backend, service = panel_service(robot, endpoint, allowed)
+        with Server(backend, [service]), page_at(service.url) as page:
+            for file in (
+                secret,
+                f"file://{secret}",
+                f"{allowed}/../own/secret.obj",
+                f"{allowed}/link.obj",
+                "package://parts/../../own/secret.obj",
+                f"{allowed}/\0.obj",
+                "ftp://secret.obj",
+            ):
+                parts = [{"shape": shape(file)}]
+                for params in (
+                    {"shape": shape(file)},
+                    {"shape": {"kind": "compound", "parts": parts}},
+                ):
+                    error = page.request("add_object", name="a", **params)
+                    assert error is not None
+                    assert "a page reads only files of ROS packages" in error["message"]
+            for model in (MODEL.format(secret), SDF.format(secret)):
+                error = page.request("add_model", name="a", model=model)
+                assert error is not None
+                assert "a page reads only" in error["message"]
+            error = page.request("load_controller", name="a", files=["/etc/passwd"])
+            assert error is not None
+            assert "a page reads only" in error["message"]
+            assert page.request("remove_object", name="part") is None
+            for number, file in enumerate(
+                (known, f"{allowed}/secret.obj", "package://parts/secret.obj")
+            ):
+                place = {"name": f"a{number}", "xyz": [1.0, float(number), 1.0]}
+                assert page.request("add_object", shape=shape(file), **place) is None
+        robot.scene.add("b", mesh(secret, 0.01), xyz=(2.0, 0.0, 1.0))
 
 
 def test_a_chosen_token_is_needed(robot: tool0.Robot) -> None:

@@ -28,7 +28,7 @@ class Wire:
     """A transport between a test and a session."""
 
     is_trusted = True
-    folders = None
+    files = None
 
     def __init__(self, account: Account) -> None:
         self.account = account
