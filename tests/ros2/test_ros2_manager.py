@@ -173,5 +173,12 @@ def test_the_activity_topic_tells_the_states(client: Client, manager: Manager) -
         assert manager.switch(activate=[JTC])
 
 
+def test_it_and_its_controllers_use_simulated_time(
+    client: Client, manager: Manager
+) -> None:
+    for node in (manager.name, f"/{JTC}", "/joint_state_broadcaster"):
+        assert client.parameters(node, "use_sim_time") == [True]
+
+
 def test_its_update_rate_is_a_parameter(client: Client, manager: Manager) -> None:
     assert client.parameters(manager.name, "update_rate") == [125]  # the UR5 is a CB3

@@ -5,8 +5,6 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import Any
 
-from rclpy.node import Node
-
 from tool0_ros2 import requests
 from tool0_ros2.bridge import Context, ControllerContext, Part, Reporter, Update
 from tool0_ros2.connection import RequestFailedError
@@ -14,6 +12,7 @@ from tool0_ros2.parameters import ControllerParameters
 from tool0_ros2.quiet import only_log_lines
 from tool0_ros2.registry import CONTROLLERS, part_class
 from tool0_ros2.requests import ControllerStatus
+from tool0_ros2.simulated_node import USE_SIM_TIME, SimulatedNode
 
 UNCONFIGURED = "unconfigured"
 _BROADCASTER = "JointStateBroadcaster"
@@ -138,11 +137,12 @@ class Controllers:
 
     def _new_node(self, name: str) -> tuple[Any, dict[str, Any]]:
         context, (values, adjustable) = self._context, self._read(name)
-        node = Node(
+        given = values.get(USE_SIM_TIME)
+        node = SimulatedNode(
             context.names.to_ros(name),
-            namespace=context.names.root or "/",
-            context=context.node.context,
-            use_global_arguments=False,
+            root=context.names.root,
+            ros=context.node.context,
+            values={} if given is None else {USE_SIM_TIME: given},
         )
         ControllerParameters(context, name, node, values, adjustable)
         self._executor.add_node(node)

@@ -8,20 +8,19 @@ from typing import Any, Protocol
 
 from controller_manager_msgs import msg, srv
 from lifecycle_msgs.msg import State
-from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
 
 from tool0_ros2 import requests
 from tool0_ros2.bridge import Context
 from tool0_ros2.connection import RequestFailedError
 from tool0_ros2.messages import fill
-from tool0_ros2.parameters import to_parameters
 from tool0_ros2.requests import (
     ControllerStatus,
     HardwareComponentState,
     HardwareInterfaceState,
     Request,
 )
+from tool0_ros2.simulated_node import SimulatedNode
 
 NAME = "controller_manager"
 STRICT = 2
@@ -53,14 +52,13 @@ def manager_node(context: Context, update_rate: float, urdf: str) -> Any:
             if names.owns(name)
         },
     }
-    return Node(
+    return SimulatedNode(
         NAME,
-        namespace=names.root or "/",
-        context=context.node.context,
-        use_global_arguments=False,
+        root=names.root,
+        ros=context.node.context,
+        values=values,
         allow_undeclared_parameters=True,
         automatically_declare_parameters_from_overrides=True,
-        parameter_overrides=to_parameters(values),
     )
 
 
