@@ -14,7 +14,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final, final
 
-from tool0.cli.parameters import AsJson, Reader, Readers, assignments, joint_values
+from tool0.cli.parameters import (
+    AsJson,
+    Reader,
+    Readers,
+    assignments,
+    joint_values,
+    read_path,
+)
 from tool0.description.camera import Camera
 from tool0.description.config import Argument, Cell, DescriptionConfig, File, Unset
 from tool0.description.scene import Scene
@@ -227,12 +234,12 @@ def _three(metavar: str, quantity: Quantity) -> Reader:
 READERS: Final[Readers] = {
     str | None | Unset: Reader(1, "", lambda words: words[0]),
     Names | None: Reader(1, "'NAME ...'", lambda words: words[0]),
-    File | None: Reader(1, "FILE", lambda words: Path(words[0])),
-    Scene | File | None: Reader(1, "FILE", lambda words: Path(words[0])),
-    Cell | File | None: Reader(1, "FILE", lambda words: Path(words[0])),
+    File | None: Reader(1, "FILE", lambda words: read_path(words[0])),
+    Scene | File | None: Reader(1, "FILE", lambda words: read_path(words[0])),
+    Cell | File | None: Reader(1, "FILE", lambda words: read_path(words[0])),
     Sequence[str] | None: Reader("*", "NAME=ARM+GRIPPER@X,Y,Z ...", tuple),
     File | Sequence[File] | None: Reader(
-        "*", "FILE ...", lambda words: tuple(map(Path, words))
+        "*", "FILE ...", lambda words: tuple(map(read_path, words))
     ),
     Mapping[str, Argument] | None: Reader(
         "*", "NAME:=VALUE ...", lambda words: assignments(words, ":=")

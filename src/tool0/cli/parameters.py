@@ -198,9 +198,16 @@ def _number(kind: type[float], name: str) -> Reader:
     return Reader(1, "NUMBER", read)
 
 
+def read_path(text: str) -> Path:
+    """Return a typed path; ConfigError for none, which would be this folder."""
+    if not text.strip():
+        raise ConfigError("the name of the file is empty; give a file")
+    return Path(text)
+
+
 _PLAIN: Final[dict[object, Reader]] = {
     str: Reader(1, "", lambda words: words[0]),
-    Path: Reader(1, "FILE", lambda words: Path(words[0])),
+    Path: Reader(1, "FILE", lambda words: read_path(words[0])),
     float: _number(float, "number"),
     int: _number(int, "whole number"),
 }

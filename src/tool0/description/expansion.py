@@ -23,6 +23,7 @@ from types import ModuleType, TracebackType
 from typing import Any, NamedTuple, final
 from xml.dom.minidom import Document, Node
 
+from tool0.description.finding import quoted
 from tool0.description.packages import find_package, source_path
 from tool0.description.xml_source import children, locate, parse_file
 from tool0.description.yaml_tree import YamlEntry, read_verbatim
@@ -150,8 +151,8 @@ class _Expansion:
         path = source_path(Path(filename))
         if not path.is_file():
             self._xacro.filestack.pop()  # as xacro does: this file was never entered
-            error = FileNotFoundError(2, "no such file", filename)
-            raise self._xacro.XacroException(f"there is no file '{path}'", exc=error)
+            problem = self._why_no_file(path, is_empty=filename.endswith(os.sep))
+            raise self._xacro.XacroException(exc=FileNotFoundError(problem))
         document = parse_file(path)
         for element in document.getElementsByTagName("xacro:arg"):
             self.known.add(element.getAttribute("name"))
@@ -203,13 +204,27 @@ class _Expansion:
         self.known.update(name for name in context["arg"] if name in text)
         return str(resolve_args(text, context=context))
 
+    def _why_no_file(self, path: Path, *, is_empty: bool) -> str:
+        """Return why a path is no file; of an empty name, which arguments are empty."""
+        if is_empty:
+            args: dict[str, str] = self._xacro.substitution_args_context["arg"]
+            empty = sorted(name for name, value in args.items() if not value.strip())
+            problem = "the name of the file is empty"
+            if not empty:
+                return problem
+            are = "are the arguments" if empty[1:] else "is the argument"
+            fix = f"give a file, such as {empty[0]}:=FILE"
+            return f"{problem}, and so {are} {quoted(empty)}; {fix}"
+        if path.is_dir():
+            return f"'{path}' is a folder; give a file in it"
+        return f"there is no file '{path}'"
+
     def load_yaml(self, filename: str) -> Any:  # whatever YAML holds
         """Replace ``xacro.load_yaml``, with the C loader if there is one."""
         path = source_path(Path(self._xacro.abs_filename_spec(str(filename))))
         if not path.is_file():
-            raise DescriptionError(
-                f"cannot read the parameters '{path}': there is no such file"
-            )
+            problem = self._why_no_file(path, is_empty=not str(filename).strip())
+            raise DescriptionError(f"cannot read the parameters: {problem}")
         return _wrapped(read_parameters(path))
 
 

@@ -88,6 +88,13 @@ def test_a_wrong_line_is_refused_with_the_option_and_the_word(
         read_line(line)
 
 
+@pytest.mark.parametrize("option", ["--robot", "--scene", "--controllers-file"])
+def test_an_empty_name_of_a_file_is_refused_with_its_option(option: str) -> None:
+    with pytest.raises(ConfigError) as error:
+        read([option, ""])
+    assert str(error.value) == f"{option}: the name of the file is empty; give a file"
+
+
 def test_values_arrive() -> None:
     words = ["--controllers-file", "a", "b", "--controllers", "x y", "--scene", "s"]
     more = "--args a:=b:=c empty:= --initial-pose a=1 b=-2.5 --mount-xyz 0 0 -0.1"

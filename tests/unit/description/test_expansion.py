@@ -297,3 +297,35 @@ def test_the_values_of_arguments_are_given_ones_and_defaults(tmp_path: Path) -> 
         '<link name="$(arg a)"/>',
     )
     assert expand(path, {"b": "3"}).arguments == {"a": "1", "b": "3"}
+
+
+FROM_ARGUMENT = (
+    "<xacro:arg name='limits' default=''/><xacro:arg name='other' default='x'/>\n"
+    "<xacro:property name='file' value='$(arg limits)'/>\n"
+)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "<link name='${xacro.load_yaml(file)}'/>",
+        "<xacro:include filename='${file}'/>",
+    ],
+)
+def test_an_empty_name_of_a_file_names_the_empty_argument(
+    body: str, tmp_path: Path
+) -> None:
+    path = write(tmp_path, "robot.xacro", FROM_ARGUMENT + body)
+    said = failure(path)
+    assert "the name of the file is empty, and so is the argument 'limits'; " in said
+    assert "give a file, such as limits:=FILE" in said
+    assert f"{path}:4: " in said
+    assert "and so are the arguments 'limits', 'other'" in failure(path, other="")
+    folder = failure(path, limits=".")
+    assert f"'{tmp_path}' is a folder; give a file in it" in folder
+    assert "Errno" not in failure(path, limits="no.yaml")
+
+
+def test_an_optional_include_may_have_no_name(tmp_path: Path) -> None:
+    body = "<xacro:include filename='${file}' optional='true'/><link name='a'/>"
+    assert links(write(tmp_path, "robot.xacro", FROM_ARGUMENT + body)) == ["a"]

@@ -13,6 +13,8 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[3]
 COMPOSED = {"duplicate-link", "duplicate-joint"}
+OF_SCENES = {"far-object"}
+"""Warnings of a bring-up: `tool0 check` reads no scenes."""
 SOURCES = ("lint", "control", "description")
 MAKERS = ("finding", "report", "error_at", "warning_at", "error", "warning", "_problem")
 
@@ -38,5 +40,5 @@ def test_every_rule_in_the_document_is_in_the_code_and_back() -> None:
     rows = [row for row in table.splitlines() if row.startswith("| ")]
     names = r"`([a-z]+(?:-[a-z0-9]+)*)`"
     documented = {rule for row in rows for rule in re.findall(names, row)}
-    assert set(raised(ast.parse(code))) - documented - set(OF_TOOL0) == set()
+    assert set(raised(ast.parse(code))) - documented - set(OF_TOOL0) == OF_SCENES
     assert {rule for rule in documented if f'"{rule}"' not in code} == COMPOSED
