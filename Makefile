@@ -18,6 +18,7 @@ GAZEBO  := $(VENV)/.stamp-gazebo
 ROS1    := $(VENV)/.stamp-ros1
 ROS2    := $(VENV)/.stamp-ros2
 GL      := $(VENV)/.stamp-gl
+ZSH     := $(VENV)/.stamp-zsh
 # What `make test` may not do without; other things that are absent skip their tests.
 TOOL0_REQUIRE ?= browser
 # Tests that no load disturbs run in one process more than there are processors, as some
@@ -92,7 +93,7 @@ unit-python: $(DEV) $(KERNEL)
 unit-web: $(DEV)
 	$(WEB) run test
 
-test: $(DEV) $(PAGE) $(KERNEL) $(BROWSER) $(GAZEBO) $(ROS1) $(ROS2) $(GL) unit-web
+test: $(DEV) $(PAGE) $(KERNEL) $(BROWSER) $(GAZEBO) $(ROS1) $(ROS2) $(GL) $(ZSH) unit-web
 	export TOOL0_REQUIRE='$(TOOL0_REQUIRE)'; failed=; chosen=; \
 	run() { "$$@" $(ARGS); case $$? in 0) chosen=1;; 5) ;; *) failed=1;; esac; }; \
 	run $(AT_ONCE) $(STURDY); \
@@ -142,6 +143,10 @@ $(BROWSER): tools/setup-browser | $(RUN)
 $(GL): tools/setup-gl | $(RUN)
 	@if tools/setup-gl $(VENV); then touch $@; \
 	else echo 'setup: no OpenGL here; the tests that draw pictures will be skipped' >&2; fi
+
+$(ZSH): tools/apt-install | $(RUN)
+	@if command -v zsh >/dev/null || tools/apt-install zsh; then touch $@; \
+	else echo 'setup: no zsh here; the tests of its completion will be skipped' >&2; fi
 
 # A quarter of a gigabyte from the network: without one, the tests that need Gazebo skip.
 $(GAZEBO): tools/setup-gazebo | $(RUN)

@@ -24,7 +24,7 @@ ROS2 = find_ros2()
 def absent(part: str, why: str) -> NoReturn:
     """Skip visibly, or fail if this run promised ``part``.
 
-    Parts are browser, gazebo, gl, kernel, ros1, ros2 and ur_rtde.
+    Parts are browser, gazebo, gl, kernel, ros1, ros2, ur_rtde and zsh.
     """
     if part in os.environ.get("TOOL0_REQUIRE", "").split():
         pytest.fail(f"{why}, which this run promised")
