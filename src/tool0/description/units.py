@@ -123,7 +123,8 @@ def within_a_turn(angle: float) -> float:
 
 def require_plausible_angles(angles: object, what: str) -> None:
     """Raise ConfigError if an angle must be in degrees; what is no number is left."""
-    for angle in angles if isinstance(angles, Sequence) else ():
+    listed = angles.tolist() if hasattr(angles, "tolist") else angles  # of numpy
+    for angle in listed if isinstance(listed, Sequence) else ():
         if isinstance(angle, int | float):
             ANGLE.require_plausible(angle, what)
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -175,6 +176,12 @@ CALLS: dict[str, Call] = {
     "force_torque.start": lambda r, w: r.force_torque.start(w),
 }
 NEVER_RIGHT = ("object", "complex", "class")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Some words are names of files."""
+    monkeypatch.chdir(tmp_path)
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,9 @@ import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from tool0.description.cell_file import load_cell
@@ -142,11 +144,18 @@ def test_what_is_neither_length_nor_angle_has_no_unit(
 
 def test_a_pose_in_degrees_is_refused() -> None:
     said = "rpy: 180 rad is no plausible angle; did you mean 180deg = 3.142 rad?"
-    with pytest.raises(ConfigError) as error:
-        Pose(rpy=(180, 0, 0))
-    assert str(error.value) == said
+    for angles in ((180, 0, 0), [0, 180.0, 0], np.array([0, 0, 180], np.float32)):
+        with pytest.raises(ConfigError) as error:
+            Pose(rpy=angles)  # type: ignore[arg-type]
+        assert str(error.value) == said
     with pytest.raises(ConfigError, match="base_rpy: -90 rad"):
         DescriptionConfig(base_rpy=(0, 0, -90))
+
+
+def test_what_is_no_list_of_angles_is_left() -> None:
+    others: tuple[Any, ...] = (None, 180, "180", np.array(180.0), 1j, [None, "x"])
+    for other in others:
+        assert Pose(rpy=other).rpy is other
 
 
 @pytest.mark.parametrize(
