@@ -153,7 +153,7 @@ def test_pages_add_place_and_remove_objects(panel: Panel, robot: tool0.Robot) ->
 
 BOX: Message = {"name": "a", "shape": {"kind": "box", "size": [1, 1, 1]}}
 HALF_A_CYLINDER = {"kind": "cylinder", "radius": 0.1}
-NO_MESH = {"kind": "mesh", "file": "/nowhere.stl"}
+NO_MESH = {"kind": "mesh", "file": "package://tool0_description/nowhere.stl"}
 
 
 @pytest.mark.parametrize(
@@ -162,7 +162,7 @@ NO_MESH = {"kind": "mesh", "file": "/nowhere.stl"}
         ("remove_object", {"name": "x"}, "EngineError", "'x'"),
         ("place_object", {"name": "x", "xyz": [3, 0, 2]}, "EngineError", "'x'"),
         ("add_object", {**BOX, "shape": HALF_A_CYLINDER}, "RequestError", "length"),
-        ("add_object", {**BOX, "shape": NO_MESH}, "DescriptionError", "/nowhere.stl"),
+        ("add_object", {**BOX, "shape": NO_MESH}, "DescriptionError", "nowhere.stl"),
         ("add_object", {**BOX, "name": "tool0"}, "ConfigError", "'tool0'"),
         ("add_object", {**BOX, "name": "a/b"}, "ConfigError", "'a/b'"),
         ("add_object", {**BOX, "mass": -1}, "RequestError", "mass"),
