@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, final
 from starlette.responses import PlainTextResponse
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from tool0.description.packages import resolve_uri
 from tool0.panel.address import Endpoint, open_endpoint
 from tool0.protocol.backend import Backend
 from tool0.protocol.channel import Connected, backend_of
@@ -183,7 +184,7 @@ class WebService:
             source.frame()  # with the newest objects
             return source.files.known
 
-        files = PeerFiles(folders=self._folders, known=known)
+        files = PeerFiles(folders=self._folders, known=known, resolve=resolve_uri)
 
         async def serve(socket: WebSocket) -> None:
             nonlocal n_pages

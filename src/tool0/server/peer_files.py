@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any, Final, final
 
-from tool0.description.packages import resolve_uri
 from tool0.errors import ControlError, Tool0Error
 from tool0.protocol.request import Request, method_name
 
@@ -23,6 +22,9 @@ class PeerFiles:
     """Those in which, and below which, it may have files read and written."""
     known: Callable[[], Collection[Path]]
     """Returns other files that it may have read.  So are those of ROS packages."""
+
+    resolve: Callable[[str], Path]
+    """Returns the file that a URI names; Tool0Error if it cannot."""
 
     def refusal(self, request: Request[Any]) -> ControlError | None:
         """Return why a request may not name a file that it names; None if it may."""
@@ -55,7 +57,7 @@ class PeerFiles:
         if uri.startswith(_PACKAGE):
             return ".." not in PurePosixPath(uri.removeprefix(_PACKAGE)).parts
         try:
-            path = str(resolve_uri(uri))
+            path = str(self.resolve(uri))
         except Tool0Error:
             return False
         real = _real(path)

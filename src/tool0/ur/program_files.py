@@ -8,7 +8,6 @@ from pathlib import Path, PurePosixPath
 from typing import Final, final
 
 from tool0.ur.client_interface.scripts import MAX_PROGRAM
-from tool0.user_data import replace_text
 
 LOG: Final = "log_history.txt"
 SUFFIX: Final = ".script"
@@ -63,7 +62,7 @@ class ProgramFiles:
             raise FileNotFoundError("there is no folder for it")
         self._folder.mkdir(parents=True, exist_ok=True)
         text = "".join(f"{line}\n" for line in lines)
-        replace_text(self._folder / LOG, text.encode(errors="replace").decode())
+        (self._folder / LOG).write_bytes(text.encode(errors="replace"))
 
     def _find(self, name: str) -> Path | None:
         if self._folder is None or not name or "\0" in name:
