@@ -22,6 +22,8 @@ TITLES: Final = {
     "registers": "registers, flags",
     "force": "force, tool, payload, safety",
     "sockets": "sockets",
+    "servers": "XML-RPC",
+    "modbus": "Modbus units",
     "gripper": "Robotiq gripper",
     "settings": "accepted, without effect",
 }

@@ -16,6 +16,7 @@ from tool0.protocol.socket_channel import SocketChannel
 from tool0.protocol.state import ArmSample, ArmSetpoint
 from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.messages import Message, MessageKind, Messages
+from tool0.ur.modbus.signals import Signals
 from tool0.ur.registers import N_FLAGS, Registers
 from tool0.ur.urscript.execution import Execution
 from tool0.ur.urscript.program import compile_program
@@ -95,6 +96,7 @@ class TimeBox:
         self.registers = Registers()
         self.flags = [False] * N_FLAGS
         self.programs = _Slot(self)
+        self.modbus = Signals(lambda: True)
         self.when_updated: set[Callable[[], None]] = set()
         self.arm_sample = ArmSample(
             mode="hold",

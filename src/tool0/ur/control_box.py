@@ -38,6 +38,7 @@ from tool0.protocol.state import (
 from tool0.protocol.state_message import StateField
 from tool0.protocol.subscriptions import Subscribe
 from tool0.ur.messages import Messages
+from tool0.ur.modbus.signals import Signals
 from tool0.ur.pose import pose_of, transform_of
 from tool0.ur.programs import ProgramSlot
 from tool0.ur.registers import N_FLAGS, Registers
@@ -113,6 +114,8 @@ class UrControlBox:
         """Of programs, which they share one after another."""
         self.messages = Messages()
         self.programs = ProgramSlot(self)
+        self.modbus = Signals(lambda: self.programs.is_running)
+        """Of the units that programs read and write."""
         self.when_updated: set[Callable[[], None]] = set()
         """Called for each update."""
         index = {name: k for k, name in enumerate(first.joint_names)}

@@ -52,6 +52,7 @@ def interfaces_of(box: UrControlBox, options: UrOptions) -> list[BoxInterface]:
         RtdeServer(box),
         Dashboard(box, options.programs),
         ClientInterface(box),
+        box.modbus,
     ]
     if box.gripper is not None:
         from tool0.ur.robotiq.interface import RobotiqInterface, serial_port_path

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, Protocol, final
 from tool0.ur.pacer import Pacer
 from tool0.ur.tool_contact import ToolHistory
 from tool0.ur.urscript.critical import CriticalSection
+from tool0.ur.urscript.remote import RemoteServer
 from tool0.ur.urscript.sockets import Sockets
 from tool0.ur.urscript.values import Handle, Value
 from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
@@ -160,6 +161,8 @@ class Execution:
         self.box = box
         self.moves = moves
         self.sockets = Sockets(box)
+        self.servers: list[RemoteServer] = []
+        """Those whose functions the program calls."""
         self.history = ToolHistory(box)
         self._is_secondary = is_secondary
         self.force_damping = 0.005
@@ -193,6 +196,8 @@ class Execution:
                 if self._tasks:
                     await asyncio.wait(set(self._tasks))
                 self.sockets.close_all()
+                for server in self.servers:
+                    server.close()
 
     async def gate(self) -> None:
         """Wait while the program is paused."""

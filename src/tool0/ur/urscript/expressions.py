@@ -23,7 +23,8 @@ from tool0.ur.urscript.code import (
 )
 from tool0.ur.urscript.functions import Function, Parameter
 from tool0.ur.urscript.library.table import library
-from tool0.ur.urscript.lists import LIST_METHODS
+from tool0.ur.urscript.lists import list_method
+from tool0.ur.urscript.remote import CLOSE, RemoteServer
 from tool0.ur.urscript.scopes import Scope
 from tool0.ur.urscript.values import (
     ARITHMETIC,
@@ -140,30 +141,40 @@ class Expressions:
         return combined(nodes, combine)
 
     def _method(self, call: s.Method) -> Node:
-        """Return a method; one that changes its list assigns the new one."""
-        method = LIST_METHODS[call.name]
+        """Return a method of a list, or a function of a server."""
         nodes = [self.node(call.base), *map(self.node, call.arguments)]
         whole = call.base
         base, places = (
             (whole.base, whole.indexes) if isinstance(whole, s.Index) else (whole, ())
         )
-        indexes = [self.node(item) for item in places] if method.changes else []
+        indexes = [self.node(item) for item in places]
+
+        async def apply(
+            frame: CallFrame, value: Value, arguments: list[Value]
+        ) -> Value:
+            """Return what the method returns; a changed list is assigned."""
+            if type(value) is not tuple:
+                raise ValueProblem(f"{described(value)} has no methods; a list has")
+            method = list_method(call.name, len(arguments))
+            changed, result = method.apply(value, arguments)
+            if method.changes:
+                assert isinstance(base, s.Name)  # checked
+                is_local = base.name in self._scope.locals
+                variables = frame.locals if is_local else frame.globals
+                path = await evaluated(indexes, frame)
+                old = variables[base.name]
+                new = with_element(old, path, changed) if path else changed
+                variables[base.name] = charged(frame, new)
+            return charged(frame, result)
 
         async def run(frame: CallFrame) -> Value:
             value, *arguments = await evaluated(nodes, frame)
-            path = await evaluated(indexes, frame)
             try:
-                items, result = method.apply(value, arguments)
-                if method.changes:
-                    assert isinstance(base, s.Name)  # checked
-                    is_local = base.name in self._scope.locals
-                    variables = frame.locals if is_local else frame.globals
-                    old = variables[base.name]
-                    new = with_element(old, path, items) if path else items
-                    variables[base.name] = charged(frame, new)
+                if isinstance(value, RemoteServer):
+                    return await _remote(frame, value, call.name, arguments)
+                return await apply(frame, value, arguments)
             except ValueProblem as problem:
                 raise self.error(f"{call.name}: {problem}", call.at) from None
-            return charged(frame, result)
 
         return Node(run, is_async=True)
 
@@ -376,6 +387,18 @@ class Expressions:
             raise self.error(message, expression.at)
 
         return Node(run, is_async=True)
+
+
+async def _remote(
+    frame: CallFrame, server: RemoteServer, name: str, arguments: list[Value]
+) -> Value:
+    if name == CLOSE:
+        server.close()
+        return None
+    thread = frame.thread
+    return charged(
+        frame, await thread.timed(thread.apart(server.call(name, arguments)))
+    )
 
 
 def _inverted(value: Value) -> Value:

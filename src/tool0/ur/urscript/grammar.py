@@ -77,7 +77,7 @@ SCOPE.2: /(local|global)\b/
 OR: "or"
 XOR: "xor"
 AND: "and"
-NOT: "not"
+NOT.2: /not\b|!(?!=)/
 TRUE: "True"
 FALSE: "False"
 NAME: /[A-Za-z_][A-Za-z0-9_]{0,199}/

@@ -33,7 +33,6 @@ _KEYWORDS: Final = frozenset(
 _CHARACTERS: Final = {
     "'": 'strings are written with double quotes: "text"',
     '"': "this string has no closing quote on its line",
-    "!": "write 'not' in place of '!'",
     "&": "write 'and' in place of '&'",
     "|": "write 'or' in place of '|'",
     "^": "write pow(base, exponent) in place of '^'",

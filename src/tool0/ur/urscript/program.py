@@ -67,7 +67,7 @@ def compile_program(text: str, name: str = "program") -> URScriptProgram:
     """
     main = _main(parse(text, name), name)
     scope = program_scope(main)
-    Checker(name).check(scope)
+    Checker(name, has_servers="rpc_factory" in text).check(scope)
     code = Compiler(name).compile(scope)
     return URScriptProgram(code, name)
 

@@ -6,10 +6,9 @@ import re
 from typing import Final
 
 _REASONS: Final = (
-    (r"modbus_.*|get_modbus.*|read_port_.*|write_port_.*", "there are no Modbus units"),
+    (r"(read|write)_port_.*", "the control box has no Modbus server of its own"),
     (r"(get|set|reset|stop|track)_conveyor.*", "there is no conveyor encoder"),
     (r"conveyor_.*|track_.*|encoder_.*", "there is no conveyor encoder"),
-    (r"rpc_factory", "there are no remote procedure calls (XML-RPC)"),
     (r"interpreter_mode|.*_interpreter", "the interpreter mode is not supported"),
     (r"request_.*_from_primary_client", "there is no operator's screen"),
     (r"optimove[jl]", "OptiMove is not supported; use movej or movel"),

@@ -16,10 +16,12 @@ def modules() -> dict[str, tuple[Function, ...]]:
         force,
         gripper,
         inputs_outputs,
+        modbus,
         motion,
         poses,
         program,
         registers,
+        servers,
         settings,
         sockets,
         state,
@@ -27,8 +29,8 @@ def modules() -> dict[str, tuple[Function, ...]]:
     )
 
     found = (
-        *(arithmetic, force, gripper, inputs_outputs, motion, poses, program),
-        *(registers, settings, sockets, state, strings),
+        *(arithmetic, force, gripper, inputs_outputs, modbus, motion, poses),
+        *(program, registers, servers, settings, sockets, state, strings),
     )
     return {
         module.__name__.rpartition(".")[2]: cast(
