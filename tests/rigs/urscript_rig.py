@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Callable, Coroutine, Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,7 +19,7 @@ from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.messages import Message, MessageKind, Messages
 from tool0.ur.modbus.signals import Signals
 from tool0.ur.registers import N_FLAGS, Registers
-from tool0.ur.urscript.execution import Execution
+from tool0.ur.urscript.interpreter import Interpreter
 from tool0.ur.urscript.program import compile_program
 
 R = TypeVar("R")
@@ -97,6 +98,7 @@ class TimeBox:
         self.flags = [False] * N_FLAGS
         self.programs = _Slot(self)
         self.modbus = Signals(lambda: True)
+        self.interpreter: Interpreter | None = None
         self.when_updated: set[Callable[[], None]] = set()
         self.arm_sample = ArmSample(
             mode="hold",
@@ -156,10 +158,7 @@ async def run_on(box: UrControlBox, text: str, name: str = "p") -> Run:
     start = box.time
     try:
         program = compile_program(text, name)
-        if isinstance(box, TimeBox):
-            await Execution(name, box, cast("Any", None)).run(program._code)
-        else:
-            await program.run(box)
+        await program.run(box)
     except Tool0Error as error:
         outcome.error = error
     finally:
@@ -180,7 +179,11 @@ class BoxRig:
 
     def do(self, action: Coroutine[Any, Any, R]) -> R:
         """Await something in the loop."""
-        return asyncio.run_coroutine_threadsafe(action, self._loop).result(TIMEOUT)
+        return self.start(action).result(TIMEOUT)
+
+    def start(self, action: Coroutine[Any, Any, R]) -> Future[R]:
+        """Start something in the loop."""
+        return asyncio.run_coroutine_threadsafe(action, self._loop)
 
     async def _connect(self) -> UrControlBox:
         boxes: list[UrControlBox] = []

@@ -43,6 +43,7 @@ from tool0.ur.pose import pose_of, transform_of
 from tool0.ur.programs import ProgramSlot
 from tool0.ur.registers import N_FLAGS, Registers
 from tool0.ur.robotiq.gripper import RobotiqGripper
+from tool0.ur.urscript.interpreter import Interpreter
 from tool0.ur.urscript_errors import URScriptError
 
 logger = logging.getLogger(__name__)
@@ -114,6 +115,8 @@ class UrControlBox:
         """Of programs, which they share one after another."""
         self.messages = Messages()
         self.programs = ProgramSlot(self)
+        self.interpreter: Interpreter | None = None
+        """Of the program that runs, if it has one."""
         self.modbus = Signals(lambda: self.programs.is_running)
         """Of the units that programs read and write."""
         self.when_updated: set[Callable[[], None]] = set()

@@ -62,6 +62,11 @@ class Checker:
         if outer[0] is not None:
             self._scope, self._loops = outer[0], outer[1]
 
+    def check_block(self, scope: Scope, block: s.Block) -> None:
+        """Check further statements of a definition's body."""
+        self._scope = scope
+        self._block(block)
+
     def _check_parameters(self, definition: s.Definition) -> None:
         if definition.kind != "def" and definition.parameters:
             message = f"a '{definition.kind}' has no parameters"

@@ -7,12 +7,13 @@ uses up its share of a control period and goes on in the next one.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Collection, Mapping
 from typing import TYPE_CHECKING, Final, Protocol, final
 
 from tool0.ur.pacer import Pacer
 from tool0.ur.tool_contact import ToolHistory
 from tool0.ur.urscript.critical import CriticalSection
+from tool0.ur.urscript.interpreter import Interpreter
 from tool0.ur.urscript.remote import RemoteServer
 from tool0.ur.urscript.sockets import Sockets
 from tool0.ur.urscript.values import Handle, Value
@@ -59,9 +60,13 @@ class Halted(Exception):  # noqa: N818 - the end of a program, not an error
 class Thread:
     """One thread of a program; the program itself is the first."""
 
-    def __init__(self, execution: Execution, name: str) -> None:
+    def __init__(
+        self, execution: Execution, name: str, *, is_main: bool = False
+    ) -> None:
         self.execution = execution
         self.name = name
+        self.is_main = is_main
+        """Whether it is the program itself."""
         self.left = SLICE
         """Statements until others have their turn."""
         self.depth = 0
@@ -173,7 +178,10 @@ class Execution:
         self.critical = CriticalSection()
         self.mover: Thread | None = None
         """The thread that moves the robot."""
-        self._tasks: set[asyncio.Task[Value]] = set()
+        self.interpreter = Interpreter(self)
+        self._motion: asyncio.Task[None] | None = None
+        """The move that can be aborted."""
+        self._tasks: dict[asyncio.Task[Value], Runnable] = {}
         self._end: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._variables = 0
         self._period = -1.0
@@ -186,7 +194,7 @@ class Execution:
             URScriptError: The program failed, with the location.
         """
         with self.history:
-            main = self._start(code)
+            main = self._start(code, is_main=True)
             main.add_done_callback(lambda _: self._finish(None))
             try:
                 await self._end
@@ -195,6 +203,7 @@ class Execution:
                     task.cancel()
                 if self._tasks:
                     await asyncio.wait(set(self._tasks))
+                self.interpreter.close()
                 self.sockets.close_all()
                 for server in self.servers:
                     server.close()
@@ -221,14 +230,40 @@ class Execution:
             raise ValueProblem(f"more than {MAX_THREADS} threads run")
         return Handle(code.name, self._start(code))
 
-    def _start(self, code: Runnable) -> asyncio.Task[Value]:
-        task = asyncio.get_running_loop().create_task(self._run(code))
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+    async def end_threads(self, codes: Collection[object]) -> None:
+        """End the threads that were started of these definitions."""
+        tasks = {task for task, code in self._tasks.items() if code in codes}
+        for task in tasks:
+            task.cancel()
+        if tasks:
+            await asyncio.wait(tasks)
+
+    async def abortable(self, motion: Awaitable[None]) -> None:
+        """Execute a motion until its end, or until ``abort`` is called."""
+        self._motion = task = asyncio.ensure_future(motion)
+        try:
+            await asyncio.wait({task})
+        finally:
+            self._motion = None
+            if not task.done():
+                task.cancel()
+                await asyncio.wait({task})
+        if not task.cancelled():
+            task.result()
+
+    def abort(self) -> None:
+        """End the move that can be aborted, if there is one: the arm slows down."""
+        if self._motion is not None:
+            self._motion.cancel()
+
+    def _start(self, code: Runnable, *, is_main: bool = False) -> asyncio.Task[Value]:
+        task = asyncio.get_running_loop().create_task(self._run(code, is_main=is_main))
+        self._tasks[task] = code
+        task.add_done_callback(self._tasks.pop)
         return task
 
-    async def _run(self, code: Runnable) -> Value:
-        thread = Thread(self, code.name)
+    async def _run(self, code: Runnable, *, is_main: bool) -> Value:
+        thread = Thread(self, code.name, is_main=is_main)
         try:
             return await code.call(thread, {})
         except Halted:

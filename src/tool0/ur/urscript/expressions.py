@@ -15,8 +15,10 @@ from tool0.ur.urscript import syntax as s
 from tool0.ur.urscript.code import (
     CallFrame,
     Code,
+    Codes,
     Node,
     Run,
+    Site,
     charged,
     combined,
     evaluated,
@@ -48,12 +50,10 @@ from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
 class Expressions:
     """Compiles the expressions of one definition."""
 
-    def __init__(
-        self, program: str, scope: Scope, code_of: Callable[[str], Code | None]
-    ) -> None:
+    def __init__(self, program: str, scope: Scope, codes: Codes) -> None:
         self._program = program
         self._scope = scope
-        self._code_of = code_of
+        self._codes = codes
 
     def error(self, problem: Exception | str, at: Place) -> URScriptError:
         """Return a problem as an error of the program."""
@@ -283,7 +283,7 @@ class Expressions:
 
     def _call(self, call: s.Call) -> Node:
         nodes = [self.node(argument.value) for argument in call.arguments]
-        code = self._code_of(call.name)
+        code = self._codes.find(self._scope, call.name)
         if code is not None:
             names = [item.name for item in code.definition.parameters]
             return self._call_code(call, code, _positions(call, names), nodes)
@@ -337,7 +337,10 @@ class Expressions:
     ) -> Node:
         async def run(frame: CallFrame) -> Value:
             arguments = convert(await evaluated(nodes, frame))
-            action = cast("Awaitable[Value]", function.call(frame.thread, *arguments))
+            caller: object = frame.thread
+            if function.takes_site:
+                caller = Site(frame, self._scope, self._codes)
+            action = cast("Awaitable[Value]", function.call(caller, *arguments))
             try:
                 return await frame.thread.timed(action)
             except URScriptError:
@@ -363,7 +366,7 @@ class Expressions:
         return Node(run, is_async=True)
 
     def _run_thread(self, expression: s.Run) -> Node:
-        code = self._code_of(expression.name)
+        code = self._codes.find(self._scope, expression.name)
         assert code is not None  # checked
 
         def run(frame: CallFrame) -> Value:

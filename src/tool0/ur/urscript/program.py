@@ -48,7 +48,14 @@ class URScriptProgram:
             Moves(box),
             is_secondary=self.is_secondary,
         )
-        await execution.run(self._code)
+        if self.is_secondary:
+            await execution.run(self._code)
+            return
+        box.interpreter = execution.interpreter
+        try:
+            await execution.run(self._code)
+        finally:
+            box.interpreter = None
 
 
 def compile_program(text: str, name: str = "program") -> URScriptProgram:

@@ -9,7 +9,6 @@ _REASONS: Final = (
     (r"(read|write)_port_.*", "the control box has no Modbus server of its own"),
     (r"(get|set|reset|stop|track)_conveyor.*", "there is no conveyor encoder"),
     (r"conveyor_.*|track_.*|encoder_.*", "there is no conveyor encoder"),
-    (r"interpreter_mode|.*_interpreter", "the interpreter mode is not supported"),
     (r"request_.*_from_primary_client", "there is no operator's screen"),
     (r"optimove[jl]", "OptiMove is not supported; use movej or movel"),
     (r"path_offset_.*", "path offsets are not supported"),

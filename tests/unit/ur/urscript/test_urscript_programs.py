@@ -384,3 +384,22 @@ def test_pick_and_place(rig: BoxRig, robot: tool0.Robot) -> None:
     finally:
         robot.scene.remove("cube")
         robot.scene.remove("table")
+
+
+# ---- the interpreter mode -----------------------------------------------------------
+
+
+def test_a_move_is_aborted(rig: BoxRig, at_home: None) -> None:
+    box = rig.box
+    replies: list[str] = []
+
+    async def abort_when_it_moves() -> None:
+        await box.until(lambda: max(map(abs, box.qd)) > 0.05)
+        assert box.interpreter is not None
+        box.interpreter.submit("abort", replies.append)
+
+    task = rig.start(abort_when_it_moves())
+    run = rig.run("movej([1.5, -1.2, 1.9, -2.2708, -1.5708, 0.0], v=0.2)\nstopj(2)")
+    task.result(20.0)
+    assert (run.errors, replies) == ([], ["ack: 0: abort"])
+    assert rig.box.q[0] < 1.0

@@ -72,7 +72,9 @@ async def movej(
     """Move linearly in joint space."""
     _check(a, v, t, r)
     goal = _joints(thread, q)
-    await thread.moving(lambda: thread.moves.movej(goal, a, v, t, r))
+    await thread.moving(
+        lambda: thread.execution.abortable(thread.moves.movej(goal, a, v, t, r))
+    )
 
 
 async def movel(
@@ -86,7 +88,10 @@ async def movel(
     """Move the TCP on a straight line."""
     _check(a, v, t, r)
     goal = _pose(thread, pose)
-    await _follow(thread, lambda: thread.moves.movel(goal, a, v, t, r))
+    await _follow(
+        thread,
+        lambda: thread.execution.abortable(thread.moves.movel(goal, a, v, t, r)),
+    )
 
 
 async def movep(
