@@ -25,6 +25,7 @@ TITLES: Final = {
     "servers": "XML-RPC",
     "modbus": "Modbus units",
     "gripper": "Robotiq gripper",
+    "controller": "RTDE, temperatures, encoders, power",
     "settings": "accepted, without effect",
 }
 """Of each module of the library."""

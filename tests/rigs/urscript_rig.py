@@ -19,6 +19,7 @@ from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.messages import Message, MessageKind, Messages
 from tool0.ur.modbus.signals import Signals
 from tool0.ur.registers import N_FLAGS, Registers
+from tool0.ur.rtde_sensor import RtdeSensor
 from tool0.ur.urscript.interpreter import Interpreter
 from tool0.ur.urscript.program import compile_program
 
@@ -89,7 +90,7 @@ class TimeBox:
     rate = 500.0
     allow_sockets = False
     gripper, why_no_gripper = None, "the arm carries no gripper"
-    q = qd = effort = tcp = target_q = target_qd = ZEROS
+    sensed_wrench = q = qd = effort = tcp = target_q = target_qd = ZEROS
 
     def __init__(self) -> None:
         self.ticks = 0
@@ -98,6 +99,8 @@ class TimeBox:
         self.flags = [False] * N_FLAGS
         self.programs = _Slot(self)
         self.modbus = Signals(lambda: True)
+        self.rtde_sensor = RtdeSensor()
+        self.encoders: dict[int, tuple[range, float]] = {}
         self.interpreter: Interpreter | None = None
         self.when_updated: set[Callable[[], None]] = set()
         self.arm_sample = ArmSample(

@@ -16,7 +16,8 @@ from tool0.ur.urscript.critical import CriticalSection
 from tool0.ur.urscript.interpreter import Interpreter
 from tool0.ur.urscript.remote import RemoteServer
 from tool0.ur.urscript.sockets import Sockets
-from tool0.ur.urscript.values import Handle, Value
+from tool0.ur.urscript.values import Handle, Pose, Value
+from tool0.ur.urscript.watchdogs import Watchdogs
 from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
 
 if TYPE_CHECKING:
@@ -168,8 +169,11 @@ class Execution:
         self.sockets = Sockets(box)
         self.servers: list[RemoteServer] = []
         """Those whose functions the program calls."""
+        self.watchdogs = Watchdogs(box, self._finish)
         self.history = ToolHistory(box)
         self._is_secondary = is_secondary
+        self.waypoint: Pose | None = None
+        """Where the last move was to go."""
         self.force_damping = 0.005
         """Of the next force mode."""
         self.force_gain = 1.0
@@ -203,6 +207,7 @@ class Execution:
                     task.cancel()
                 if self._tasks:
                     await asyncio.wait(set(self._tasks))
+                self.watchdogs.close()
                 self.interpreter.close()
                 self.sockets.close_all()
                 for server in self.servers:

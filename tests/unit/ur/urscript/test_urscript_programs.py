@@ -403,3 +403,36 @@ def test_a_move_is_aborted(rig: BoxRig, at_home: None) -> None:
     task.result(20.0)
     assert (run.errors, replies) == ([], ["ack: 0: abort"])
     assert rig.box.q[0] < 1.0
+
+
+def test_forces_of_a_client_replace_those_of_the_wrist(
+    rig: BoxRig, at_home: None
+) -> None:
+    box = rig.box
+    box.rtde_sensor.read((0.0, 0.0, 20.0, 0.0, 0.0, 0.0))
+    run = rig.run(
+        """
+        textmsg(force() < 5)
+        ft_rtde_input_enable(True, 0.5, [0, 0, 0.05])
+        f = get_tcp_force()
+        textmsg(norm([f[0], f[1], f[2]]))
+        textmsg(force())
+        zero_ftsensor()
+        textmsg(force())
+        ft_rtde_input_enable(False)
+        textmsg(force() < 5)
+        """
+    )
+    assert (run.errors, run.texts) == ([], ["True", "20", "20", "0", "True"])
+
+
+def test_the_target_of_a_move_is_told(rig: BoxRig, at_home: None) -> None:
+    run = rig.run(
+        """
+        goal = pose_trans(get_target_tcp_pose(), p[0, 0, 0.05, 0, 0, 0])
+        movel(goal)
+        textmsg(pose_dist(goal, get_target_waypoint()) < 0.001)
+        textmsg(pose_dist(tool_pose(), get_actual_tcp_pose()) < 0.001)
+        """
+    )
+    assert (run.errors, run.texts) == ([], ["True", "True"])

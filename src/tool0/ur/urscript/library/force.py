@@ -94,8 +94,21 @@ def force_mode_set_gain_scaling(thread: Thread, scaling: Number) -> None:
     thread.execution.force_gain = scaling
 
 
+def force_mode_get_damping(thread: Thread) -> float:
+    """Return the damping of the next force mode."""
+    return thread.execution.force_damping
+
+
+def force_mode_get_gain_scaling(thread: Thread) -> float:
+    """Return the scaling of the next force mode's gain."""
+    return thread.execution.force_gain
+
+
 async def zero_ftsensor(thread: Thread) -> None:
     """Tare the force-torque reading."""
+    if thread.box.rtde_sensor.is_used:
+        thread.box.rtde_sensor.tare()
+        return
     await thread.box.call(ZeroWrench(arm=thread.box.arm))
 
 
@@ -175,18 +188,19 @@ def get_target_payload_cog(thread: Thread) -> Value:
 
 
 def ft_rtde_input_enable(
+    thread: Thread,
     enable: Bool,
     sensor_mass: Number = 0.0,
     sensor_measuring_offset: Vector = (0.0, 0.0, 0.0),
     sensor_cog: Vector = (0.0, 0.0, 0.0),
 ) -> None:
-    """Accept that the wrist's own sensor counts; that of RTDE is refused."""
-    del sensor_mass, sensor_measuring_offset, sensor_cog
-    if enable:
-        raise ValueProblem(
-            "wrenches come from the simulated wrist, not from RTDE's "
-            "external_force_torque"
-        )
+    """Measure with RTDE's external_force_torque, or with the wrist's own sensor again.
+
+    The mass of the sensor has no effect: what a client sends is the external wrench.
+    """
+    del sensor_mass, sensor_cog
+    offset = sensor_measuring_offset if enable else None
+    thread.box.rtde_sensor.set_offset(offset)
 
 
 def get_freedrive_status() -> int:
@@ -237,6 +251,10 @@ FUNCTIONS: Final[tuple[Function, ...]] = (
     function(freedrive_mode, "teach_mode", physical=True),
     *(function(item) for item in (end_force_mode, end_freedrive_mode)),
     function(end_freedrive_mode, "end_teach_mode"),
+    function(
+        freedrive_mode, "freedrive_mode_no_incorrect_payload_check", physical=True
+    ),
+    *(function(item) for item in (force_mode_get_damping, force_mode_get_gain_scaling)),
     function(ft_rtde_input_enable),
     function(ft_rtde_input_enable, "enable_external_ft_sensor"),
     function(get_freedrive_status),

@@ -26,7 +26,9 @@ _GAIN: Final = (100.0, 2000.0)
 def _joints(thread: Thread, target: Target) -> Six:
     """Return joint positions; those nearest to the setpoint, for a pose."""
     if not isinstance(target, Pose):
+        thread.execution.waypoint = Pose(thread.box.forward(target))
         return target
+    thread.execution.waypoint = target
     try:
         return thread.box.inverse(target, thread.box.target_q)
     except UnreachableError as error:
@@ -35,7 +37,9 @@ def _joints(thread: Thread, target: Target) -> Six:
 
 def _pose(thread: Thread, target: Target) -> Sequence[float]:
     """Return a pose of the TCP; that at joint positions, if they are given."""
-    return target if isinstance(target, Pose) else thread.box.forward(target)
+    pose = target if isinstance(target, Pose) else Pose(thread.box.forward(target))
+    thread.execution.waypoint = pose
+    return pose
 
 
 def _check(a: float, v: float, t: float = 0.0, r: float = 0.0) -> None:

@@ -13,6 +13,7 @@ def modules() -> dict[str, tuple[Function, ...]]:
     """Return the functions that programs can call, by the module that has them."""
     from tool0.ur.urscript.library import (
         arithmetic,
+        controller,
         force,
         gripper,
         inputs_outputs,
@@ -29,7 +30,16 @@ def modules() -> dict[str, tuple[Function, ...]]:
     )
 
     found = (
-        *(arithmetic, force, gripper, inputs_outputs, modbus, motion, poses),
+        *(
+            arithmetic,
+            controller,
+            force,
+            gripper,
+            inputs_outputs,
+            modbus,
+            motion,
+            poses,
+        ),
         *(program, registers, servers, settings, sockets, state, strings),
     )
     return {
