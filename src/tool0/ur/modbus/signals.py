@@ -7,6 +7,7 @@ URCaps rely on, until it is deleted or replaced.
 from __future__ import annotations
 
 import asyncio
+import errno
 import struct
 import time
 from collections.abc import Callable, Sequence
@@ -95,13 +96,16 @@ class Signal:
     """One signal: its newest values, and a task that keeps them so."""
 
     def __init__(
-        self, spec: SignalSpec, client: ModbusClient, is_running: Callable[[], bool]
+        self,
+        spec: SignalSpec,
+        client: ModbusClient | None,
+        is_running: Callable[[], bool],
     ) -> None:
         """Keep a signal up to date from now on.
 
         Args:
             spec: Where it is.
-            client: Of its unit's address.
+            client: Of its unit's address; None if that must not be reached.
             is_running: Whether a program runs.
         """
         self.spec = spec
@@ -198,6 +202,8 @@ class Signal:
         return (int(choice is WhenStopped.HIGH),) * self.spec.count
 
     async def _send(self, function: int, data: bytes) -> bytes:
+        if self._client is None:
+            raise ConnectionProblem(errno.EACCES)
         return await self._client.request(self.spec.unit, function, data)
 
     def _take(self, response: bytes) -> None:
@@ -224,8 +230,15 @@ class Signals:
         self._signals: dict[str, Signal] = {}
         self._clients: dict[tuple[str, int], ModbusClient] = {}
 
-    async def add(self, name: str, spec: SignalSpec) -> None:
+    async def add(
+        self, name: str, spec: SignalSpec, *, is_allowed: bool = True
+    ) -> None:
         """Add a signal; it replaces one of the same name.
+
+        Args:
+            name: Of the signal.
+            spec: Where it is.
+            is_allowed: Whether its unit may be reached; the signal is invalid if not.
 
         Raises:
             ValueError: There are too many.
@@ -233,7 +246,7 @@ class Signals:
         await self.delete(name)
         if len(self._signals) >= MAX_SIGNALS:
             raise ValueError(f"there are at most {MAX_SIGNALS} signals")
-        client = self.client(spec.host, spec.port)
+        client = self.client(spec.host, spec.port) if is_allowed else None
         self._signals[name] = Signal(spec, client, self._is_running)
 
     def find(self, name: str) -> Signal | None:
@@ -257,7 +270,9 @@ class Signals:
         key = signal.spec.host, signal.spec.port
         others = self._signals.values()
         if not any((item.spec.host, item.spec.port) == key for item in others):
-            self._clients.pop(key).close()
+            client = self._clients.pop(key, None)
+            if client is not None:
+                client.close()
 
     async def start(self, host: str, port_base: int) -> None:
         """Have nothing to listen on."""

@@ -174,6 +174,8 @@ class Execution:
         self._is_secondary = is_secondary
         self.waypoint: Pose | None = None
         """Where the last move was to go."""
+        self.motion_version = 1
+        """Of movej and movel; both versions are the same here."""
         self.force_damping = 0.005
         """Of the next force mode."""
         self.force_gain = 1.0

@@ -21,7 +21,7 @@ _REASONS: Final = (
     (r"path_offset_.*", "path offsets are not supported"),
     (r"(end_)?screw_driving", "screw driving is not supported; use force_mode"),
     (r"tool_wrench_limit_set", "limits of the tool's wrench are not supported"),
-    (r"jerk_gain_scaling_.*|motion_version_.*", "there is one kind of profiles"),
+    (r"jerk_gain_scaling_.*", "there is one kind of profiles"),
     (r"reset_revolution_counter", "no joint turns without limits"),
     (r"(get|set|update|reset)_world_model.*", "there is no world model"),
     (r"(add|attach|delete|move|is)_frame|frame_.*", "there is no world model"),

@@ -151,3 +151,17 @@ def test_pass_can_be_a_variable() -> None:
 def test_a_statement_begins_where_the_one_before_it_ends() -> None:
     run = run_in_time('x = [1, 2] y = x[1] if y == 2: textmsg(y) end textmsg("end")')
     assert run.texts == ["2", "end"]
+
+
+def test_settings_of_an_installation_are_accepted() -> None:
+    run = run_in_time(
+        """
+        tool_wrench_limit_disable()
+        motion_version_set(2)
+        set_tool_communication(True, 115200, 0, 1, 1.5, 3.5)
+        textmsg(motion_version_get())
+        set_tool_communication(True, 115201, 0, 1, 1.5, 3.5)
+        """
+    )
+    assert run.texts == ["2"]
+    assert "115201 baud with parity 0 is not possible" in str(run.error)

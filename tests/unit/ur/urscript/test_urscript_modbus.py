@@ -239,7 +239,10 @@ def test_signals_stay_when_their_program_has_ended() -> None:
 @pytest.mark.parametrize(
     ("line", "error"),
     [
-        ('modbus_add_signal("10.0.0.1", 255, 0, 1, "x")', "to this machine only"),
+        (
+            'modbus_send_custom_command("10.0.0.1", 255, 6, [0, 0, 0, 0])',
+            "to this machine only",
+        ),
         ('modbus_add_signal("127.0.0.1:x", 255, 0, 1, "x")', "an address such as"),
         ('modbus_add_signal("127.0.0.1", 255, 0, 4, "x")', "0, 1, 2, 3, 15 or 16"),
         ('modbus_add_signal("127.0.0.1", 255, 0, 1, "")', "a name of 1 to 20 bytes"),
@@ -263,3 +266,23 @@ def test_signals_stay_when_their_program_has_ended() -> None:
 )
 def test_what_is_wrong_is_told(line: str, error: str) -> None:
     assert error in str(run_in_time(line).error)
+
+
+def test_a_signal_of_another_machine_is_invalid() -> None:
+    run = run_in_time(
+        """
+        modbus_add_signal("10.0.0.1", 255, 0, 0, "x")
+        while modbus_get_error("x", 2) < 0:
+          sync()
+        end
+        textmsg(modbus_get_error("x", 2))
+        modbus_set_signal_watchdog("x", 0)
+        modbus_get_signal_status("x")
+        """
+    )
+    assert run.texts == ["13"]
+    assert run.errors == [
+        "modbus_add_signal: programs connect to this machine only, not to '10.0.0.1'; "
+        "other machines need the option --ur-sockets"
+    ]
+    assert "signal 'x' of 10.0.0.1:502 has been invalid" in str(run.error)

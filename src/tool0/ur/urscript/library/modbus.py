@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Final, TypeAlias
 
+from tool0.errors import ControlError
 from tool0.ur.modbus.client import ConnectionProblem, DeviceError
 from tool0.ur.modbus.signals import (
     MAX_FREQUENCY,
@@ -72,9 +73,19 @@ def _signal(thread: Thread, name: str) -> Signal:
 
 
 async def _add(thread: Thread, name: str, spec: SignalSpec) -> None:
-    thread.execution.sockets.require_allowed(spec.host)
+    """Add a signal.
+
+    One of a unit that programs must not reach is invalid from the start: programs of
+    PolyScope add the signals of their installation, and may never use them.
+    """
+    is_allowed = True
     try:
-        await thread.box.modbus.add(name, spec)
+        thread.execution.sockets.require_allowed(spec.host)
+    except ValueProblem as problem:
+        thread.box.report(ControlError(f"modbus_add_signal: {problem}"))
+        is_allowed = False
+    try:
+        await thread.box.modbus.add(name, spec, is_allowed=is_allowed)
     except ValueError as error:
         raise ValueProblem(str(error)) from None
 

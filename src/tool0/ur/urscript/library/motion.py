@@ -179,9 +179,24 @@ async def stopl(thread: Thread, a: Number = 20.0, aRot: Number | None = None) ->
     await thread.moving(lambda: thread.moves.stopl(a, aRot))
 
 
-FUNCTIONS: Final[tuple[Function, ...]] = tuple(
-    function(item, physical=True)
-    for item in (
-        *(movej, movel, movep, movec, servoj, servoc, speedj, speedl, stopj, stopl),
-    )
+def motion_version_set(thread: Thread, version: Integer) -> None:
+    """Accept version 1 or 2 of movej and movel, which do not differ."""
+    if version not in {1, 2}:
+        raise ValueProblem(f"version is {version}; it can be 1 or 2")
+    thread.execution.motion_version = version
+
+
+def motion_version_get(thread: Thread) -> int:
+    """Return the version that was set; 1, if none was."""
+    return thread.execution.motion_version
+
+
+FUNCTIONS: Final[tuple[Function, ...]] = (
+    *(
+        function(item, physical=True)
+        for item in (
+            *(movej, movel, movep, movec, servoj, servoc, speedj, speedl, stopj, stopl),
+        )
+    ),
+    *(function(item) for item in (motion_version_get, motion_version_set)),
 )
