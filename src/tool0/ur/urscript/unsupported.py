@@ -19,7 +19,6 @@ _REASONS: Final = (
     (r"request_.*_from_primary_client", "there is no operator's screen"),
     (r"optimove[jl]", "OptiMove is not supported; use movej or movel"),
     (r"path_offset_.*", "path offsets are not supported"),
-    (r"(end_)?screw_driving", "screw driving is not supported; use force_mode"),
     (r"tool_wrench_limit_set", "limits of the tool's wrench are not supported"),
     (r"jerk_gain_scaling_.*", "there is one kind of profiles"),
     (r"reset_revolution_counter", "no joint turns without limits"),

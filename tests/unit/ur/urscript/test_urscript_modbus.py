@@ -127,6 +127,7 @@ def test_outputs_are_written() -> None:
         modbus_add_signal(UNIT, 255, 6, 15, "lamps", register_count = 9)
         modbus_add_signal(UNIT, 255, 5, 2, "unused")
         modbus_add_rw_signal(UNIT, 255, 12, 2, 12, 2, "both")
+        modbus_set_runstate_dependent_choice("speed", 0)
         modbus_set_output_signal("lamp", True)
         modbus_set_output_register("speed", 300, False)
         modbus_set_output_register("speeds", [7, 8])

@@ -436,3 +436,19 @@ def test_the_target_of_a_move_is_told(rig: BoxRig, at_home: None) -> None:
         """
     )
     assert (run.errors, run.texts) == ([], ["True", "True"])
+
+
+def test_a_screw_driver_pushes_along_its_axis(rig: BoxRig, at_home: None) -> None:
+    run = rig.run(
+        """
+        start = get_actual_tcp_pose()
+        screw_driving(10, 0.05)
+        sleep(1)
+        end_screw_driving()
+        way = pose_trans(pose_inv(start), get_actual_tcp_pose())
+        textmsg(way[2] > 0.01)
+        textmsg(way[2] < 0.06)
+        textmsg(norm([way[0], way[1]]) < 0.005)
+        """
+    )
+    assert (run.errors, run.texts) == ([], ["True"] * 3)

@@ -35,6 +35,8 @@ STANDARD_GRAVITY: Final = 9.82
 """The value in UR's programs [m/s²]; g differs by less than the tolerance."""
 _TOLERANCE: Final = 0.1
 _ALL: Final = (True,) * 6
+_SCREW: Final = (0.1, 0.1, 0.0, 0.17, 0.17, 0.17)
+"""How far a screw driver's TCP may be off the other axes [m, rad]."""
 _BASE: Final = Pose((0.0,) * 6)
 
 
@@ -73,6 +75,15 @@ async def force_mode(
         gain_scaling=execution.force_gain,
     )
     await thread.box.call(request)
+
+
+async def screw_driving(thread: Thread, f: Number, v_limit: Number) -> None:
+    """Push along the TCP's z axis with a force [N], at most with a speed [m/s]."""
+    if not v_limit > 0.0:
+        raise ValueProblem(f"v_limit is {v_limit}; it is greater than 0")
+    along_z = (False, False, True, False, False, False)
+    frame, limits = Pose(thread.box.tcp_pose()), (*_SCREW[:2], v_limit, *_SCREW[3:])
+    await force_mode(thread, frame, along_z, (0.0, 0.0, f, 0.0, 0.0, 0.0), 2, limits)
 
 
 async def end_force_mode(thread: Thread) -> None:
@@ -247,6 +258,8 @@ def _six(pose: Pose) -> Six:
 
 FUNCTIONS: Final[tuple[Function, ...]] = (
     function(force_mode, physical=True),
+    function(screw_driving, physical=True),
+    function(end_force_mode, "end_screw_driving"),
     function(freedrive_mode, physical=True),
     function(freedrive_mode, "teach_mode", physical=True),
     *(function(item) for item in (end_force_mode, end_freedrive_mode)),

@@ -244,7 +244,8 @@ def modbus_set_runstate_dependent_choice(
 ) -> None:
     """Set what a digital output is while no program runs."""
     signal = _signal(thread, signal_name)
-    if not (signal.spec.kind.is_digital and signal.spec.kind.is_output):
+    is_digital_output = signal.spec.kind.is_digital and signal.spec.kind.is_output
+    if runstate_choice != WhenStopped.KEPT and not is_digital_output:
         raise ValueProblem(f"signal '{signal_name}' is not a digital output")
     signal.when_stopped = WhenStopped(runstate_choice)
 
