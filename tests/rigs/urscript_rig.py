@@ -18,9 +18,9 @@ from tool0.protocol.state import ArmSample, ArmSetpoint
 from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.messages import Message, MessageKind, Messages
 from tool0.ur.modbus.signals import Signals
+from tool0.ur.programs import LineInterpreter
 from tool0.ur.registers import N_FLAGS, Registers
 from tool0.ur.rtde_sensor import RtdeSensor
-from tool0.ur.urscript.interpreter import Interpreter
 from tool0.ur.urscript.program import compile_program
 
 R = TypeVar("R")
@@ -101,7 +101,7 @@ class TimeBox:
         self.modbus = Signals(lambda: True)
         self.rtde_sensor = RtdeSensor()
         self.encoders: dict[int, tuple[range, float]] = {}
-        self.interpreter: Interpreter | None = None
+        self.interpreter: LineInterpreter | None = None
         self.when_updated: set[Callable[[], None]] = set()
         self.arm_sample = ArmSample(
             mode="hold",

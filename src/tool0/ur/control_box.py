@@ -40,11 +40,10 @@ from tool0.protocol.subscriptions import Subscribe
 from tool0.ur.messages import Messages
 from tool0.ur.modbus.signals import Signals
 from tool0.ur.pose import pose_of, transform_of
-from tool0.ur.programs import ProgramSlot
+from tool0.ur.programs import LineInterpreter, ProgramSlot
 from tool0.ur.registers import N_FLAGS, Registers
 from tool0.ur.robotiq.gripper import RobotiqGripper
 from tool0.ur.rtde_sensor import RtdeSensor
-from tool0.ur.urscript.interpreter import Interpreter
 from tool0.ur.urscript_errors import URScriptError
 
 logger = logging.getLogger(__name__)
@@ -120,7 +119,7 @@ class UrControlBox:
         """Of forces, which a client of RTDE measures."""
         self.encoders: dict[int, tuple[range, float]] = {}
         """Of conveyors, which programs set: the range, and the ticks."""
-        self.interpreter: Interpreter | None = None
+        self.interpreter: LineInterpreter | None = None
         """Of the program that runs, if it has one."""
         self.modbus = Signals(lambda: self.programs.is_running)
         """Of the units that programs read and write."""

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Collection, Mapping
-from typing import TYPE_CHECKING, Final, Protocol, final
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar, final
 
 from tool0.ur.pacer import Pacer
 from tool0.ur.tool_contact import ToolHistory
 from tool0.ur.urscript.critical import CriticalSection
-from tool0.ur.urscript.interpreter import Interpreter
 from tool0.ur.urscript.remote import RemoteServer
 from tool0.ur.urscript.sockets import Sockets
 from tool0.ur.urscript.values import Handle, Pose, Value
@@ -24,6 +23,8 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
     from tool0.ur.moves import Moves
 
+
+T = TypeVar("T")
 
 MAX_THREADS: Final = 50
 MAX_VARIABLES: Final = 2_000
@@ -50,6 +51,23 @@ class Runnable(Protocol):
     def at(self) -> Place: ...
 
     async def call(self, thread: Thread, arguments: Mapping[str, Value]) -> Value: ...
+
+
+class Interpreting(Protocol):
+    """The interpreter mode."""
+
+    # Any: the site of the call.
+    async def run(self, site: Any, *, clear_queue: bool, clear_on_end: bool) -> None:
+        """Execute statements in the scope of a call, until ``end`` is called."""
+
+    def end(self) -> None:
+        """Let ``run`` return."""
+
+    async def clear(self) -> None:
+        """Forget what was interpreted."""
+
+    def close(self) -> None:
+        """Refuse what waits."""
 
 
 @final
@@ -101,7 +119,7 @@ class Thread:
         await self.execution.share(used)
         await self.hold()
 
-    async def timed(self, action: Awaitable[Value]) -> Value:
+    async def timed(self, action: Awaitable[T]) -> T:
         """Wait for something that takes time, and for the permission to go on."""
         self._spun = 0
         critical = self.execution.critical
@@ -184,7 +202,8 @@ class Execution:
         self.critical = CriticalSection()
         self.mover: Thread | None = None
         """The thread that moves the robot."""
-        self.interpreter = Interpreter(self)
+        self.interpreter: Interpreting
+        """Of statements that clients send; set before it runs."""
         self._motion: asyncio.Task[None] | None = None
         """The move that can be aborted."""
         self._tasks: dict[asyncio.Task[Value], Runnable] = {}

@@ -27,6 +27,7 @@ from tool0.ur.urscript.functions import Function, Parameter
 from tool0.ur.urscript.library.table import library
 from tool0.ur.urscript.lists import list_method
 from tool0.ur.urscript.remote import CLOSE, RemoteServer
+from tool0.ur.urscript.remote_values import received, sent
 from tool0.ur.urscript.scopes import Scope
 from tool0.ur.urscript.values import (
     ARITHMETIC,
@@ -398,10 +399,8 @@ async def _remote(
     if name == CLOSE:
         server.close()
         return None
-    thread = frame.thread
-    return charged(
-        frame, await thread.timed(thread.apart(server.call(name, arguments)))
-    )
+    answer = server.call(name, [sent(item) for item in arguments])
+    return charged(frame, received(await frame.thread.timed(answer)))
 
 
 def _inverted(value: Value) -> Value:

@@ -183,7 +183,7 @@ class Interpreter:
         thread = frame.thread
         if not self._ready:
             self._is_ready.clear()
-            await thread.timed(thread.apart(self._is_ready.wait()))
+            await thread.timed(self._is_ready.wait())
         if self._ends or not self._ready:
             return
         statement = self._ready.popleft()

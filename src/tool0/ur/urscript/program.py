@@ -10,6 +10,7 @@ from tool0.ur.urscript.checking import Checker
 from tool0.ur.urscript.code import Code
 from tool0.ur.urscript.compiling import Compiler
 from tool0.ur.urscript.execution import Execution
+from tool0.ur.urscript.interpreter import Interpreter
 from tool0.ur.urscript.parsing import parse
 from tool0.ur.urscript.scopes import program_scope
 from tool0.ur.urscript_errors import Place, URScriptError
@@ -48,10 +49,11 @@ class URScriptProgram:
             Moves(box),
             is_secondary=self.is_secondary,
         )
+        execution.interpreter = interpreter = Interpreter(execution)
         if self.is_secondary:
             await execution.run(self._code)
             return
-        box.interpreter = execution.interpreter
+        box.interpreter = interpreter
         try:
             await execution.run(self._code)
         finally:

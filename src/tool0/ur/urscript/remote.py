@@ -13,14 +13,11 @@ import threading
 import xmlrpc.client
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Final, cast, final
+from typing import Any, Final, cast, final
 from urllib.parse import urlsplit
 from xml.parsers.expat import ExpatError
 
 from tool0.ur.urscript_errors import ValueProblem
-
-if TYPE_CHECKING:
-    from tool0.ur.urscript.values import Value
 
 OPEN_TIMEOUT: Final = 2.0
 """For a connection [wall s]."""
@@ -115,21 +112,19 @@ class RemoteServer:
         self._transport = _Transport()
         self._turn = asyncio.Lock()
 
-    async def call(self, name: str, arguments: Sequence[Value]) -> Value:
-        """Return what a function of the server returns.
+    async def call(self, name: str, arguments: Sequence[object]) -> object:
+        """Return what a function of the server returns; values as xmlrpc.client's.
 
         Raises:
             ValueProblem: If it cannot be called, or fails, with the reason.
         """
-        from tool0.ur.urscript.remote_values import received, sent
-
-        given = tuple(sent(item) for item in arguments)
-        body = xmlrpc.client.dumps(cast("Any", given), name).encode()
+        given = cast("Any", tuple(arguments))
+        body = xmlrpc.client.dumps(given, name).encode()
         async with self._turn:
             answer = await self._apart(
                 lambda: self._transport.request(self._host, self._path, body)
             )
-        return received(cast("tuple[object]", answer)[0])
+        return cast("tuple[object]", answer)[0]
 
     def close(self) -> None:
         """End the connection; the next call makes another one."""

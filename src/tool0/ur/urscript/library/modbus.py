@@ -311,7 +311,7 @@ async def modbus_send_custom_command(
     content = bytes(item for item in values if isinstance(item, int))
     client = thread.box.modbus.client(*IP)
     try:
-        await thread.apart(client.request(slave_number, function_code, content))
+        await client.request(slave_number, function_code, content)
     except DeviceError as error:
         raise ValueProblem(f"the unit answers with exception {error.code}") from None
     except ConnectionProblem as problem:

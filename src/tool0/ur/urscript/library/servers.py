@@ -19,7 +19,7 @@ async def rpc_factory(thread: Thread, type_: Text, url: Text) -> Value:
     host, port = address_of(url)
     sockets = thread.execution.sockets
     sockets.require_allowed(host)
-    if not await thread.apart(sockets.answers(host, port)):
+    if not await sockets.answers(host, port):
         raise ValueProblem(f"no server answers at {url}")
     server = RemoteServer(url)
     thread.execution.servers.append(server)
