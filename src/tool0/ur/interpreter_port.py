@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, final
 
 from tool0.ur.listening import REQUEST_COST, Peer, Port
-from tool0.ur.urscript.interpreter import NOT_RUNNING, discarded
+from tool0.ur.urscript.interpreter import NOT_RUNNING, STATES, discarded
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
@@ -40,7 +40,9 @@ class InterpreterPort:
             if not text:
                 continue
             interpreter = self._box.interpreter
-            if interpreter is None:
+            if interpreter is None and text in STATES:
+                reply(f"state: 0: {text}")
+            elif interpreter is None:
                 reply(discarded(NOT_RUNNING, text))
             else:
                 interpreter.submit(text, reply)

@@ -22,6 +22,11 @@ if TYPE_CHECKING:
 MAX_QUEUE: Final = 1000
 """Statements that wait to be interpreted, or to be executed."""
 NOT_RUNNING: Final = "no program is running"
+STATES: Final = (
+    *("statelastexecuted", "statelastinterpreted", "statelastcleared"),
+    "stateunexecuted",
+)
+"""Commands that ask for a number; 0 without a program."""
 _CLEANED: Final = "cleared when the interpreter mode began"
 
 Reply: TypeAlias = Callable[[str], None]

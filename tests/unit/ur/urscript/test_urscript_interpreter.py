@@ -137,6 +137,7 @@ def test_what_cannot_be_compiled_is_discarded(line: str, reason: str) -> None:
 def test_without_a_program_everything_is_discarded() -> None:
     async def talk(client: Client, box: TimeBox) -> None:
         assert await client.ask("sync()") == "discard: no program is running: sync()"
+        assert await client.ask("stateunexecuted") == "state: 0: stateunexecuted"
 
     run_with(None, talk)
 
