@@ -185,7 +185,7 @@ class Execution:
         self.box = box
         self.moves = moves
         self.sockets = Sockets(box)
-        self.servers: list[RemoteServer] = []
+        self.servers: set[RemoteServer] = set()
         """Those whose functions the program calls."""
         self.watchdogs = Watchdogs(box, self._finish)
         self.history = ToolHistory(box)
@@ -231,7 +231,7 @@ class Execution:
                 self.watchdogs.close()
                 self.interpreter.close()
                 self.sockets.close_all()
-                for server in self.servers:
+                for server in tuple(self.servers):
                     server.close()
 
     async def gate(self) -> None:

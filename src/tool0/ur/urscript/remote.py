@@ -104,8 +104,14 @@ class _Transport(xmlrpc.client.Transport):
 class RemoteServer:
     """The handle of ``rpc_factory``: its methods are those of a server."""
 
-    def __init__(self, url: str) -> None:
-        """Describe the server at a URL that is checked."""
+    def __init__(self, url: str, when_closed: Callable[[RemoteServer], object]) -> None:
+        """Describe a server.
+
+        Args:
+            url: A URL that is checked.
+            when_closed: Called when the connection was closed.
+        """
+        self._when_closed = when_closed
         parts = urlsplit(url)
         self._host = parts.netloc
         self._path = parts.path or "/RPC2"
@@ -129,6 +135,7 @@ class RemoteServer:
     def close(self) -> None:
         """End the connection; the next call makes another one."""
         self._transport.abandon()
+        self._when_closed(self)
 
     async def _apart(self, action: Callable[[], object]) -> object:
         """Return the result of an action that another thread executes."""

@@ -195,3 +195,23 @@ def test_a_program_that_is_stopped_calls_no_server_again() -> None:
         if thread.name == "urscript-rpc":
             thread.join(10.0)
     assert calls == [1]
+
+
+def test_handles_that_are_closed_leave_room_for_others() -> None:
+    with serving(pow) as url:
+        run = run_in_time(
+            f"""
+            k = 0
+            while k < 100:
+              a = rpc_factory("xmlrpc", "{url}")
+              a.closeXMLRPCClientConnection()
+              k = k + 1
+            end
+            textmsg(a.pow(2, 2))
+            while True:
+              a = rpc_factory("xmlrpc", "{url}")
+            end
+            """
+        )
+    assert run.texts == ["4"]
+    assert "64 handles are open; close some with close" in str(run.error)
