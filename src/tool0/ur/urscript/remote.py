@@ -112,9 +112,9 @@ class RemoteServer:
             when_closed: Called when the connection was closed.
         """
         self._when_closed = when_closed
-        parts = urlsplit(url)
-        self._host = parts.netloc
-        self._path = parts.path or "/RPC2"
+        host, port = address_of(url)  # what was allowed, and nothing else of the URL
+        self._host = f"{host}:{port}"
+        self._path = urlsplit(url).path or "/RPC2"
         self._transport = _Transport()
         self._turn = asyncio.Lock()
 
@@ -198,4 +198,4 @@ def address_of(url: str) -> tuple[str, int]:
         host, port = None, None
     if host is None or parts.scheme != "http":
         raise ValueProblem(f"'{url}' is not like http://127.0.0.1:8080/RPC2")
-    return host, port or http.client.HTTP_PORT
+    return "127.0.0.1" if host == "localhost" else host, port or http.client.HTTP_PORT

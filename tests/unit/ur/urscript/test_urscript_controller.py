@@ -76,19 +76,19 @@ def test_a_program_ends_when_its_watchdog_is_not_served() -> None:
 
     async def run() -> Any:
         text = (
-            'rtde_set_watchdog("input_int_register_0", 10, "stop")\n'
+            'rtde_set_watchdog("input_int_register_0", 2, "stop")\n'
             "while True:\n  sync()\nend"
         )
         task = asyncio.create_task(run_on(cast("Any", box), text))
-        for _ in range(4):
-            await asyncio.sleep(0.05)
+        for _ in range(6):
+            await asyncio.sleep(0.1)
             box.registers.written({"input_int_register_0"})
         assert not task.done()
         return await task
 
     outcome = asyncio.run(asyncio.wait_for(run(), 20.0))
     assert str(outcome.error) == (
-        "RTDE watchdog: 'input_int_register_0' was not written for 0.1 s"
+        "RTDE watchdog: 'input_int_register_0' was not written for 0.5 s"
     )
 
 

@@ -136,6 +136,7 @@ def test_a_call_that_fails_ends_the_program(line: str, error: str) -> None:
     [
         ('"http://127.0.0.1:1/RPC2"', "no server answers at http://127.0.0.1:1/RPC2"),
         ('"http://10.0.0.1/RPC2"', "connect to this machine only, not to '10.0.0.1'"),
+        ('"http://127.0.0.1@10.0.0.1/RPC2"', "this machine only, not to '10.0.0.1'"),
         ('"https://127.0.0.1/RPC2"', "is not like http://127.0.0.1:8080/RPC2"),
         ('"127.0.0.1:8080"', "is not like http://127.0.0.1:8080/RPC2"),
     ],
@@ -215,3 +216,13 @@ def test_handles_that_are_closed_leave_room_for_others() -> None:
         )
     assert run.texts == ["4"]
     assert "64 handles are open; close some with close" in str(run.error)
+
+
+def test_the_name_of_this_machine_is_its_address() -> None:
+    with serving(pow) as url:
+        run = run_in_time(
+            camera(
+                url.replace("127.0.0.1", "me@localhost"), "textmsg(camera.pow(2, 3))"
+            )
+        )
+    assert (run.error, run.texts) == (None, ["8"])
