@@ -22,7 +22,10 @@ TITLES: Final = {
     "registers": "registers, flags",
     "force": "force, tool, payload, safety",
     "sockets": "sockets",
+    "servers": "XML-RPC",
+    "modbus": "Modbus units",
     "gripper": "Robotiq gripper",
+    "controller": "RTDE, temperatures, encoders, power",
     "settings": "accepted, without effect",
 }
 """Of each module of the library."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Callable, Coroutine, Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,8 +17,10 @@ from tool0.protocol.socket_channel import SocketChannel
 from tool0.protocol.state import ArmSample, ArmSetpoint
 from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.messages import Message, MessageKind, Messages
+from tool0.ur.modbus.signals import Signals
+from tool0.ur.programs import LineInterpreter
 from tool0.ur.registers import N_FLAGS, Registers
-from tool0.ur.urscript.execution import Execution
+from tool0.ur.rtde_sensor import RtdeSensor
 from tool0.ur.urscript.program import compile_program
 
 R = TypeVar("R")
@@ -87,7 +90,7 @@ class TimeBox:
     rate = 500.0
     allow_sockets = False
     gripper, why_no_gripper = None, "the arm carries no gripper"
-    q = qd = effort = tcp = target_q = target_qd = ZEROS
+    sensed_wrench = q = qd = effort = tcp = target_q = target_qd = ZEROS
 
     def __init__(self) -> None:
         self.ticks = 0
@@ -95,6 +98,10 @@ class TimeBox:
         self.registers = Registers()
         self.flags = [False] * N_FLAGS
         self.programs = _Slot(self)
+        self.modbus = Signals(lambda: True)
+        self.rtde_sensor = RtdeSensor()
+        self.encoders: dict[int, tuple[range, float]] = {}
+        self.interpreter: LineInterpreter | None = None
         self.when_updated: set[Callable[[], None]] = set()
         self.arm_sample = ArmSample(
             mode="hold",
@@ -154,10 +161,7 @@ async def run_on(box: UrControlBox, text: str, name: str = "p") -> Run:
     start = box.time
     try:
         program = compile_program(text, name)
-        if isinstance(box, TimeBox):
-            await Execution(name, box, cast("Any", None)).run(program._code)
-        else:
-            await program.run(box)
+        await program.run(box)
     except Tool0Error as error:
         outcome.error = error
     finally:
@@ -178,7 +182,11 @@ class BoxRig:
 
     def do(self, action: Coroutine[Any, Any, R]) -> R:
         """Await something in the loop."""
-        return asyncio.run_coroutine_threadsafe(action, self._loop).result(TIMEOUT)
+        return self.start(action).result(TIMEOUT)
+
+    def start(self, action: Coroutine[Any, Any, R]) -> Future[R]:
+        """Start something in the loop."""
+        return asyncio.run_coroutine_threadsafe(action, self._loop)
 
     async def _connect(self) -> UrControlBox:
         boxes: list[UrControlBox] = []

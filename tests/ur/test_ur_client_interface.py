@@ -23,7 +23,7 @@ SPEED = 4.0
 """Of time."""
 SLOW = 0.25
 """Of time, where no update may be left out for want of a processor."""
-PRIMARY, SECONDARY, REALTIME = 30001, 30002, 30003
+PRIMARY, SECONDARY, REALTIME, INTERPRETER = 30001, 30002, 30003, 30020
 
 
 @pytest.fixture(scope="module")
@@ -361,3 +361,25 @@ def test_the_reader_of_these_tests_reads_a_value():
         {"a": 1.0, "b": (1, 2)},
         b"",
     )
+
+
+def test_statements_of_the_interpreter_mode_move_the_arm(rig: UrRig) -> None:
+    with (
+        contextlib.closing(rig.connect(SECONDARY)) as sender,
+        contextlib.closing(rig.connect(INTERPRETER)) as client,
+        client.makefile("r") as replies,
+    ):
+        sender.sendall(b"def f():\n  interpreter_mode(False)\nend\n")
+
+        def ask(line: str) -> str:
+            client.sendall(f"{line}\n".encode())
+            return replies.readline().strip()
+
+        until(lambda: ask("x = 0.2").startswith("ack"), "the interpreter mode")
+        line = f"goal = {list(HOME)} goal[5] = x + 0.1 movej(goal, a=3, v=3)"
+        assert ask(line).startswith("ack: ")
+        ask("end_interpreter()")
+        ended = "state: 0: statelastexecuted"
+        until(lambda: ask("statelastexecuted") == ended, "the end of the program")
+    position = rig.robot.joint_state.position
+    assert position["wrist_3_joint"] == pytest.approx(0.3, abs=SWAY)

@@ -38,10 +38,12 @@ from tool0.protocol.state import (
 from tool0.protocol.state_message import StateField
 from tool0.protocol.subscriptions import Subscribe
 from tool0.ur.messages import Messages
+from tool0.ur.modbus.signals import Signals
 from tool0.ur.pose import pose_of, transform_of
-from tool0.ur.programs import ProgramSlot
+from tool0.ur.programs import LineInterpreter, ProgramSlot
 from tool0.ur.registers import N_FLAGS, Registers
 from tool0.ur.robotiq.gripper import RobotiqGripper
+from tool0.ur.rtde_sensor import RtdeSensor
 from tool0.ur.urscript_errors import URScriptError
 
 logger = logging.getLogger(__name__)
@@ -113,6 +115,14 @@ class UrControlBox:
         """Of programs, which they share one after another."""
         self.messages = Messages()
         self.programs = ProgramSlot(self)
+        self.rtde_sensor = RtdeSensor()
+        """Of forces, which a client of RTDE measures."""
+        self.encoders: dict[int, tuple[range, float]] = {}
+        """Of conveyors, which programs set: the range, and the ticks."""
+        self.interpreter: LineInterpreter | None = None
+        """Of the program that runs, if it has one."""
+        self.modbus = Signals(lambda: self.programs.is_running)
+        """Of the units that programs read and write."""
         self.when_updated: set[Callable[[], None]] = set()
         """Called for each update."""
         index = {name: k for k, name in enumerate(first.joint_names)}
@@ -306,8 +316,15 @@ class UrControlBox:
 
     def flange_wrench(self) -> tuple[Vector3, Vector3]:
         """Return the external force and torque at the flange, in the base's axes."""
-        flange, (fx, fy, fz, tx, ty, tz) = self.posture().flange, self.arm_sample.wrench
+        flange, (fx, fy, fz, tx, ty, tz) = self.posture().flange, self.sensed_wrench
         return flange.rotate((fx, fy, fz)), flange.rotate((tx, ty, tz))
+
+    @property
+    def sensed_wrench(self) -> Six:
+        """The external wrench at the flange in its axes, of the sensor that is used."""
+        if self.rtde_sensor.is_used:
+            return self.rtde_sensor.wrench
+        return self.arm_sample.wrench
 
     def tcp_wrench(self) -> Six:
         """Return the external wrench at the TCP in the base frame's axes [N, N·m]."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Coroutine
+from collections.abc import Callable, Coroutine
 from enum import IntEnum
 from typing import Any, Generic, Protocol, TypeVar, final
 
@@ -61,6 +61,13 @@ class RunnableProgram(Protocol[Box_contra]):
         Raises:
             Tool0Error: If the program fails, with the reason.
         """
+
+
+class LineInterpreter(Protocol):
+    """The part of a running program that takes lines of clients."""
+
+    def submit(self, text: str, reply: Callable[[str], None]) -> None:
+        """Take a line, and reply to it now or later."""
 
 
 @final

@@ -42,6 +42,7 @@ def interfaces_of(box: UrControlBox, options: UrOptions) -> list[BoxInterface]:
     """Return what a control box presents."""
     from tool0.ur.client_interface.interface import ClientInterface
     from tool0.ur.dashboard import Dashboard
+    from tool0.ur.interpreter_port import InterpreterPort
     from tool0.ur.program_watch import ProgramWatch
     from tool0.ur.reporter import Reporter
     from tool0.ur.rtde.server import RtdeServer
@@ -52,6 +53,8 @@ def interfaces_of(box: UrControlBox, options: UrOptions) -> list[BoxInterface]:
         RtdeServer(box),
         Dashboard(box, options.programs),
         ClientInterface(box),
+        InterpreterPort(box),
+        box.modbus,
     ]
     if box.gripper is not None:
         from tool0.ur.robotiq.interface import RobotiqInterface, serial_port_path

@@ -31,6 +31,7 @@ STEADY_SPEED: Final = 1e-3
 class _Moment(NamedTuple):
     time: float
     q: Six
+    qd: Six
     force: tuple[float, float, float]
     """External, in the flange's axes [N]."""
     is_resting: bool
@@ -56,6 +57,17 @@ class ToolHistory:
         """Return the joint positions some updates ago, or the oldest known [rad]."""
         index = min(max(steps, 0), len(self._moments) - 1)
         return self._moments[-1 - index].q
+
+    def accelerations(self) -> Six:
+        """Return the change of velocities between the last two updates [rad/s²]."""
+        if len(self._moments) < 2:
+            return (0.0,) * 6
+        before, now = self._moments[-2], self._moments[-1]
+        period = now.time - before.time
+        a, b, c, d, e, f = (
+            (x - y) / period for x, y in zip(now.qd, before.qd, strict=True)
+        )
+        return (a, b, c, d, e, f)
 
     def contact(self, direction: Sequence[float]) -> int:
         """Return how many updates ago the tool came into contact; 0 without one.
@@ -88,9 +100,9 @@ class ToolHistory:
         box = self._box
         if self._moments and box.time < self._moments[-1].time:
             self._moments.clear()  # a reset
-        fx, fy, fz = box.arm_sample.wrench[:3]
+        fx, fy, fz = box.sensed_wrench[:3]
         is_resting = max(map(abs, box.qd)) <= STEADY_SPEED
-        self._moments.append(_Moment(box.time, box.q, (fx, fy, fz), is_resting))
+        self._moments.append(_Moment(box.time, box.q, box.qd, (fx, fy, fz), is_resting))
 
     def _force_along(self, moment: _Moment, direction: Sequence[float]) -> float:
         """Return the force that stops motion in a direction [N].

@@ -7,9 +7,9 @@ Functions and exceptions are those of "MODBUS Application Protocol Specification
 from __future__ import annotations
 
 import struct
-from enum import IntEnum
 from typing import Final, final
 
+from tool0.ur.modbus.frames import ERROR, ModbusFunction, Refusal
 from tool0.ur.robotiq.gripper import RobotiqGripper
 from tool0.ur.robotiq.registers import BLOCK_BYTES, CommandRegisters
 
@@ -23,28 +23,12 @@ MAX_READ: Final = 125
 MAX_WRITTEN: Final = 123
 MAX_WRITTEN_AND_READ: Final = 121
 """All as in the specification [registers]."""
-_ERROR: Final = 0x80
+_FUNCTIONS: Final = {
+    *(ModbusFunction.READ_HOLDING, ModbusFunction.READ_INPUT, ModbusFunction.WRITE_ONE),
+    *(ModbusFunction.WRITE, ModbusFunction.READ_AND_WRITE),
+}
+"""Those that the gripper has."""
 _RANGE, _RANGES = struct.Struct(">HH"), struct.Struct(">HHHH")
-
-
-class ModbusFunction(IntEnum):
-    """The functions that the gripper has."""
-
-    READ_HOLDING = 3
-    READ_INPUT = 4
-    WRITE_ONE = 6
-    WRITE = 16
-    READ_AND_WRITE = 23
-
-
-class Refusal(IntEnum):
-    """Why a request is refused: Modbus's exception codes."""
-
-    ILLEGAL_FUNCTION = 1
-    ILLEGAL_ADDRESS = 2
-    ILLEGAL_VALUE = 3
-    NO_RESPONSE = 11
-    """Of a gateway: the device behind it does not answer."""
 
 
 class _RefusedError(Exception):
@@ -54,7 +38,7 @@ class _RefusedError(Exception):
 
 def refusal(function: int, why: Refusal) -> bytes:
     """Return the response that refuses a request."""
-    return bytes([function | _ERROR, why])
+    return bytes([function | ERROR, why])
 
 
 def respond(gripper: RobotiqGripper, request: bytes, *, is_tcp: bool = False) -> bytes:
@@ -104,7 +88,7 @@ class _RegisterFile:
                 self._write(address, data[9:])
                 found = self._read(function, source, wanted)
                 return bytes([len(found)]) + found
-            case _ if function in set(ModbusFunction):
+            case _ if function in _FUNCTIONS:
                 raise _RefusedError(Refusal.ILLEGAL_VALUE)
             case _:
                 raise _RefusedError(Refusal.ILLEGAL_FUNCTION)

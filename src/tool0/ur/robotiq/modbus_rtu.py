@@ -17,8 +17,9 @@ from functools import cache
 from pathlib import Path
 from typing import Final, final
 
+from tool0.ur.modbus.frames import ModbusFunction
 from tool0.ur.robotiq.gripper import RobotiqGripper
-from tool0.ur.robotiq.modbus import ModbusFunction, respond
+from tool0.ur.robotiq.modbus import respond
 
 SLAVE: Final = 9
 """Address of the gripper as delivered."""

@@ -6,19 +6,16 @@
 from __future__ import annotations
 
 import socket
-import struct
 from typing import Final, final
 
 from tool0.ur.listening import REQUEST_COST, Peer, Port
+from tool0.ur.modbus.frames import HEADER, MAX_LENGTH, Refusal
 from tool0.ur.robotiq.gripper import RobotiqGripper
-from tool0.ur.robotiq.modbus import Refusal, refusal, respond
+from tool0.ur.robotiq.modbus import refusal, respond
 
 PORT: Final = 502
 UNPRIVILEGED_PORT: Final = 1502
 """Where users may not listen on ports below 1024."""
-MAX_LENGTH: Final = 254
-"""Of the unit and the request [bytes]."""
-_HEADER = struct.Struct(">HHHB")
 
 
 @final
@@ -47,8 +44,8 @@ class ModbusTcp:
 
     async def _serve(self, peer: Peer) -> None:
         while True:
-            header = await peer.reader.readexactly(_HEADER.size)
-            transaction, protocol, length, unit = _HEADER.unpack(header)
+            header = await peer.reader.readexactly(HEADER.size)
+            transaction, protocol, length, unit = HEADER.unpack(header)
             if protocol != 0 or not 2 <= length <= MAX_LENGTH:
                 return  # not Modbus: nothing tells where the next frame begins
             request = await peer.reader.readexactly(length - 1)
@@ -57,7 +54,7 @@ class ModbusTcp:
             else:
                 response = refusal(request[0], Refusal.NO_RESPONSE)
             size = len(response) + 1
-            peer.send(_HEADER.pack(transaction, 0, size, unit) + response)
+            peer.send(HEADER.pack(transaction, 0, size, unit) + response)
             await peer.account.pay(REQUEST_COST)
 
 

@@ -38,8 +38,7 @@ _COMMANDS: Final = {
     **{f"{kind}_digital_output_mask": "UINT8" for kind in _FIRST_PIN},
     **{f"{kind}_digital_output": "UINT8" for kind in _FIRST_PIN},
 }
-"""Fields that are not registers, with their types.  ``external_force_torque`` is
-accepted, and ignored: the wrist's own sensor counts."""
+"""Fields that are not registers, with their types."""
 
 Write = Callable[["RegisterBank", Any], None]
 
@@ -159,7 +158,9 @@ class InputRecipe:
 
 
 def _command(box: UrControlBox, values: dict[str, Any]) -> None:
-    """Set the slider and the pins whose mask says so."""
+    """Set the slider and the pins whose mask says so; take a reading of forces."""
+    if "external_force_torque" in values:
+        box.rtde_sensor.read(values["external_force_torque"])
     if values.get("speed_slider_mask", 0) == 1:
         fraction = min(max(MIN_SPEED, values.get("speed_slider_fraction", 1.0)), 1.0)
         box.send(SetSpeedSlider(arm=box.arm, fraction=fraction))

@@ -8,7 +8,7 @@ from tool0.errors import nearest_name
 from tool0.ur.urscript import syntax as s
 from tool0.ur.urscript.functions import Function, Parameter
 from tool0.ur.urscript.library.table import library
-from tool0.ur.urscript.lists import LIST_METHODS
+from tool0.ur.urscript.lists import list_method
 from tool0.ur.urscript.scopes import Scope
 from tool0.ur.urscript.unsupported import reason_against
 from tool0.ur.urscript.values import (
@@ -39,8 +39,16 @@ _Known: TypeAlias = Value | _Unknown
 class Checker:
     """Raises URScriptError at the first mistake of a program, from its start."""
 
-    def __init__(self, program: str) -> None:
+    def __init__(self, program: str, *, has_servers: bool = False) -> None:
+        """Check a program.
+
+        Args:
+            program: Its name, for messages.
+            has_servers: Whether it may have handles of servers: methods that lists do
+                not have may be functions of those.
+        """
         self._program = program
+        self._has_servers = has_servers
         self._scope: Scope
         self._loops = 0
 
@@ -53,6 +61,11 @@ class Checker:
         self._block(definition.body)
         if outer[0] is not None:
             self._scope, self._loops = outer[0], outer[1]
+
+    def check_block(self, scope: Scope, block: s.Block) -> None:
+        """Check further statements of a definition's body."""
+        self._scope = scope
+        self._block(block)
 
     def _check_parameters(self, definition: s.Definition) -> None:
         if definition.kind != "def" and definition.parameters:
@@ -251,18 +264,12 @@ class Checker:
         self._fold(call.base)
         for argument in call.arguments:
             self._fold(argument)
-        method = LIST_METHODS.get(call.name)
-        if method is None:
-            known = ", ".join(LIST_METHODS)
-            self._fail(f"unknown method '{call.name}'; lists have {known}", call.at)
-        if len(call.arguments) != method.n_arguments:
-            count = method.n_arguments
-            plural = "s" * (count != 1)
-            self._fail(
-                f"'{call.name}' takes {count} argument{plural}, not "
-                f"{len(call.arguments)}",
-                call.at,
-            )
+        try:
+            method = list_method(call.name, len(call.arguments))
+        except ValueProblem as problem:
+            if self._has_servers:  # it may be one of a server's functions
+                return
+            self._fail(str(problem), call.at)
         base = call.base.base if isinstance(call.base, s.Index) else call.base
         if method.changes and not isinstance(base, s.Name):
             self._fail(f"'{call.name}' changes a list, which is a variable", call.at)

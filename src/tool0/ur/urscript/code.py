@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, Final, NamedTuple, TypeAlias, final
+from typing import Any, Final, NamedTuple, Protocol, TypeAlias, final
 
 from tool0.ur.urscript import syntax as s
 from tool0.ur.urscript.execution import MAX_DEPTH, Thread
+from tool0.ur.urscript.scopes import Scope
 from tool0.ur.urscript.values import Value, weight
 from tool0.ur.urscript_errors import Place, ValueProblem
 
@@ -131,3 +132,37 @@ class Code:
 async def not_compiled(frame: CallFrame) -> Outcome:
     """Stand for a body until it is compiled."""
     raise AssertionError(frame)
+
+
+class Interpreted(NamedTuple):
+    """Statements that were compiled while the program runs."""
+
+    scope: Scope
+    """That of the next ones."""
+    body: Body
+    own: set[Code]
+    """The functions and threads in them."""
+    clears: bool
+    """Whether one calls clear_interpreter."""
+
+
+class Codes(Protocol):
+    """Functions and threads, compiled."""
+
+    def find(self, scope: Scope, name: str) -> Code | None:
+        """Return a function or a thread that a scope sees."""
+
+    def extended(self) -> Codes:
+        """Return these with room for others, which these do not get."""
+
+    def interpreted(self, text: str, scope: Scope) -> Interpreted:
+        """Compile statements in a scope; URScriptError if they are wrong."""
+
+
+@final
+class Site(NamedTuple):
+    """Where a function is called."""
+
+    frame: CallFrame
+    scope: Scope
+    codes: Codes

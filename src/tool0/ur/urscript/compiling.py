@@ -6,10 +6,12 @@ from collections.abc import Callable
 from typing import Any, Final, NamedTuple, final
 
 from tool0.ur.urscript import syntax as s
+from tool0.ur.urscript.checking import Checker
 from tool0.ur.urscript.code import (
     Body,
     CallFrame,
     Code,
+    Interpreted,
     Jump,
     Node,
     Outcome,
@@ -20,9 +22,13 @@ from tool0.ur.urscript.code import (
 )
 from tool0.ur.urscript.execution import Halted
 from tool0.ur.urscript.expressions import Expressions
+from tool0.ur.urscript.parsing import parse
 from tool0.ur.urscript.scopes import Scope
 from tool0.ur.urscript.values import Handle, Value, described, truth, with_element
-from tool0.ur.urscript_errors import Place, ValueProblem
+from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
+
+INTERPRETER: Final = "interpreter"
+"""The name of statements that clients send, for messages."""
 
 
 class CompiledStatement(NamedTuple):
@@ -38,16 +44,16 @@ class CompiledStatement(NamedTuple):
 class Compiler:
     """Compiles a checked program."""
 
-    def __init__(self, program: str) -> None:
+    def __init__(self, program: str, codes: dict[int, Code] | None = None) -> None:
         self._program: Final = program
-        self._codes: dict[int, Code] = {}
+        self._codes = codes or {}
 
     def compile(self, scope: Scope) -> Code:
         """Return a definition with all that it contains as closures."""
         code = self._declared(scope.definition)
         is_program = scope.parent is None
         code.n_variables = len(scope.globals if is_program else scope.locals)
-        expressions = Expressions(self._program, scope, lambda n: self._find(scope, n))
+        expressions = Expressions(self._program, scope, self)
         code.defaults = {
             item.name: expressions.node(item.default)
             for item in scope.definition.parameters
@@ -59,7 +65,34 @@ class Compiler:
             self.compile(scope.inner(definition))
         return code
 
-    def _find(self, scope: Scope, name: str) -> Code | None:
+    def extended(self) -> Compiler:
+        """Return one that knows these definitions, and keeps further ones apart."""
+        return Compiler(INTERPRETER, dict(self._codes))
+
+    def interpreted(self, text: str, scope: Scope) -> Interpreted:
+        """Compile statements in a scope, while the program runs.
+
+        Raises:
+            URScriptError: They are wrong.
+        """
+        block = parse(text, self._program)
+        inner = scope.extended(block)
+        Checker(self._program, has_servers=True).check_block(inner, block)
+        called = _called(block)
+        if "interpreter_mode" in called:
+            raise URScriptError(
+                "interpreter modes are not nested", block[0].at, self._program
+            )
+        known = set(self._codes.values())
+        for item in block:
+            if isinstance(item, s.Definition):
+                self.compile(inner.inner(item))
+        body = Statements(Expressions(self._program, inner, self), inner).block(block)
+        own = set(self._codes.values()) - known
+        return Interpreted(inner, body, own, "clear_interpreter" in called)
+
+    def find(self, scope: Scope, name: str) -> Code | None:
+        """Return a function or a thread that a scope sees."""
         found = scope.find(name)
         return None if found is None else self._declared(found[0])
 
@@ -241,6 +274,12 @@ class Statements:
             return None
 
         return CompiledStatement(run, is_async=True, at=at)
+
+
+def _called(block: s.Block) -> set[str]:
+    """Return the functions that statements of a block call directly."""
+    values = [item.value for item in block if isinstance(item, s.Evaluate)]
+    return {value.name for value in values if isinstance(value, s.Call)}
 
 
 def _simple(statement: s.Simple) -> CompiledStatement:

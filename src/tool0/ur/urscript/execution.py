@@ -7,20 +7,24 @@ uses up its share of a control period and goes on in the next one.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping
-from typing import TYPE_CHECKING, Final, Protocol, final
+from collections.abc import Awaitable, Callable, Collection, Mapping
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar, final
 
 from tool0.ur.pacer import Pacer
 from tool0.ur.tool_contact import ToolHistory
 from tool0.ur.urscript.critical import CriticalSection
+from tool0.ur.urscript.remote import RemoteServer
 from tool0.ur.urscript.sockets import Sockets
-from tool0.ur.urscript.values import Handle, Value
+from tool0.ur.urscript.values import Handle, Pose, Value
+from tool0.ur.urscript.watchdogs import Watchdogs
 from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
     from tool0.ur.moves import Moves
 
+
+T = TypeVar("T")
 
 MAX_THREADS: Final = 50
 MAX_VARIABLES: Final = 2_000
@@ -49,6 +53,23 @@ class Runnable(Protocol):
     async def call(self, thread: Thread, arguments: Mapping[str, Value]) -> Value: ...
 
 
+class Interpreting(Protocol):
+    """The interpreter mode."""
+
+    # Any: the site of the call.
+    async def run(self, site: Any, *, clear_queue: bool, clear_on_end: bool) -> None:
+        """Execute statements in the scope of a call, until ``end`` is called."""
+
+    def end(self) -> None:
+        """Let ``run`` return."""
+
+    async def clear(self) -> None:
+        """Forget what was interpreted."""
+
+    def close(self) -> None:
+        """Refuse what waits."""
+
+
 @final
 class Halted(Exception):  # noqa: N818 - the end of a program, not an error
     """The statement ``halt``."""
@@ -58,9 +79,13 @@ class Halted(Exception):  # noqa: N818 - the end of a program, not an error
 class Thread:
     """One thread of a program; the program itself is the first."""
 
-    def __init__(self, execution: Execution, name: str) -> None:
+    def __init__(
+        self, execution: Execution, name: str, *, is_main: bool = False
+    ) -> None:
         self.execution = execution
         self.name = name
+        self.is_main = is_main
+        """Whether it is the program itself."""
         self.left = SLICE
         """Statements until others have their turn."""
         self.depth = 0
@@ -94,7 +119,7 @@ class Thread:
         await self.execution.share(used)
         await self.hold()
 
-    async def timed(self, action: Awaitable[Value]) -> Value:
+    async def timed(self, action: Awaitable[T]) -> T:
         """Wait for something that takes time, and for the permission to go on."""
         self._spun = 0
         critical = self.execution.critical
@@ -160,8 +185,15 @@ class Execution:
         self.box = box
         self.moves = moves
         self.sockets = Sockets(box)
+        self.servers: set[RemoteServer] = set()
+        """Those whose functions the program calls."""
+        self.watchdogs = Watchdogs(box, self._finish)
         self.history = ToolHistory(box)
         self._is_secondary = is_secondary
+        self.waypoint: Pose | None = None
+        """Where the last move was to go."""
+        self.motion_version = 1
+        """Of movej and movel; both versions are the same here."""
         self.force_damping = 0.005
         """Of the next force mode."""
         self.force_gain = 1.0
@@ -170,7 +202,11 @@ class Execution:
         self.critical = CriticalSection()
         self.mover: Thread | None = None
         """The thread that moves the robot."""
-        self._tasks: set[asyncio.Task[Value]] = set()
+        self.interpreter: Interpreting
+        """Of statements that clients send; set before it runs."""
+        self._motion: asyncio.Task[None] | None = None
+        """The move that can be aborted."""
+        self._tasks: dict[asyncio.Task[Value], Runnable] = {}
         self._end: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._variables = 0
         self._period = -1.0
@@ -183,7 +219,7 @@ class Execution:
             URScriptError: The program failed, with the location.
         """
         with self.history:
-            main = self._start(code)
+            main = self._start(code, is_main=True)
             main.add_done_callback(lambda _: self._finish(None))
             try:
                 await self._end
@@ -192,7 +228,11 @@ class Execution:
                     task.cancel()
                 if self._tasks:
                     await asyncio.wait(set(self._tasks))
+                self.watchdogs.close()
+                self.interpreter.close()
                 self.sockets.close_all()
+                for server in tuple(self.servers):
+                    server.close()
 
     async def gate(self) -> None:
         """Wait while the program is paused."""
@@ -216,14 +256,40 @@ class Execution:
             raise ValueProblem(f"more than {MAX_THREADS} threads run")
         return Handle(code.name, self._start(code))
 
-    def _start(self, code: Runnable) -> asyncio.Task[Value]:
-        task = asyncio.get_running_loop().create_task(self._run(code))
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+    async def end_threads(self, codes: Collection[object]) -> None:
+        """End the threads that were started of these definitions."""
+        tasks = {task for task, code in self._tasks.items() if code in codes}
+        for task in tasks:
+            task.cancel()
+        if tasks:
+            await asyncio.wait(tasks)
+
+    async def abortable(self, motion: Awaitable[None]) -> None:
+        """Execute a motion until its end, or until ``abort`` is called."""
+        self._motion = task = asyncio.ensure_future(motion)
+        try:
+            await asyncio.wait({task})
+        finally:
+            self._motion = None
+            if not task.done():
+                task.cancel()
+                await asyncio.wait({task})
+        if not task.cancelled():
+            task.result()
+
+    def abort(self) -> None:
+        """End the move that can be aborted, if there is one: the arm slows down."""
+        if self._motion is not None:
+            self._motion.cancel()
+
+    def _start(self, code: Runnable, *, is_main: bool = False) -> asyncio.Task[Value]:
+        task = asyncio.get_running_loop().create_task(self._run(code, is_main=is_main))
+        self._tasks[task] = code
+        task.add_done_callback(self._tasks.pop)
         return task
 
-    async def _run(self, code: Runnable) -> Value:
-        thread = Thread(self, code.name)
+    async def _run(self, code: Runnable, *, is_main: bool) -> Value:
+        thread = Thread(self, code.name, is_main=is_main)
         try:
             return await code.call(thread, {})
         except Halted:

@@ -15,15 +15,19 @@ from tool0.ur.urscript import syntax as s
 from tool0.ur.urscript.code import (
     CallFrame,
     Code,
+    Codes,
     Node,
     Run,
+    Site,
     charged,
     combined,
     evaluated,
 )
 from tool0.ur.urscript.functions import Function, Parameter
 from tool0.ur.urscript.library.table import library
-from tool0.ur.urscript.lists import LIST_METHODS
+from tool0.ur.urscript.lists import list_method
+from tool0.ur.urscript.remote import CLOSE, RemoteServer
+from tool0.ur.urscript.remote_values import received, sent
 from tool0.ur.urscript.scopes import Scope
 from tool0.ur.urscript.values import (
     ARITHMETIC,
@@ -47,12 +51,10 @@ from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
 class Expressions:
     """Compiles the expressions of one definition."""
 
-    def __init__(
-        self, program: str, scope: Scope, code_of: Callable[[str], Code | None]
-    ) -> None:
+    def __init__(self, program: str, scope: Scope, codes: Codes) -> None:
         self._program = program
         self._scope = scope
-        self._code_of = code_of
+        self._codes = codes
 
     def error(self, problem: Exception | str, at: Place) -> URScriptError:
         """Return a problem as an error of the program."""
@@ -140,30 +142,40 @@ class Expressions:
         return combined(nodes, combine)
 
     def _method(self, call: s.Method) -> Node:
-        """Return a method; one that changes its list assigns the new one."""
-        method = LIST_METHODS[call.name]
+        """Return a method of a list, or a function of a server."""
         nodes = [self.node(call.base), *map(self.node, call.arguments)]
         whole = call.base
         base, places = (
             (whole.base, whole.indexes) if isinstance(whole, s.Index) else (whole, ())
         )
-        indexes = [self.node(item) for item in places] if method.changes else []
+        indexes = [self.node(item) for item in places]
+
+        async def apply(
+            frame: CallFrame, value: Value, arguments: list[Value]
+        ) -> Value:
+            """Return what the method returns; a changed list is assigned."""
+            if type(value) is not tuple:
+                raise ValueProblem(f"{described(value)} has no methods; a list has")
+            method = list_method(call.name, len(arguments))
+            changed, result = method.apply(value, arguments)
+            if method.changes:
+                assert isinstance(base, s.Name)  # checked
+                is_local = base.name in self._scope.locals
+                variables = frame.locals if is_local else frame.globals
+                path = await evaluated(indexes, frame)
+                old = variables[base.name]
+                new = with_element(old, path, changed) if path else changed
+                variables[base.name] = charged(frame, new)
+            return charged(frame, result)
 
         async def run(frame: CallFrame) -> Value:
             value, *arguments = await evaluated(nodes, frame)
-            path = await evaluated(indexes, frame)
             try:
-                items, result = method.apply(value, arguments)
-                if method.changes:
-                    assert isinstance(base, s.Name)  # checked
-                    is_local = base.name in self._scope.locals
-                    variables = frame.locals if is_local else frame.globals
-                    old = variables[base.name]
-                    new = with_element(old, path, items) if path else items
-                    variables[base.name] = charged(frame, new)
+                if isinstance(value, RemoteServer):
+                    return await _remote(frame, value, call.name, arguments)
+                return await apply(frame, value, arguments)
             except ValueProblem as problem:
                 raise self.error(f"{call.name}: {problem}", call.at) from None
-            return charged(frame, result)
 
         return Node(run, is_async=True)
 
@@ -272,7 +284,7 @@ class Expressions:
 
     def _call(self, call: s.Call) -> Node:
         nodes = [self.node(argument.value) for argument in call.arguments]
-        code = self._code_of(call.name)
+        code = self._codes.find(self._scope, call.name)
         if code is not None:
             names = [item.name for item in code.definition.parameters]
             return self._call_code(call, code, _positions(call, names), nodes)
@@ -326,7 +338,10 @@ class Expressions:
     ) -> Node:
         async def run(frame: CallFrame) -> Value:
             arguments = convert(await evaluated(nodes, frame))
-            action = cast("Awaitable[Value]", function.call(frame.thread, *arguments))
+            caller: object = frame.thread
+            if function.takes_site:
+                caller = Site(frame, self._scope, self._codes)
+            action = cast("Awaitable[Value]", function.call(caller, *arguments))
             try:
                 return await frame.thread.timed(action)
             except URScriptError:
@@ -352,7 +367,7 @@ class Expressions:
         return Node(run, is_async=True)
 
     def _run_thread(self, expression: s.Run) -> Node:
-        code = self._code_of(expression.name)
+        code = self._codes.find(self._scope, expression.name)
         assert code is not None  # checked
 
         def run(frame: CallFrame) -> Value:
@@ -376,6 +391,16 @@ class Expressions:
             raise self.error(message, expression.at)
 
         return Node(run, is_async=True)
+
+
+async def _remote(
+    frame: CallFrame, server: RemoteServer, name: str, arguments: list[Value]
+) -> Value:
+    if name == CLOSE:
+        server.close()
+        return None
+    answer = server.call(name, [sent(item) for item in arguments])
+    return charged(frame, received(await frame.thread.timed(answer)))
 
 
 def _inverted(value: Value) -> Value:

@@ -12,6 +12,7 @@ from tool0.ur.urscript.values import Value, to_text
 
 NO_DEFAULT: Final = object()
 _THREAD: Final = "thread"
+_SITE: Final = "site"
 
 # Any: the arguments of an implementation are what its kinds convert to.
 Implementation: TypeAlias = Callable[..., Value] | Callable[..., Awaitable[Value]]
@@ -55,6 +56,8 @@ class Function:
     is_async: bool
     takes_thread: bool
     """Whether the first argument is the thread that calls it."""
+    takes_site: bool
+    """Whether it is where it is called, of a function that is a coroutine."""
     is_physical: bool
     """Whether it takes time of the robot, which secondary programs must not."""
 
@@ -70,10 +73,11 @@ def function(
     """Return a function of the library, described by the annotations of ``call``."""
     hints = get_type_hints(call, include_extras=True)
     parameters = []
-    takes_thread = False
+    takes_thread = takes_site = False
     for item in inspect.signature(call).parameters.values():
-        if item.name == _THREAD:
-            takes_thread = True
+        if item.name in {_THREAD, _SITE}:
+            takes_thread = item.name == _THREAD
+            takes_site = not takes_thread
             continue
         is_required = item.default is inspect.Parameter.empty
         default = NO_DEFAULT if is_required else item.default
@@ -85,6 +89,7 @@ def function(
         call,
         inspect.iscoroutinefunction(call),
         takes_thread,
+        takes_site,
         physical,
     )
 

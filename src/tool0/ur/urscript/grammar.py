@@ -23,7 +23,7 @@ assign: [SCOPE] expression EQUAL expression
 evaluate: expression
 return_: RETURN [expression]
 kill: KILL expression
-keyword: BREAK | CONTINUE | HALT | PAUSE | PASS | ENTER_CRITICAL | EXIT_CRITICAL
+keyword: BREAK | CONTINUE | HALT | PAUSE | ENTER_CRITICAL | EXIT_CRITICAL
 
 block: _statement*
 if_: IF _condition block (_ELIF _condition block)* [_ELSE _COLON _NL block] _END
@@ -60,7 +60,6 @@ BREAK: "break"
 CONTINUE: "continue"
 HALT: "halt"
 PAUSE: "pause"
-PASS: "pass"
 ENTER_CRITICAL: "enter_critical"
 EXIT_CRITICAL: "exit_critical"
 RETURN: "return"
@@ -77,7 +76,7 @@ SCOPE.2: /(local|global)\b/
 OR: "or"
 XOR: "xor"
 AND: "and"
-NOT: "not"
+NOT.2: /not\b|!(?!=)/
 TRUE: "True"
 FALSE: "False"
 NAME: /[A-Za-z_][A-Za-z0-9_]{0,199}/

@@ -19,6 +19,14 @@ _INFIX: Final = frozenset(
     {"OR", "XOR", "AND", "NOT", "COMPARE", "EQUAL", "SIGN", "FACTOR", "COMMA"}
 )
 """After these, a statement goes on in the next line."""
+_LAST: Final = frozenset(
+    {"NAME", "INTEGER", "FLOAT", "STRING", "TRUE", "FALSE", "_CLOSE", "RSQB"}
+)
+_FIRST: Final = frozenset(
+    {"NAME", "SCOPE", "DEFINE", "IF", "WHILE", "RETURN", "KILL", "JOIN", "RUN"}
+    | {"BREAK", "CONTINUE", "HALT", "PAUSE", "ENTER_CRITICAL", "EXIT_CRITICAL"}
+)
+"""One after one of ``_LAST`` begins another statement in the same line."""
 
 
 @final
@@ -35,6 +43,7 @@ class Layout(PostLex):
         opened: list[Token] = []
         in_brackets = signs = 0
         is_fresh = True
+        n_tokens = 0  # of this statement
         last: Token | None = None
         askew: Token | None = None  # a block whose 'end' stands elsewhere
         for token in stream:
@@ -45,6 +54,10 @@ class Layout(PostLex):
                     is_fresh = True
                     yield token
                 continue
+            is_inside = not is_fresh and not in_brackets and n_tokens > 1
+            if is_inside and _begins_another(last, token):
+                is_fresh = True
+                yield _new_line(token)
             signs = signs + 1 if kind in {"SIGN", "NOT"} else 0
             if kind in _CLOSERS:
                 _close(opened, token)
@@ -72,7 +85,8 @@ class Layout(PostLex):
             if max(len(opened), signs) > MAX_NESTING:
                 raise _at(token, f"nested deeper than {MAX_NESTING} levels")
             yield token
-            last, is_fresh = token, False
+            last, n_tokens = token, 1 if is_fresh else n_tokens + 1
+            is_fresh = False
             if kind in {"_COLON", "_END"} and not in_brackets:
                 is_fresh = True
                 yield _new_line(token)
@@ -81,6 +95,10 @@ class Layout(PostLex):
             raise _unclosed(askew if askew and is_block else opened[-1])
         if last is not None and not is_fresh:
             yield _new_line(last)
+
+
+def _begins_another(last: Token | None, token: Token) -> bool:
+    return last is not None and last.type in _LAST and token.type in _FIRST
 
 
 def _new_line(beside: Token) -> Token:

@@ -42,16 +42,14 @@ class ListMethod(NamedTuple):
     changes: bool
     """Whether it changes the list, which must be a variable then."""
 
-    def apply(self, value: Value, arguments: Sequence[Value]) -> tuple[Items, Value]:
+    def apply(self, items: Items, arguments: Sequence[Value]) -> tuple[Items, Value]:
         """Return the list after the method, and what the method returns.
 
         Raises:
-            ValueProblem: The value is no list, or the arguments are not possible.
+            ValueProblem: The arguments are not possible.
         """
-        if type(value) is not tuple:
-            raise ValueProblem(f"{described(value)} has no methods; a list has")
-        items, result = self.call(value, *arguments)
-        return (checked_list(items) if self.changes else value), result
+        new, result = self.call(items, *arguments)
+        return (checked_list(new) if self.changes else items), result
 
 
 def _position(items: Items, index: Value, last: int) -> int:
@@ -116,3 +114,22 @@ LIST_METHODS: Final = {
         lambda items: Outcome(items, checked_text(to_text(items))), 0, changes=False
     ),
 }
+
+
+def list_method(name: str, n_arguments: int) -> ListMethod:
+    """Return a method of lists.
+
+    Raises:
+        ValueProblem: There is none of this name with so many arguments.
+    """
+    method = LIST_METHODS.get(name)
+    if method is None:
+        known = ", ".join(LIST_METHODS)
+        raise ValueProblem(f"unknown method '{name}'; lists have {known}")
+    if n_arguments != method.n_arguments:
+        count = method.n_arguments
+        plural = "s" * (count != 1)
+        raise ValueProblem(
+            f"'{name}' takes {count} argument{plural}, not {n_arguments}"
+        )
+    return method

@@ -17,8 +17,8 @@ MAX_SIZE: Final = 1_000_000
 _SHOWN: Final = 30
 _NEVER: Final = {
     "for": "URScript has no 'for'; count in a 'while'",
-    "switch": "'switch' is not supported; use 'if' and 'elif'",
-    "case": "'case' is not supported; use 'if' and 'elif'",
+    "switch": "URScript has no 'switch'; use 'if' and 'elif'",
+    "case": "URScript has no 'case'; use 'if' and 'elif'",
     "import": "'import' is not supported: a program is one text",
     "class": "URScript has no classes",
     "try": "URScript has no exceptions",
@@ -27,13 +27,12 @@ _KEYWORDS: Final = frozenset(
     {
         *("and", "break", "continue", "def", "elif", "else", "end", "enter_critical"),
         *("exit_critical", "global", "halt", "if", "join", "kill", "local", "not"),
-        *("or", "pass", "pause", "return", "run", "sec", "thread", "while", "xor"),
+        *("or", "pause", "return", "run", "sec", "thread", "while", "xor"),
     }
 )
 _CHARACTERS: Final = {
     "'": 'strings are written with double quotes: "text"',
     '"': "this string has no closing quote on its line",
-    "!": "write 'not' in place of '!'",
     "&": "write 'and' in place of '&'",
     "|": "write 'or' in place of '|'",
     "^": "write pow(base, exponent) in place of '^'",

@@ -10,6 +10,7 @@ from tool0.ur.urscript.checking import Checker
 from tool0.ur.urscript.code import Code
 from tool0.ur.urscript.compiling import Compiler
 from tool0.ur.urscript.execution import Execution
+from tool0.ur.urscript.interpreter import Interpreter
 from tool0.ur.urscript.parsing import parse
 from tool0.ur.urscript.scopes import program_scope
 from tool0.ur.urscript_errors import Place, URScriptError
@@ -48,7 +49,15 @@ class URScriptProgram:
             Moves(box),
             is_secondary=self.is_secondary,
         )
-        await execution.run(self._code)
+        execution.interpreter = interpreter = Interpreter(execution)
+        if self.is_secondary:
+            await execution.run(self._code)
+            return
+        box.interpreter = interpreter
+        try:
+            await execution.run(self._code)
+        finally:
+            box.interpreter = None
 
 
 def compile_program(text: str, name: str = "program") -> URScriptProgram:
@@ -67,7 +76,7 @@ def compile_program(text: str, name: str = "program") -> URScriptProgram:
     """
     main = _main(parse(text, name), name)
     scope = program_scope(main)
-    Checker(name).check(scope)
+    Checker(name, has_servers="rpc_factory" in text).check(scope)
     code = Compiler(name).compile(scope)
     return URScriptProgram(code, name)
 

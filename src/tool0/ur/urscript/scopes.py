@@ -41,6 +41,29 @@ class Scope:
         own = list(self.functions)
         return own + (self.parent.visible_functions() if self.parent else [])
 
+    def extended(self, block: s.Block) -> Scope:
+        """Return this scope with the names of further statements of its body.
+
+        New variables are the program's at its first level, and the function's in it.
+        """
+        own = list(_own(block))
+        functions = {item.name: item for item in own if isinstance(item, s.Definition)}
+        known, local = set(self.globals), set(self.locals)
+        for item in own:
+            if not isinstance(item, s.Assign) or item.indexes:
+                continue
+            if self.parent is None or item.scope == "global":
+                known.add(item.name)
+            elif item.scope == "local" or item.name not in known:
+                local.add(item.name)
+        return Scope(
+            self.definition,
+            self.parent,
+            {**self.functions, **functions},
+            frozenset(local),
+            frozenset(known),
+        )
+
     def inner(self, definition: s.Definition) -> Scope:
         """Return the scope of a definition in this one's body."""
         return _scope(definition, self, self.globals)

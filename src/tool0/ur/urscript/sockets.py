@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import ipaddress
-from collections.abc import Callable, Coroutine
-from typing import TYPE_CHECKING, Any, Final, TypeVar, final
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final, TypeVar, final
 
 from tool0.errors import ControlError
 from tool0.ur.urscript_errors import ValueProblem
+from tool0.ur.waiting import within
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
@@ -73,7 +74,7 @@ class Connection(asyncio.Protocol):
             return False
         self._transport.write(data)
         if not self._is_writable.is_set():
-            await _within(self._is_writable.wait(), OPEN_TIMEOUT)
+            await within(self._is_writable.wait(), OPEN_TIMEOUT)
         return self._transport is not None and self._is_writable.is_set()
 
     def take(self, find: Callable[[bytearray], T | None]) -> T | None:
@@ -100,7 +101,7 @@ class Connection(asyncio.Protocol):
         Returns:
             None after the timeout, or if the connection has ended.
         """
-        return await _within(self._wait_for(find), timeout if timeout > 0.0 else None)
+        return await within(self._wait_for(find), timeout if timeout > 0.0 else None)
 
     async def _wait_for(self, find: Callable[[bytearray], T | None]) -> T | None:
         while True:
@@ -136,17 +137,14 @@ class Sockets:
         self.close(name)
         if len(self._connections) >= MAX_SOCKETS:
             raise ValueProblem(f"a program has at most {MAX_SOCKETS} sockets")
-        host = "127.0.0.1" if address == "localhost" else address
+        host = _numeric(address)
         gripper = self._box.gripper
         if (host, port) == OWN_GRIPPER and gripper and gripper.address:
             host, port = gripper.address
-        if not self._box.allow_sockets and not _is_loopback(host):
-            self._box.report(
-                ControlError(
-                    f"programs connect to this machine only, not to '{address}'; other "
-                    "machines need the option --ur-sockets"
-                )
-            )
+        try:
+            self.require_allowed(host)
+        except ValueProblem as problem:
+            self._box.report(ControlError(str(problem)))
             return False
         # Known from the start: a program that is killed meanwhile closes it, too.
         self._connections[name] = connection = Connection()
@@ -154,11 +152,30 @@ class Sockets:
             lambda: connection, host, port
         )
         try:
-            made = await _within(attempt, OPEN_TIMEOUT)
+            made = await within(attempt, OPEN_TIMEOUT)
         except (OSError, OverflowError, UnicodeError):
             made = None
         if made is None:
             self.close(name)
+        return made is not None
+
+    def require_allowed(self, address: str) -> None:
+        """Raise ValueProblem for an address that programs must not connect to."""
+        if not self._box.allow_sockets and not _is_loopback(_numeric(address)):
+            raise ValueProblem(
+                f"programs connect to this machine only, not to '{address}'; other "
+                "machines need the option --ur-sockets"
+            )
+
+    async def answers(self, address: str, port: int) -> bool:
+        """Return whether a server accepts connections."""
+        attempt = asyncio.open_connection(_numeric(address), port)
+        try:
+            made = await within(attempt, OPEN_TIMEOUT)
+        except (OSError, OverflowError, UnicodeError):
+            made = None
+        if made is not None:
+            made[1].close()
         return made is not None
 
     def find(self, name: str) -> Connection | None:
@@ -177,21 +194,8 @@ class Sockets:
             self.close(name)
 
 
-async def _within(action: Coroutine[Any, Any, T], timeout: float | None) -> T | None:
-    """Return the result of an action; None if it is not done in time [wall s].
-
-    Whoever waits here can be cancelled at any moment.  Before Python 3.12,
-    asyncio.wait_for drops a cancellation that comes together with the result.
-    """
-    task = asyncio.ensure_future(action)
-    # An error is no news if whoever waits has been cancelled.
-    task.add_done_callback(lambda done: done.cancelled() or done.exception())
-    try:
-        await asyncio.wait({task}, timeout=timeout)
-    finally:
-        if not task.done():
-            task.cancel()
-    return task.result() if task.done() else None
+def _numeric(address: str) -> str:
+    return "127.0.0.1" if address == "localhost" else address
 
 
 def _is_loopback(host: str) -> bool:

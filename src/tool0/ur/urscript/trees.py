@@ -13,6 +13,7 @@ from tool0.ur.urscript_errors import Place, URScriptError
 
 _POSE: Final = "p"
 _STRUCT: Final = "struct"
+_PASS: Final = "pass"
 _DIGITS: Final = re.compile("[0-9]{1,10}")
 
 # Children are what the rules below return, mixed with tokens: lark types them as Any.
@@ -52,8 +53,10 @@ class Trees(Transformer[Token, s.Block]):
         declared = None if scope is None else cast("Any", str(scope))
         return s.Assign(at, declared, base.name, indexes, value)
 
-    def evaluate(self, children: Children) -> s.Evaluate:
+    def evaluate(self, children: Children) -> s.Evaluate | s.Simple:
         value = children[0]
+        if isinstance(value, s.Name) and value.name == _PASS:
+            return s.Simple(value.at, _PASS)
         if isinstance(value, s.Name):
             raise URScriptError(
                 f"'{value.name}' alone does nothing; call a function with "

@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias, Union, final
 
+from tool0.ur.urscript.remote import RemoteServer
 from tool0.ur.urscript.syntax import INT_RANGE, MAX_TEXT
 from tool0.ur.urscript_errors import ValueProblem
 
@@ -70,7 +71,16 @@ class Handle:
 
 
 Value: TypeAlias = Union[
-    bool, int, float, str, Pose, "tuple[Value, ...]", Struct, Handle, None
+    bool,
+    int,
+    float,
+    str,
+    Pose,
+    "tuple[Value, ...]",
+    Struct,
+    Handle,
+    RemoteServer,
+    None,
 ]
 _FAMILIES: Final[dict[type, str]] = {
     bool: "a boolean",
@@ -81,6 +91,7 @@ _FAMILIES: Final[dict[type, str]] = {
     tuple: "a list",
     Struct: "a struct",
     Handle: "a thread",
+    RemoteServer: "a remote server",
     type(None): "nothing",
 }
 
@@ -107,7 +118,7 @@ def checked_list(items: Sequence[Value]) -> tuple[Value, ...]:
     if len(families) > 1:
         mixed = " and ".join(sorted(families))
         raise ValueProblem(f"a list has elements of one kind, not {mixed}")
-    if families & {"nothing", "a thread"}:
+    if families & {"nothing", "a thread", "a remote server"}:
         raise ValueProblem(f"{families.pop()} cannot be an element of a list")
     rows = [item for item in items if type(item) is tuple]
     if rows:
@@ -120,8 +131,8 @@ def checked_list(items: Sequence[Value]) -> tuple[Value, ...]:
 
 def checked_struct(names: tuple[str, ...], values: Sequence[Value]) -> Struct:
     """Return a struct; its members have values, and not too many."""
-    if any(item is None or isinstance(item, Handle) for item in values):
-        raise ValueProblem("a member of a struct has a value, and is no thread")
+    if any(item is None or isinstance(item, Handle | RemoteServer) for item in values):
+        raise ValueProblem("a member of a struct has a value that can be copied")
     if sum(map(_weight, values)) > MAX_LIST:
         raise ValueProblem(f"structs have at most {MAX_LIST} values")
     return Struct(names, tuple(values))

@@ -384,3 +384,71 @@ def test_pick_and_place(rig: BoxRig, robot: tool0.Robot) -> None:
     finally:
         robot.scene.remove("cube")
         robot.scene.remove("table")
+
+
+# ---- the interpreter mode -----------------------------------------------------------
+
+
+def test_a_move_is_aborted(rig: BoxRig, at_home: None) -> None:
+    box = rig.box
+    replies: list[str] = []
+
+    async def abort_when_it_moves() -> None:
+        await box.until(lambda: max(map(abs, box.qd)) > 0.05)
+        assert box.interpreter is not None
+        box.interpreter.submit("abort", replies.append)
+
+    task = rig.start(abort_when_it_moves())
+    run = rig.run("movej([1.5, -1.2, 1.9, -2.2708, -1.5708, 0.0], v=0.2)\nstopj(2)")
+    task.result(20.0)
+    assert (run.errors, replies) == ([], ["ack: 0: abort"])
+    assert rig.box.q[0] < 1.0
+
+
+def test_forces_of_a_client_replace_those_of_the_wrist(
+    rig: BoxRig, at_home: None
+) -> None:
+    box = rig.box
+    box.rtde_sensor.read((0.0, 0.0, 20.0, 0.0, 0.0, 0.0))
+    run = rig.run(
+        """
+        textmsg(force() < 5)
+        ft_rtde_input_enable(True, 0.5, [0, 0, 0.05])
+        f = get_tcp_force()
+        textmsg(norm([f[0], f[1], f[2]]))
+        textmsg(force())
+        zero_ftsensor()
+        textmsg(force())
+        ft_rtde_input_enable(False)
+        textmsg(force() < 5)
+        """
+    )
+    assert (run.errors, run.texts) == ([], ["True", "20", "20", "0", "True"])
+
+
+def test_the_target_of_a_move_is_told(rig: BoxRig, at_home: None) -> None:
+    run = rig.run(
+        """
+        goal = pose_trans(get_target_tcp_pose(), p[0, 0, 0.05, 0, 0, 0])
+        movel(goal)
+        textmsg(pose_dist(goal, get_target_waypoint()) < 0.001)
+        textmsg(pose_dist(tool_pose(), get_actual_tcp_pose()) < 0.001)
+        """
+    )
+    assert (run.errors, run.texts) == ([], ["True", "True"])
+
+
+def test_a_screw_driver_pushes_along_its_axis(rig: BoxRig, at_home: None) -> None:
+    run = rig.run(
+        """
+        start = get_actual_tcp_pose()
+        screw_driving(10, 0.05)
+        sleep(1)
+        end_screw_driving()
+        way = pose_trans(pose_inv(start), get_actual_tcp_pose())
+        textmsg(way[2] > 0.01)
+        textmsg(way[2] < 0.06)
+        textmsg(norm([way[0], way[1]]) < 0.005)
+        """
+    )
+    assert (run.errors, run.texts) == ([], ["True"] * 3)

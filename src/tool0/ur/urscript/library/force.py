@@ -35,6 +35,8 @@ STANDARD_GRAVITY: Final = 9.82
 """The value in UR's programs [m/s²]; g differs by less than the tolerance."""
 _TOLERANCE: Final = 0.1
 _ALL: Final = (True,) * 6
+_SCREW: Final = (0.1, 0.1, 0.0, 0.17, 0.17, 0.17)
+"""How far a screw driver's TCP may be off the other axes [m, rad]."""
 _BASE: Final = Pose((0.0,) * 6)
 
 
@@ -75,6 +77,15 @@ async def force_mode(
     await thread.box.call(request)
 
 
+async def screw_driving(thread: Thread, f: Number, v_limit: Number) -> None:
+    """Push along the TCP's z axis with a force [N], at most with a speed [m/s]."""
+    if not v_limit > 0.0:
+        raise ValueProblem(f"v_limit is {v_limit}; it is greater than 0")
+    along_z = (False, False, True, False, False, False)
+    frame, limits = Pose(thread.box.tcp_pose()), (*_SCREW[:2], v_limit, *_SCREW[3:])
+    await force_mode(thread, frame, along_z, (0.0, 0.0, f, 0.0, 0.0, 0.0), 2, limits)
+
+
 async def end_force_mode(thread: Thread) -> None:
     """Hold positions along all axes again."""
     await thread.box.call(EndForceMode(arm=thread.box.arm))
@@ -94,8 +105,21 @@ def force_mode_set_gain_scaling(thread: Thread, scaling: Number) -> None:
     thread.execution.force_gain = scaling
 
 
+def force_mode_get_damping(thread: Thread) -> float:
+    """Return the damping of the next force mode."""
+    return thread.execution.force_damping
+
+
+def force_mode_get_gain_scaling(thread: Thread) -> float:
+    """Return the scaling of the next force mode's gain."""
+    return thread.execution.force_gain
+
+
 async def zero_ftsensor(thread: Thread) -> None:
     """Tare the force-torque reading."""
+    if thread.box.rtde_sensor.is_used:
+        thread.box.rtde_sensor.tare()
+        return
     await thread.box.call(ZeroWrench(arm=thread.box.arm))
 
 
@@ -175,18 +199,19 @@ def get_target_payload_cog(thread: Thread) -> Value:
 
 
 def ft_rtde_input_enable(
+    thread: Thread,
     enable: Bool,
     sensor_mass: Number = 0.0,
     sensor_measuring_offset: Vector = (0.0, 0.0, 0.0),
     sensor_cog: Vector = (0.0, 0.0, 0.0),
 ) -> None:
-    """Accept that the wrist's own sensor counts; that of RTDE is refused."""
-    del sensor_mass, sensor_measuring_offset, sensor_cog
-    if enable:
-        raise ValueProblem(
-            "wrenches come from the simulated wrist, not from RTDE's "
-            "external_force_torque"
-        )
+    """Measure with RTDE's external_force_torque, or with the wrist's own sensor again.
+
+    The mass of the sensor has no effect: what a client sends is the external wrench.
+    """
+    del sensor_mass, sensor_cog
+    offset = sensor_measuring_offset if enable else None
+    thread.box.rtde_sensor.set_offset(offset)
 
 
 def get_freedrive_status() -> int:
@@ -233,10 +258,16 @@ def _six(pose: Pose) -> Six:
 
 FUNCTIONS: Final[tuple[Function, ...]] = (
     function(force_mode, physical=True),
+    function(screw_driving, physical=True),
+    function(end_force_mode, "end_screw_driving"),
     function(freedrive_mode, physical=True),
     function(freedrive_mode, "teach_mode", physical=True),
     *(function(item) for item in (end_force_mode, end_freedrive_mode)),
     function(end_freedrive_mode, "end_teach_mode"),
+    function(
+        freedrive_mode, "freedrive_mode_no_incorrect_payload_check", physical=True
+    ),
+    *(function(item) for item in (force_mode_get_damping, force_mode_get_gain_scaling)),
     function(ft_rtde_input_enable),
     function(ft_rtde_input_enable, "enable_external_ft_sensor"),
     function(get_freedrive_status),

@@ -134,6 +134,7 @@ FUNCTIONS: Final[tuple[Function, ...]] = (
     *(function(item) for item in (set_configurable_digital_out, set_tool_voltage)),
     *(function(item) for item in (set_standard_digital_out, set_tool_digital_out)),
     function(set_analog_out, "set_standard_analog_out"),
+    function(get_standard_analog_out, "get_analog_out"),
     *(
         _reader(f"get_{group}digital_{direction}", field, first, kind)
         for direction, field in (("in", "digital_inputs"), ("out", "digital_outputs"))

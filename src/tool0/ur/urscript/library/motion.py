@@ -26,7 +26,9 @@ _GAIN: Final = (100.0, 2000.0)
 def _joints(thread: Thread, target: Target) -> Six:
     """Return joint positions; those nearest to the setpoint, for a pose."""
     if not isinstance(target, Pose):
+        thread.execution.waypoint = Pose(thread.box.forward(target))
         return target
+    thread.execution.waypoint = target
     try:
         return thread.box.inverse(target, thread.box.target_q)
     except UnreachableError as error:
@@ -35,7 +37,9 @@ def _joints(thread: Thread, target: Target) -> Six:
 
 def _pose(thread: Thread, target: Target) -> Sequence[float]:
     """Return a pose of the TCP; that at joint positions, if they are given."""
-    return target if isinstance(target, Pose) else thread.box.forward(target)
+    pose = target if isinstance(target, Pose) else Pose(thread.box.forward(target))
+    thread.execution.waypoint = pose
+    return pose
 
 
 def _check(a: float, v: float, t: float = 0.0, r: float = 0.0) -> None:
@@ -72,7 +76,9 @@ async def movej(
     """Move linearly in joint space."""
     _check(a, v, t, r)
     goal = _joints(thread, q)
-    await thread.moving(lambda: thread.moves.movej(goal, a, v, t, r))
+    await thread.moving(
+        lambda: thread.execution.abortable(thread.moves.movej(goal, a, v, t, r))
+    )
 
 
 async def movel(
@@ -86,7 +92,10 @@ async def movel(
     """Move the TCP on a straight line."""
     _check(a, v, t, r)
     goal = _pose(thread, pose)
-    await _follow(thread, lambda: thread.moves.movel(goal, a, v, t, r))
+    await _follow(
+        thread,
+        lambda: thread.execution.abortable(thread.moves.movel(goal, a, v, t, r)),
+    )
 
 
 async def movep(
@@ -170,9 +179,24 @@ async def stopl(thread: Thread, a: Number = 20.0, aRot: Number | None = None) ->
     await thread.moving(lambda: thread.moves.stopl(a, aRot))
 
 
-FUNCTIONS: Final[tuple[Function, ...]] = tuple(
-    function(item, physical=True)
-    for item in (
-        *(movej, movel, movep, movec, servoj, servoc, speedj, speedl, stopj, stopl),
-    )
+def motion_version_set(thread: Thread, version: Integer) -> None:
+    """Accept version 1 or 2 of movej and movel, which do not differ."""
+    if version not in {1, 2}:
+        raise ValueProblem(f"version is {version}; it can be 1 or 2")
+    thread.execution.motion_version = version
+
+
+def motion_version_get(thread: Thread) -> int:
+    """Return the version that was set; 1, if none was."""
+    return thread.execution.motion_version
+
+
+FUNCTIONS: Final[tuple[Function, ...]] = (
+    *(
+        function(item, physical=True)
+        for item in (
+            *(movej, movel, movep, movec, servoj, servoc, speedj, speedl, stopj, stopl),
+        )
+    ),
+    *(function(item) for item in (motion_version_get, motion_version_set)),
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from tool0.ur.urscript.code import Site
 from tool0.ur.urscript.execution import Thread
 from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import AnyValue, Bool, Number, Text
@@ -66,6 +67,25 @@ async def popup(
         await thread.box.next_update()
 
 
+async def interpreter_mode(
+    site: Site, clearQueueOnEnter: Bool = True, clearOnEnd: Bool = True
+) -> None:
+    """Execute what clients send to the interpreter's port until end_interpreter()."""
+    await site.frame.thread.execution.interpreter.run(
+        site, clear_queue=clearQueueOnEnter, clear_on_end=clearOnEnd
+    )
+
+
+def end_interpreter(thread: Thread) -> None:
+    """Let interpreter_mode() return after the statement that is executed."""
+    thread.execution.interpreter.end()
+
+
+async def clear_interpreter(thread: Thread) -> None:
+    """Forget what was interpreted so far."""
+    await thread.execution.interpreter.clear()
+
+
 def shown(text: str) -> str:
     """Return a string of bytes as people read it."""
     return text.encode("latin-1", "replace").decode("utf-8", "replace")
@@ -74,5 +94,7 @@ def shown(text: str) -> str:
 FUNCTIONS: Final[tuple[Function, ...]] = (
     function(sleep, physical=True),
     function(sync, physical=True),
+    function(interpreter_mode, physical=True),
+    *(function(item) for item in (clear_interpreter, end_interpreter)),
     *(function(item) for item in (_assert, get_steptime, popup, textmsg, time)),
 )

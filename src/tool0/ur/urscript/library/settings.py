@@ -8,6 +8,8 @@ from tool0.ur.urscript.functions import Function, function
 from tool0.ur.urscript.kinds import AnyValue, Bool, Integer, Number, Text
 from tool0.ur.urscript_errors import ValueProblem
 
+_BAUD_RATES: Final = (*(9600, 19200, 38400, 57600, 115200, 1000000, 2000000, 5000000),)
+
 
 def set_input_actions_to_default() -> None:
     """Accept: inputs have no actions."""
@@ -51,9 +53,14 @@ def set_tool_communication(
     rx_idle_chars: Number = 1.5,
     tx_idle_chars: Number = 3.5,
 ) -> None:
-    """Accept that the tool's serial line is off."""
-    if enabled:
-        raise ValueProblem("the tool's serial line is not simulated")
+    """Accept: programs that speak on the tool's serial line find the gripper's port."""
+    del enabled
+    if baud_rate not in _BAUD_RATES or parity not in {0, 1, 2}:
+        raise ValueProblem(f"{baud_rate} baud with parity {parity} is not possible")
+    if stop_bits not in {1, 2}:
+        raise ValueProblem(f"there are 1 or 2 stop bits, not {stop_bits}")
+    if not (1.0 <= rx_idle_chars <= 40.0 and 0.0 <= tx_idle_chars <= 40.0):
+        raise ValueProblem("pauses are up to 40 characters, before reading at least 1")
 
 
 FUNCTIONS: Final[tuple[Function, ...]] = (

@@ -30,6 +30,11 @@ def get_actual_joint_speeds(thread: Thread) -> Value:
     return thread.box.qd
 
 
+def get_actual_joint_accelerations(thread: Thread) -> Value:
+    """Return the change of the measured velocities in a control period [rad/s²]."""
+    return thread.execution.history.accelerations()
+
+
 def get_target_joint_positions(thread: Thread) -> Value:
     """Return the setpoint of the joint positions."""
     return thread.box.target_q
@@ -53,6 +58,11 @@ def get_actual_tcp_pose(thread: Thread) -> Value:
 def get_target_tcp_pose(thread: Thread) -> Value:
     """Return the setpoint of the TCP's pose."""
     return Pose(thread.box.tcp_pose(target=True))
+
+
+def get_target_waypoint(thread: Thread) -> Value:
+    """Return where the last move was to go; the TCP's setpoint before the first."""
+    return thread.execution.waypoint or get_target_tcp_pose(thread)
 
 
 def get_actual_tcp_speed(thread: Thread) -> Value:
@@ -83,7 +93,8 @@ def get_tcp_force(thread: Thread) -> Value:
 
 def force(thread: Thread) -> float:
     """Return the magnitude of the external force [N]."""
-    return math.hypot(*thread.box.arm_sample.wrench[:3])
+    force, _ = thread.box.flange_wrench()
+    return math.hypot(*force)
 
 
 def get_joint_torques(thread: Thread) -> Value:
@@ -163,6 +174,7 @@ FUNCTIONS: Final[tuple[Function, ...]] = (
     *(
         function(item)
         for item in (
+            get_actual_joint_accelerations,
             *(force, get_actual_joint_positions, get_actual_joint_positions_history),
             *(get_actual_joint_speeds, get_actual_tcp_pose, get_actual_tcp_speed),
             *(get_actual_tool_flange_pose, get_forward_kin, get_inverse_kin),
@@ -170,8 +182,12 @@ FUNCTIONS: Final[tuple[Function, ...]] = (
             *(get_target_joint_accelerations, get_target_joint_positions),
             get_target_joint_speeds,
             *(get_target_tcp_pose, get_target_tcp_speed, get_tcp_force),
+            get_target_waypoint,
             *(get_tcp_offset, is_steady, is_within_safety_limits, tool_contact),
         )
     ),
     function(get_actual_joint_positions, "get_joint_positions"),
+    function(get_actual_tcp_pose, "tool_pose"),  # of PolyScope's force nodes
+    function(get_target_tcp_pose, "get_target_tcp_pose_along_path"),
+    function(get_target_tcp_speed, "get_target_tcp_speed_along_path"),
 )

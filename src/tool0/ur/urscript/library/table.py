@@ -13,13 +13,16 @@ def modules() -> dict[str, tuple[Function, ...]]:
     """Return the functions that programs can call, by the module that has them."""
     from tool0.ur.urscript.library import (
         arithmetic,
+        controller,
         force,
         gripper,
         inputs_outputs,
+        modbus,
         motion,
         poses,
         program,
         registers,
+        servers,
         settings,
         sockets,
         state,
@@ -27,8 +30,17 @@ def modules() -> dict[str, tuple[Function, ...]]:
     )
 
     found = (
-        *(arithmetic, force, gripper, inputs_outputs, motion, poses, program),
-        *(registers, settings, sockets, state, strings),
+        *(
+            arithmetic,
+            controller,
+            force,
+            gripper,
+            inputs_outputs,
+            modbus,
+            motion,
+            poses,
+        ),
+        *(program, registers, servers, settings, sockets, state, strings),
     )
     return {
         module.__name__.rpartition(".")[2]: cast(

@@ -1,0 +1,42 @@
+"""What Modbus TCP clients and servers share: header, functions and exceptions.
+
+"MODBUS Application Protocol Specification V1.1b3" and "MODBUS Messaging on TCP/IP
+Implementation Guide V1.0b" (https://modbus.org).
+"""
+
+from __future__ import annotations
+
+import struct
+from enum import IntEnum
+from typing import Final
+
+HEADER: Final = struct.Struct(">HHHB")
+"""Transaction, protocol (0), length of what follows, and unit, which counts."""
+MAX_LENGTH: Final = 254
+"""Of the unit and a request or a response [bytes]."""
+ERROR: Final = 0x80
+"""Added to the function of a response that is an exception."""
+
+
+class ModbusFunction(IntEnum):
+    """The functions that are used."""
+
+    READ_COILS = 1
+    READ_DISCRETE_INPUTS = 2
+    READ_HOLDING = 3
+    READ_INPUT = 4
+    WRITE_COIL = 5
+    WRITE_ONE = 6
+    WRITE_COILS = 15
+    WRITE = 16
+    READ_AND_WRITE = 23
+
+
+class Refusal(IntEnum):
+    """Why a request is refused: Modbus's exception codes."""
+
+    ILLEGAL_FUNCTION = 1
+    ILLEGAL_ADDRESS = 2
+    ILLEGAL_VALUE = 3
+    NO_RESPONSE = 11
+    """Of a gateway: the device behind it does not answer."""

@@ -1,0 +1,47 @@
+"""A force-torque sensor of a client, which sends its readings through RTDE."""
+
+from __future__ import annotations
+
+from typing import Final, final
+
+from tool0.description.transform import Vector3
+from tool0.protocol.state import Six
+
+_NONE: Final = (0.0,) * 6
+
+
+@final
+class RtdeSensor:
+    """The newest reading of ``external_force_torque``, while programs use it."""
+
+    def __init__(self) -> None:
+        self._offset: Vector3 | None = None
+        self._reading: Six = _NONE
+        self._tare: Six = _NONE
+
+    @property
+    def is_used(self) -> bool:
+        """Whether it replaces the wrist's own sensor."""
+        return self._offset is not None
+
+    def set_offset(self, offset: Vector3 | None) -> None:
+        """Use it, measuring at a point in the flange [m]; None: use it no more."""
+        self._offset = offset
+        self._tare = _NONE
+
+    def read(self, wrench: Six) -> None:
+        """Take a reading, in the axes of the flange [N, N·m]."""
+        self._reading = wrench
+
+    def tare(self) -> None:
+        """Take the newest reading as none."""
+        self._tare = self._reading
+
+    @property
+    def wrench(self) -> Six:
+        """The wrench at the flange in its axes [N, N·m]."""
+        x, y, z = self._offset or (0.0, 0.0, 0.0)
+        pairs = zip(self._reading, self._tare, strict=True)
+        fx, fy, fz, tx, ty, tz = (value - tare for value, tare in pairs)
+        torque = (tx + y * fz - z * fy, ty + z * fx - x * fz, tz + x * fy - y * fx)
+        return (fx, fy, fz, *torque)

@@ -1,0 +1,201 @@
+"""Servers whose functions a program calls: XML-RPC over HTTP.
+
+A call waits in a thread of its own, since the other side may take any time, as a camera
+does.  When the program is stopped meanwhile, the connection is closed, which ends it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import http.client
+import socket
+import threading
+import xmlrpc.client
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import Any, Final, cast, final
+from urllib.parse import urlsplit
+from xml.parsers.expat import ExpatError
+
+from tool0.ur.urscript_errors import ValueProblem
+
+OPEN_TIMEOUT: Final = 2.0
+"""For a connection [wall s]."""
+MAX_RESPONSE: Final = 1 << 20
+"""Of a server [bytes]."""
+CLOSE: Final = "closeXMLRPCClientConnection"
+"""The one method that is the handle's own."""
+_CHUNK: Final = 1 << 16
+
+
+@final
+class _Connection(http.client.HTTPConnection):
+    """Connects within a time, and waits for replies without end."""
+
+    is_abandoned = False
+
+    def connect(self) -> None:
+        super().connect()
+        self.sock.settimeout(None)
+        if self.is_abandoned:
+            raise ConnectionAbortedError("the connection was closed")
+
+    def abandon(self) -> None:
+        """End it: a thread that waits for it goes on with an error."""
+        self.is_abandoned = True
+        if self.sock is not None:
+            with suppress(OSError):
+                self.sock.shutdown(socket.SHUT_RDWR)
+
+
+@final
+class _Transport(xmlrpc.client.Transport):
+    """Reads no more than a limit, and nothing that is compressed."""
+
+    accept_gzip_encoding = False
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._live: _Connection | None = None
+
+    # Any: the signatures of the standard library.
+    def make_connection(self, host: Any) -> http.client.HTTPConnection:
+        if self._live is None:
+            self._live = _Connection(host, timeout=OPEN_TIMEOUT)
+        return self._live
+
+    def close(self) -> None:
+        """Forget the connection, which has ended."""
+        live, self._live = self._live, None
+        if live is not None:
+            live.close()
+
+    def abandon(self) -> None:
+        """End the connection."""
+        live, self._live = self._live, None
+        if live is not None:
+            live.abandon()
+
+    def request(
+        self, host: Any, handler: str, request_body: Any, verbose: bool = False
+    ) -> Any:
+        """Send a request; again, if the server has closed a connection in between."""
+        live = self._live
+        try:
+            return self.single_request(host, handler, request_body, verbose)
+        except ConnectionError:
+            if live is None or live.is_abandoned:
+                raise
+        return self.single_request(host, handler, request_body, verbose)
+
+    def parse_response(self, response: Any) -> Any:
+        parser, unmarshaller = self.getparser()
+        size = 0
+        while data := response.read(_CHUNK):
+            size += len(data)
+            if size > MAX_RESPONSE:
+                raise ValueProblem(f"the response has more than {MAX_RESPONSE} bytes")
+            parser.feed(data)
+        parser.close()
+        return unmarshaller.close()
+
+
+@final
+class RemoteServer:
+    """The handle of ``rpc_factory``: its methods are those of a server."""
+
+    def __init__(self, url: str, when_closed: Callable[[RemoteServer], object]) -> None:
+        """Describe a server.
+
+        Args:
+            url: A URL that is checked.
+            when_closed: Called when the connection was closed.
+        """
+        self._when_closed = when_closed
+        host, port = address_of(url)  # what was allowed, and nothing else of the URL
+        self._host = f"{host}:{port}"
+        self._path = urlsplit(url).path or "/RPC2"
+        self._transport = _Transport()
+        self._turn = asyncio.Lock()
+
+    async def call(self, name: str, arguments: Sequence[object]) -> object:
+        """Return what a function of the server returns; values as xmlrpc.client's.
+
+        Raises:
+            ValueProblem: If it cannot be called, or fails, with the reason.
+        """
+        given = cast("Any", tuple(arguments))
+        body = xmlrpc.client.dumps(given, name).encode()
+        async with self._turn:
+            answer = await self._apart(
+                lambda: self._transport.request(self._host, self._path, body)
+            )
+        return cast("tuple[object]", answer)[0]
+
+    def close(self) -> None:
+        """End the connection; the next call makes another one."""
+        self._transport.abandon()
+        self._when_closed(self)
+
+    async def _apart(self, action: Callable[[], object]) -> object:
+        """Return the result of an action that another thread executes."""
+        loop = asyncio.get_running_loop()
+        done: asyncio.Future[Callable[[], object]] = loop.create_future()
+
+        def finish(outcome: Callable[[], object]) -> None:
+            if not done.done():
+                done.set_result(outcome)
+
+        def run() -> None:
+            outcome = _outcome(action)
+            with suppress(RuntimeError):  # the loop has ended
+                loop.call_soon_threadsafe(finish, outcome)
+
+        threading.Thread(target=run, daemon=True, name="urscript-rpc").start()
+        try:
+            outcome = await done
+        except asyncio.CancelledError:
+            self.close()
+            raise
+        return outcome()
+
+
+def _outcome(action: Callable[[], object]) -> Callable[[], object]:
+    """Return what returns the result of an action, or raises why there is none."""
+    try:
+        result = action()
+    except ValueProblem as problem:
+        text = str(problem)
+    except xmlrpc.client.Fault as fault:
+        text = f"the server answers with an error: {fault.faultString}"
+    except xmlrpc.client.ProtocolError as error:
+        text = f"the server answers HTTP {error.errcode} {error.errmsg}"
+    except (xmlrpc.client.ResponseError, ExpatError):
+        text = "the server's answer is not XML-RPC"
+    except (OSError, http.client.HTTPException) as error:
+        text = f"there is no answer: {error}"
+    except (ValueError, TypeError) as error:
+        text = f"the server's answer cannot be read: {error}"
+    else:
+        return lambda: result
+
+    def fail() -> object:
+        raise ValueProblem(text)
+
+    return fail
+
+
+def address_of(url: str) -> tuple[str, int]:
+    """Return host and port of the URL of an XML-RPC server.
+
+    Raises:
+        ValueProblem: It is none of ``http://ADDRESS:PORT/PATH``.
+    """
+    try:
+        parts = urlsplit(url)
+        host, port = parts.hostname, parts.port
+    except ValueError:
+        host, port = None, None
+    if host is None or parts.scheme != "http":
+        raise ValueProblem(f"'{url}' is not like http://127.0.0.1:8080/RPC2")
+    return "127.0.0.1" if host == "localhost" else host, port or http.client.HTTP_PORT
