@@ -15,11 +15,11 @@ import tool0
 from tool0.control.default_controllers import controllers_yaml, default_controllers
 from tool0.control.parameters import RobotJoints
 from tool0.control.ros1.joint_trajectory import JointTrajectorySpec
+from tool0.description.bodies import JointDynamics
 from tool0.description.catalogue import NO_GRIPPER, arms, grippers
 from tool0.description.loading import assemble
 from tool0.description.model import Inertial, RobotModel
 from tool0.description.robot import RobotDescription
-from tool0.hardware.bodies import JointDynamics
 from tool0.protocol.channel import LocalChannel
 from tool0.protocol.controllers import Gains
 from tool0.simulation.bringup import start_simulation

@@ -154,6 +154,13 @@ PRINTED = {
         r"largest error of the elbow: 1\d\.\d mrad",
         r"the red cube moved by 0\.\d mm",
     ],
+    "26_joint_impedance": [
+        r"at rest: 0\.00\d rad off",
+        r"pushed: 0\.\d\d rad off, torque mode",
+        r"released: 0\.0\d\d rad off",
+        "then: stop",
+    ],
+    "27_cartesian_impedance": [r"at most [1-6]\d mm off the circle"],
 }
 """Example → what some of its lines are, in this order."""
 WITHOUT_VIDEO = """

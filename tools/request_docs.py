@@ -71,7 +71,7 @@ A request that the robot does not offer is refused before anything else, with th
 About 4000 requests of a connection can wait; further ones are refused.
 A request without an `id` is only answered if it fails; `steer_joints` without an `id` is a
 stream, of which only the newest request is executed, at most ten times a second. Of the streams
-to a taken arm (`servo_joints`, `speed_joints`, `speed_tool`) every request is executed, at the next tick. `bytes` are base64. Positions are
+to a taken arm (`servo_joints`, `speed_joints`, `speed_tool`, `drive_torques`) every request is executed, at the next tick. `bytes` are base64. Positions are
 [m] and [rad], times [s] of simulation, poses in the robot's root frame.
 
 From Python, `tool0.connect(name)` returns the same `Robot` as `tool0.bringup()`, and

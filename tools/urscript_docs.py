@@ -14,6 +14,7 @@ END: Final = "<!-- end of functions -->"
 TITLES: Final = {
     "motion": "motion",
     "state": "state, kinematics",
+    "dynamics": "torque control, dynamics",
     "poses": "poses",
     "arithmetic": "numbers, lists",
     "strings": "strings",

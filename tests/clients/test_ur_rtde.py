@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,8 @@ from ur_rtde_rig import (
     station_of,
     until,
 )
+
+from tool0.description.bodies import JointDynamics
 
 
 @pytest.fixture(scope="module")
@@ -341,6 +343,50 @@ def test_polled_queries_are_up_to_date(ur: Station) -> None:
     )
 
 
+def test_direct_torques_control_impedances(ur: Station) -> None:
+    """Joint springs turn the base; then moves go on from where the arm is."""
+    goal = np.add(HOME, [0.2, 0.0, 0.0, 0.0, 0.0, 0.0])
+    stiffness = np.array([300.0, 300.0, 200.0, 60.0, 60.0, 60.0])
+    damping = np.array([40.0, 40.0, 25.0, 5.0, 5.0, 5.0])
+
+    def is_there() -> bool:
+        q, qd = np.array(ur.receive.getActualQ()), np.array(ur.receive.getActualQd())
+        torque = stiffness * (goal - q) - damping * qd
+        period = ur.control.initPeriod()
+        assert ur.control.directTorque(torque.tolist())
+        ur.control.waitPeriod(period)
+        return bool(np.abs(goal - q).max() < 0.01 and np.abs(qd).max() < 0.01)
+
+    until(is_there, "the spring is relaxed")
+    assert ur.control.moveJ(HOME, 3.0, 20.0)
+    assert not ur.robot.arm.control_box.state.protective_stop
+
+
+def test_dynamics_are_those_of_the_present_posture(ur: Station) -> None:
+    """The client waits for one state only, so that an answer may be the last one."""
+
+    def answered(ask: Callable[[], ArrayLike], expected: ArrayLike) -> None:
+        wanted = np.ravel(expected)
+        until(lambda: np.allclose(np.ravel(ask()), wanted, atol=1e-3), f"{wanted}")
+
+    ur.robot.arm.control_box.clear_payload()
+    model, measured = ur.robot.description.model, ur.robot.snapshot.positions
+    position = [measured[joint.name] for joint in model.movable_joints]
+    masses = JointDynamics(model).mass_matrix(position)[:6, :6]
+    control, pose = ur.control, ur.home_pose
+    answered(control.getMassMatrix, masses)
+    answered(control.getCoriolisAndCentrifugalTorques, np.zeros(6))
+    answered(control.getTargetJointAccelerations, np.zeros(6))
+    answered(control.getJacobianTimeDerivative, np.zeros((6, 6)))
+    step = 1e-4
+    moved = [
+        control.getForwardKinematics(np.add(HOME, turn).tolist(), [0.0] * 6)
+        for turn in step * np.eye(6)
+    ]
+    columns = np.subtract(moved, pose)[:, :3] / step
+    answered(lambda: np.reshape(control.getJacobian(), (6, 6))[:, :3], columns)
+
+
 def test_inputs_and_registers_of_the_io_interface(ur: Station) -> None:
     """It has registers of its own, so that it can be used beside the control."""
     from rtde_io import RTDEIOInterface
@@ -417,7 +463,7 @@ def test_unknown_and_used_fields_are_told(station: Station) -> None:
         assert client.ask("I", b"input_int_register_0") == b"\0IN_USE"
         assert client.ask("I", b"input_int_register_30,mood") == b"\0INT32,NOT_FOUND"
         assert client.ask("I", b"input_int_register_30") == b"\1INT32"
-        assert client.ask("v") == struct.pack(">4I", 5, 16, 0, 0)
+        assert client.ask("v") == struct.pack(">4I", 5, 25, 1, 0)
         assert client.ask("V", b"\0\7") == b"\0"
 
 

@@ -166,18 +166,21 @@ def test_disconnects_and_connects_again(ur: Station) -> None:
 
 
 def test_two_clients_control_the_robot_by_turns(ur: Station) -> None:
-    """Each needs registers of its own; the program of the last one runs."""
+    """They need the same registers: from PolyScope 5.23 on, whatever the flags say."""
     from rtde_control import RTDEControlInterface
     from rtde_receive import RTDEReceiveInterface
 
-    with pytest.raises(RuntimeError, match=NOT_READY):
-        RTDEControlInterface(ur.host, 500.0, RTDEControlInterface.FLAG_UPLOAD_SCRIPT)
-    flags = (
-        RTDEControlInterface.FLAG_UPLOAD_SCRIPT
+    flags = RTDEControlInterface.FLAG_UPLOAD_SCRIPT
+    upper = (
+        flags
         | RTDEControlInterface.FLAG_UPPER_RANGE_REGISTERS
         | RTDEControlInterface.FLAG_NO_EXT_FT
     )
+    for tried in (flags, upper):
+        with pytest.raises(RuntimeError, match=NOT_READY):
+            RTDEControlInterface(ur.host, 500.0, tried)
     ur.control.stopScript()
+    ur.control.disconnect()
     second = RTDEControlInterface(ur.host, 500.0, flags)
     other = RTDEReceiveInterface(ur.host, 125.0)
     assert second.moveJ([0.15, *HOME[1:]], 1.0, 4.0)
@@ -185,6 +188,7 @@ def test_two_clients_control_the_robot_by_turns(ur: Station) -> None:
     second.stopScript()
     second.disconnect()
     other.disconnect()
+    assert ur.control.reconnect()
 
 
 def test_functions_of_urscript_run_between_two_uploads(ur: Station) -> None:

@@ -13,11 +13,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from tool0.description.bodies import JointDynamics
 from tool0.description.loading import load_robot
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.hardware.bodies import JointDynamics
 
 Vector = NDArray[np.float64]
 

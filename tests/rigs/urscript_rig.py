@@ -200,6 +200,11 @@ class BoxRig:
                 self._loop.call_soon_threadsafe(take)
 
         channel = self._channel
+
+        def refuse(error: Tool0Error) -> None:
+            self._loop.call_soon_threadsafe(boxes[0].report, error)
+
+        channel.when_refused = refuse
         (arm,) = await asyncio.to_thread(channel.call, ListArms())
         subscription = await asyncio.to_thread(
             channel.follow, box_states([arm.name]), when_published=in_loop

@@ -104,7 +104,7 @@ def test_a_version_and_a_complete_state_come_first(clients, port):
     packets = clients(port)
     kind, version = next(packets.messages())
     assert kind == "version"
-    assert (version["name"], version["major"], version["minor"]) == ("URControl", 5, 16)
+    assert (version["name"], version["major"], version["minor"]) == ("URControl", 5, 25)
     state = next(packets.states())
     assert {"kinematics", "configuration"} <= set(state)
     assert {"kinematics", "configuration"}.isdisjoint(next(packets.states()))

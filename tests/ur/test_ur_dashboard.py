@@ -49,9 +49,9 @@ def test_it_greets_and_ends(rig):
 @pytest.mark.parametrize(
     ("command", "answer"),
     [
-        ("PolyscopeVersion", "URSoftware 5.16.0.0 (tool0)"),
-        ("polyscopeversion", "URSoftware 5.16.0.0 (tool0)"),
-        ("version", "5.16.0.0"),
+        ("PolyscopeVersion", "URSoftware 5.25.1.0 (tool0)"),
+        ("polyscopeversion", "URSoftware 5.25.1.0 (tool0)"),
+        ("version", "5.25.1.0"),
         ("get robot model", "UR5"),
         ("is in remote control", "true"),
         ("running", "Program running: false"),
@@ -191,7 +191,7 @@ def test_the_client_of_ur_rtde_works(rig):
     client = DashboardClient(rig.host)
     client.connect()
     assert client.isConnected()
-    assert client.polyscopeVersion() == "5.16.0.0"
+    assert client.polyscopeVersion() == "5.25.1.0"
     assert client.robotmode() == "Robotmode: RUNNING"
     assert client.safetystatus() == "Safetystatus: NORMAL"
     assert client.getRobotModel() == "UR5"

@@ -9,8 +9,12 @@ from typing import Literal, cast, final
 from tool0.api.controller import checked_timeout
 from tool0.errors import ControlError, GoalTimeoutError
 from tool0.protocol.arm_motion import (
+    COULOMB_SCALE,
+    VISCOUS_SCALE,
+    DriveTorques,
     EndForceMode,
     EndFreedrive,
+    EndTorques,
     ExecutePath,
     Flags6,
     ReadArmMotion,
@@ -164,6 +168,42 @@ class ArmMotion:
                 gain=gain,
             )
         )
+
+    def drive_torques(
+        self,
+        torques: Sequence[float],
+        *,
+        viscous_scale: Sequence[float] = VISCOUS_SCALE,
+        coulomb_scale: Sequence[float] = COULOMB_SCALE,
+        duration: float = 0.02,
+    ) -> None:
+        """Drive the joints with torques [N·m], in addition to gravity.
+
+        Send the next ones soon; without them, the arm returns to position control.
+
+        Args:
+            torques: [N·m], shape (6,).
+            viscous_scale: Part of the viscous friction that is compensated, 0 … 1.
+            coulomb_scale: Part of the dry friction that is compensated, 0 … 1.
+            duration: Simulated time until which the next ones must come [s].
+
+        Raises:
+            ControlError: If a drive has not that torque, or the engine has no torque
+                control.
+        """
+        self._channel.call(
+            DriveTorques(
+                arm=self._arm,
+                torques=_six(torques),
+                viscous_scale=_six(viscous_scale),
+                coulomb_scale=_six(coulomb_scale),
+                duration=duration,
+            )
+        )
+
+    def end_torques(self) -> None:
+        """Return from torques to position control."""
+        self._channel.call(EndTorques(arm=self._arm))
 
     def speed_joints(
         self,

@@ -17,15 +17,7 @@ from typing import final
 
 import numpy as np
 
-from tool0.description.forward_kinematics import link_pose
-from tool0.description.model import (
-    FLANGE,
-    JointLimits,
-    JointType,
-    RobotModel,
-)
-from tool0.description.transform import Vector3
-from tool0.hardware.bodies import (
+from tool0.description.bodies import (
     STANDARD_GRAVITY,
     BodyInertia,
     JointDynamics,
@@ -34,6 +26,14 @@ from tool0.hardware.bodies import (
     moving_bodies,
     total_inertia,
 )
+from tool0.description.forward_kinematics import link_pose
+from tool0.description.model import (
+    FLANGE,
+    JointLimits,
+    JointType,
+    RobotModel,
+)
+from tool0.description.transform import Vector3
 from tool0.hardware.sampled_dynamics import SampledDynamics, sample_dynamics
 
 SAMPLING = 1.7

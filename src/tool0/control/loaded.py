@@ -32,6 +32,8 @@ class LoadedController:
         """Whether the brakes hold its joints until its first command."""
         self.effort_law: EffortLaw | None = None
         """Law that drives the joints of one of tool0's own, if its positions do not."""
+        self.has_rotors = False
+        """Whether its joints feel their rotors under that law."""
 
     @property
     def interface(self) -> Interface | None:

@@ -239,15 +239,21 @@ class ControllerManager:
         self._refresh()
 
     def drive_efforts(
-        self, name: str, law: EffortLaw | None, state: JointState
+        self,
+        name: str,
+        law: EffortLaw | None,
+        state: JointState,
+        *,
+        with_rotors: bool = False,
     ) -> None:
         """Drive the joints of one of tool0's own controllers by a law.
 
-        None lets them follow the controller's positions again.
+        None lets them follow the controller's positions again.  ``with_rotors`` is as
+        for ``RobotHardware.claim_efforts``.
         """
         item = self._find(name)
         self._disengage(item, state)
-        item.effort_law = law
+        item.effort_law, item.has_rotors = law, with_rotors
         self._engage(item, state)
         self._refresh()
 
@@ -400,7 +406,9 @@ class ControllerManager:
     def _claim(self, item: LoadedController, state: JointState) -> None:
         interface = item.configured.interface
         if item.effort_law is not None:
-            self._hardware.claim_efforts(item.claims, item.effort_law, state)
+            self._hardware.claim_efforts(
+                item.claims, item.effort_law, state, with_rotors=item.has_rotors
+            )
         elif item.is_own:
             self._hardware.claim_servos(item.claims, state)
         elif interface is not None:

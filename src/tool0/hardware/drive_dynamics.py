@@ -7,12 +7,12 @@ from typing import final
 
 import numpy as np
 
+from tool0.description.bodies import DynamicsTable, JointDynamics, Matrix
 from tool0.description.model import JointType, RobotModel
 from tool0.description.payload import Payload
+from tool0.description.payload_bodies import replaced_tools
 from tool0.description.transform import Vector3
-from tool0.hardware.bodies import DynamicsTable, JointDynamics, Matrix
 from tool0.hardware.engine import JointState
-from tool0.hardware.payload import replaced_tools
 from tool0.hardware.servo_masses import (
     bounded_masses,
     expected_load,
@@ -106,12 +106,16 @@ class DriveDynamics:
             declared = self._matrix(self._declared, joints, state)
         return bounded_masses(own, declared + np.diag(loads), largest_ratio(self._dt))
 
-    def mobility(self, joints: Sequence[int], state: JointState) -> Matrix:
+    def mobility(
+        self, joints: Sequence[int], state: JointState, rotors: Mapping[int, float]
+    ) -> Matrix:
         """Return the change of ``joints``' velocities in a step per effort.
 
-        Shape (n, n) [rad/s/(N·m)], by the masses of the description.
+        Shape (n, n) [rad/s/(N·m)], by the masses of the description and the ``rotors``,
+        by joint [kg·m²].
         """
         masses = self._matrix(self._own, joints, state)
+        masses += np.diag([rotors.get(joint, 0.0) for joint in joints])
         return np.asarray(self._dt * np.linalg.inv(masses))
 
     def _matrix(

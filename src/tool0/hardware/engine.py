@@ -241,6 +241,17 @@ class Engine(Protocol):
         does not change, and a reset leaves the brakes as they are.
         """
 
+    @property
+    def has_rotors(self) -> bool:
+        """Whether ``set_rotors`` is possible."""
+
+    def set_rotors(self, inertias: Mapping[int, float]) -> None:
+        """Add the inertia of rotors to these joints, by number, and none to others.
+
+        It is reflected to the joint [kg·m² | kg].  The state does not change, and a
+        reset leaves the rotors as they are.
+        """
+
     def step(self) -> None:
         """Advance simulated time by ``dt``."""
 

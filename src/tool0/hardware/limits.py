@@ -91,6 +91,7 @@ class EffortLimiter:
         self._soft = [(b.joint, b.hard, b.soft) for b in self.bounds if b.soft]
         self._drive_limits: dict[int, DriveLimits] = {}
         self._governed: frozenset[int] = frozenset()
+        self._added: Mapping[int, float] = {}
         self.restart()
 
     @property
@@ -137,11 +138,19 @@ class EffortLimiter:
         self._governed = governed
         self._rows = list(self._saturated())
 
+    def add_inertias(self, inertias: Mapping[int, float]) -> None:
+        """Expect these inertias at joints in addition to the known ones, by index."""
+        self._added = inertias
+        for i in self._speed_limiters:
+            limiter = self._speed_limiter(self._drives[i], inertias.get(i, 0.0))
+            limiter.drive_limits = self._drive_limits.get(i)
+            self._speed_limiters[i] = limiter
+
     def restart(self) -> None:
         """Remove the limits of goals, and the history of the rotors."""
         self._drive_limits.clear()
         self._speed_limiters = {
-            i: self._speed_limiter(drive)
+            i: self._speed_limiter(drive, self._added.get(i, 0.0))
             for i, drive in self._drives.items()
             if drive.inertia > 0.0
         }
@@ -177,8 +186,9 @@ class EffortLimiter:
         for i, hard, soft in self._soft:
             effort[i] = _soften(effort[i], position[i], velocity[i], hard, soft)
 
-    def _speed_limiter(self, drive: EffortLimits) -> SpeedLimiter:
-        return SpeedLimiter(drive.hard, inertia=drive.inertia, dt=self._dt)
+    def _speed_limiter(self, drive: EffortLimits, added: float = 0.0) -> SpeedLimiter:
+        inertia = drive.inertia + added if drive.inertia > 0.0 else 0.0
+        return SpeedLimiter(drive.hard, inertia=inertia, dt=self._dt)
 
     def _saturated(self) -> Iterator[tuple[int, float, float, float, float]]:
         """Yield everything that ``saturate`` needs, joint by joint."""

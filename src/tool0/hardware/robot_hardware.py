@@ -21,6 +21,12 @@ from functools import reduce
 from operator import add, mul, truediv
 from typing import NamedTuple, final
 
+from tool0.description.bodies import (
+    ROTOR_INERTIA,
+    STANDARD_GRAVITY,
+    DynamicsTable,
+    Matrix,
+)
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.finding import quoted
 from tool0.description.model import (
@@ -34,7 +40,6 @@ from tool0.description.model import (
 from tool0.description.payload import Payload
 from tool0.description.transform import Vector3
 from tool0.errors import ClaimError, ControlError, ModelError, did_you_mean
-from tool0.hardware.bodies import STANDARD_GRAVITY, DynamicsTable, Matrix
 from tool0.hardware.drive_dynamics import DriveDynamics
 from tool0.hardware.engine import JointState
 from tool0.hardware.limits import DriveBounds, EffortLimiter, EffortLimits
@@ -181,6 +186,7 @@ class RobotHardware:
         """Largest acceleration of the drive of each joint with a servo."""
         self._servos: dict[int, Servo] = {}
         self._brakes: Mapping[int, float] = {}
+        self._rotors: Mapping[int, float] = {}
         self._governable = [
             GovernedDrive(
                 self.index[name],
@@ -234,6 +240,15 @@ class RobotHardware:
         """
         return self._brakes
 
+    @property
+    def rotors(self) -> Mapping[int, float]:
+        """Inertia of the rotors that joints feel, for the engine, by joint [kg·m²].
+
+        Servos hide it; a law of torques does not.  It is in addition to the armature of
+        the description.  The mapping is the same object until a claim changes it.
+        """
+        return self._rotors
+
     def restart(self, state: JointState) -> None:
         """Reset servos, and hold ``state`` from now on."""
         self._steps = 0
@@ -273,11 +288,17 @@ class RobotHardware:
         self._claim(joints, Interface.POSITION, state)
 
     def claim_efforts(
-        self, joints: Sequence[str], law: EffortLaw, state: JointState
+        self,
+        joints: Sequence[str],
+        law: EffortLaw,
+        state: JointState,
+        *,
+        with_rotors: bool = False,
     ) -> None:
         """Claim ``joints`` for a law in each step, whatever their drives offer.
 
-        Their commands do not count.  The kernel knows no such law.
+        Their commands do not count.  The kernel knows no such law.  ``with_rotors``
+        lets the joints feel their rotors.
 
         Raises:
             ControlError: If a joint has no drive.
@@ -289,6 +310,9 @@ class RobotHardware:
         self._claim(joints, Interface.EFFORT, state)
         indices = [self.index[name] for name in joints]
         self._effort_laws = (*self._effort_laws, (indices, law))
+        if with_rotors:
+            own = {self.index[name]: self.rotor_inertia(name) for name in joints}
+            self._use_rotors({**self._rotors, **own})
 
     def _claim(
         self, joints: Sequence[str], interface: Interface, state: JointState
@@ -321,6 +345,16 @@ class RobotHardware:
         self.command[i] = state.position[i] if holds_position else 0.0
         self._select_servo(name, state.position[i])
 
+    def rotor_inertia(self, joint: str) -> float:
+        """Return the inertia of a joint's rotor beside its armature [kg·m² | kg]."""
+        return 0.0 if self._armatures[joint] else ROTOR_INERTIA
+
+    def _use_rotors(self, rotors: Mapping[int, float]) -> None:
+        if rotors != self._rotors:
+            self._rotors = rotors
+            self._limiter.add_inertias(rotors)
+            self._choose_governed()
+
     def compensates_gravity(self, joint: str) -> bool:
         """Return whether a drive carries its load in addition to its command."""
         return self.index[joint] in self._compensated
@@ -331,6 +365,7 @@ class RobotHardware:
         self._effort_laws = tuple(
             item for item in self._effort_laws if indices.isdisjoint(item[0])
         )
+        self._use_rotors({i: x for i, x in self._rotors.items() if i not in indices})
         for name in joints:
             self._claimed.pop(name, None)
             self._limiter.set_drive_limits(self.index[name], None)
@@ -535,7 +570,9 @@ class RobotHardware:
         governor, velocity = self._governor, state.velocity
         if governor.is_fast(velocity):
             if governor.is_mobility_due(state.position):
-                mobility = self._dynamics.mobility(governor.setup.free, state)
+                mobility = self._dynamics.mobility(
+                    governor.setup.free, state, self._rotors
+                )
                 governor.update(mobility.tolist(), state.position)
             governor.limit(effort, state.effort, velocity)
         governor.note(velocity)

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tool0.description.bodies import STANDARD_GRAVITY, Matrix, MovingBody
 from tool0.description.joint_tree import JointTree
 from tool0.description.model import JointType
 from tool0.description.transform import Vector3
-from tool0.hardware.bodies import STANDARD_GRAVITY, Matrix, MovingBody
 
 
 class SampledDynamics(NamedTuple):

@@ -19,7 +19,7 @@ from typing import Final
 
 import numpy as np
 
-from tool0.hardware.bodies import STANDARD_GRAVITY, Matrix
+from tool0.description.bodies import STANDARD_GRAVITY, Matrix
 from tool0.hardware.servos import BANDWIDTH, DAMPING_RATIO, INTEGRAL_RATE
 
 _RATE: Final = 2.0 * DAMPING_RATIO * BANDWIDTH

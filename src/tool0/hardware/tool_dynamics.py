@@ -16,6 +16,16 @@ from typing import NamedTuple, final
 
 import numpy as np
 
+from tool0.description.bodies import (
+    STANDARD_GRAVITY,
+    BodyInertia,
+    JointDynamics,
+    Matrix,
+    MovingBody,
+    fixed_to_world,
+    moving_bodies,
+    total_inertia,
+)
 from tool0.description.flat_frames import (
     ROOT,
     Frame,
@@ -28,16 +38,6 @@ from tool0.description.model import JointType, RobotModel
 from tool0.description.scene_state import Contact, Wrench
 from tool0.description.transform import Vector3
 from tool0.description.transform_arrays import turn_z_to
-from tool0.hardware.bodies import (
-    STANDARD_GRAVITY,
-    BodyInertia,
-    JointDynamics,
-    Matrix,
-    MovingBody,
-    fixed_to_world,
-    moving_bodies,
-    total_inertia,
-)
 
 _ZERO: Vector3 = (0.0, 0.0, 0.0)
 

@@ -9,7 +9,7 @@
 static inline double least(double a, double b) { return b < a ? b : a; }
 static inline double greatest(double a, double b) { return b > a ? b : a; }
 
-/* ---- gravity: JointDynamics in hardware/bodies.py -------------------------------- */
+/* ---- gravity: JointDynamics in description/bodies.py -------------------------------- */
 
 static void frame_of(const DriveBody *body, double (*frames)[12], int i, double q)
 {

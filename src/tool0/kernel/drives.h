@@ -9,7 +9,7 @@
 
 enum { DRIVES_OK = 0, DRIVES_EVENT = 1 };
 
-/* A moving body (hardware/bodies.py, DynamicBody). */
+/* A moving body (description/bodies.py, DynamicBody). */
 typedef struct DriveBody {
     int parent, is_prismatic, master, joint; /* joint: its index in the engine */
     double multiplier, mass;

@@ -213,6 +213,40 @@ class SpeedTool(ArmRequest[None], frozen=True):
     """The TCP in the flange, with a rotation vector [m, rad]."""
 
 
+Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+
+Shares6 = tuple[Share, Share, Share, Share, Share, Share]
+
+VISCOUS_SCALE: Final[Shares6] = (0.9, 0.9, 0.8, 0.9, 0.9, 0.9)
+COULOMB_SCALE: Final[Shares6] = (0.8, 0.8, 0.7, 0.8, 0.8, 0.8)
+"""Of UR's ``direct_torque``."""
+
+
+class DriveTorques(ArmRequest[None], frozen=True):
+    """Drive the joints with torques, as URScript's ``direct_torque``.
+
+    The drives add what balances gravity.  A joint that is too fast, or that could not
+    stop within its limits any more, is a protective stop.  Servos hide the inertia and
+    friction of rotors and gears; in this mode they count.
+    """
+
+    is_streamed = True
+
+    torques: Row6
+    """[N·m]; none may be more than the joint's limit."""
+    viscous_scale: Shares6 = VISCOUS_SCALE
+    """Part of each joint's viscous friction that the drives compensate."""
+    coulomb_scale: Shares6 = COULOMB_SCALE
+    """Part of each joint's dry friction that they compensate."""
+    duration: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.02
+    """Simulated time until which the next torques must come [s]: without them, the arm
+    returns to position control, and ramps to rest."""
+
+
+class EndTorques(ArmRequest[None], frozen=True):
+    """Return from torques to position control, if an arm is driven by them."""
+
+
 class StartForceMode(ArmRequest[None], frozen=True):
     """Push with a force along some axes of a frame, as URScript's ``force_mode``.
 

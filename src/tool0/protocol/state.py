@@ -14,7 +14,9 @@ from tool0.protocol.control_box_state import ControlBoxState
 from tool0.protocol.controllers import ControllerStatus
 from tool0.protocol.trajectories import TrajectoryState
 
-MotionMode = Literal["free", "hold", "path", "servo", "speed", "stop", "freedrive"]
+MotionMode = Literal[
+    "free", "hold", "path", "servo", "speed", "stop", "freedrive", "torque"
+]
 """What moves an arm: ``free`` is a controller of ROS, or nothing."""
 
 SNAPSHOT_PERIOD = 0.008

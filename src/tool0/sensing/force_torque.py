@@ -11,11 +11,11 @@ from typing import final
 
 from tool0.description.model import FLANGE, RobotModel
 from tool0.description.payload import Payload
+from tool0.description.payload_bodies import payload_inertia
 from tool0.description.robot import RobotDescription
 from tool0.description.scene_state import Contact
 from tool0.errors import ControlError
 from tool0.hardware.engine import Engine, JointState
-from tool0.hardware.payload import payload_inertia
 from tool0.hardware.tool_dynamics import ToolDynamics
 from tool0.protocol.sensors import DEFAULT_CUTOFF, WrenchReading
 

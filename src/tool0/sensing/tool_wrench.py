@@ -7,9 +7,9 @@ from typing import Final, final
 
 from tool0.description.model import RobotModel
 from tool0.description.payload import Payload
+from tool0.description.payload_bodies import payload_inertia, tool_inertia
 from tool0.description.scene_state import Contact, Wrench
 from tool0.hardware.engine import Engine, JointState
-from tool0.hardware.payload import payload_inertia, tool_inertia
 from tool0.hardware.tool_dynamics import ToolDynamics
 from tool0.protocol.sensors import DEFAULT_CUTOFF
 

@@ -8,6 +8,7 @@ from typing import Any, Final, final
 from tool0.errors import ControlError
 from tool0.protocol.arm import MoveLinear, MoveTo
 from tool0.protocol.arm_motion import (
+    DriveTorques,
     ExecutePath,
     ServoJoints,
     SpeedJoints,
@@ -38,6 +39,7 @@ MOVING: Final = (
     CommandGripper,
     CommandJoints,
     CommandTrajectory,
+    DriveTorques,
     ExecutePath,
     FollowTrajectory,
     GoToPose,

@@ -68,6 +68,7 @@ class Core:
         self._program: TickProgram | None = None
         """What executes the ticks, while it has the state of controllers and drives."""
         self._brakes: Mapping[int, float] = {}
+        self._rotors: Mapping[int, float] = {}
         """Those that the engine has."""
         self._initial = list(initial_position)
         self._start = self._initial
@@ -112,21 +113,25 @@ class Core:
     def tick(self) -> None:
         """Update the controllers once and advance by one control period."""
         self.sync_from_kernel()
-        self._set_brakes()
         state = self.state
         if not self.pulls.is_idle:
             self.pulls.tick(state)
         self.scene.wrenches.tick(self.time)
         self.arms.tick(state, self.control_period)
+        self._set_mechanics()
         self.manager.update(state, self.control_period)
         self._finish_tick(state, self._steps_per_tick)
 
-    def _set_brakes(self) -> None:
-        """Let the engine have the brakes that are engaged now."""
+    def _set_mechanics(self) -> None:
+        """Let the engine have the brakes and rotors that are engaged now."""
         brakes = self.hardware.brakes
         if brakes is not self._brakes:
             self._brakes = brakes
             self.engine.set_brakes(brakes)
+        rotors = self.hardware.rotors
+        if rotors is not self._rotors:
+            self._rotors = rotors
+            self.engine.set_rotors(rotors)
 
     def _finish_tick(self, state: JointState, n_steps: int) -> None:
         """Execute the last steps of a tick, from ``state`` on."""
@@ -163,7 +168,7 @@ class Core:
             and self.pulls.is_idle
             and self.arms.is_idle
         ):
-            self._set_brakes()
+            self._set_mechanics()
             self._program = self._kernel.load(self.state)
         return self._program
 

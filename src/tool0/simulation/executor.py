@@ -12,7 +12,9 @@ from functools import partial
 from typing import TYPE_CHECKING, final
 
 from tool0.control.arm.compliance import ComplianceTask
+from tool0.control.arm.motion import ArmMotionController
 from tool0.control.arm.path import ArmPath
+from tool0.control.arm.torque import TorqueCommand
 from tool0.control.controller import (
     CommandTaker,
     Controller,
@@ -228,8 +230,8 @@ class Executor:
 
         Returns the path's number: see ``ArmMotion.execute``.
         """
+        self._mover(arm)
         found = self.core.arms.find(arm)
-        found.controller_to_move()
         return found.motion.execute(path, self.core.time, after=after, at=at)
 
     def servo_joints(
@@ -241,7 +243,7 @@ class Executor:
         gain: float,
     ) -> None:
         """Follow a target of a stream, ``positions`` [rad]: see ``ServoStream``."""
-        now, controller = self.core.time, self.core.arms.find(arm).controller_to_move()
+        now, controller = self.core.time, self._mover(arm)
         controller.require_positions(positions, now)
         controller.servo(now).aim(positions, lookahead_time=lookahead_time, gain=gain)
 
@@ -253,7 +255,7 @@ class Executor:
         duration: float | None,
     ) -> None:
         """Move with ``velocities`` [rad/s] for ``duration`` [s], or until told."""
-        now, controller = self.core.time, self.core.arms.find(arm).controller_to_move()
+        now, controller = self.core.time, self._mover(arm)
         controller.require_velocities(velocities)
         until = now + (duration or math.inf)
         controller.speed(now).aim(velocities, acceleration, until=until)
@@ -267,9 +269,17 @@ class Executor:
         lever: Array,
     ) -> None:
         """Move the point ``lever`` of the flange with a twist, as ``speed_joints``."""
-        now, controller = self.core.time, self.core.arms.find(arm).controller_to_move()
+        now, controller = self.core.time, self._mover(arm)
         until = now + (duration or math.inf)
         controller.speed(now).aim(twist, acceleration, until=until, lever=lever)
+
+    def drive(self, arm: str | None, command: TorqueCommand) -> None:
+        """Drive the joints of an arm with torques: ``Arm.drive``."""
+        self.core.arms.find(arm).drive(command, self.core.state)
+
+    def end_torques(self, arm: str | None) -> None:
+        """Return an arm to position control: ``Arm.end_torques``."""
+        self.core.arms.find(arm).end_torques(self.core.state)
 
     def comply(self, arm: str | None, task: ComplianceTask) -> None:
         """Let an arm push with a force, or give way to a hand: ``Arm.comply``."""
@@ -310,7 +320,9 @@ class Executor:
         self, arm: str | None, deceleration: float, *, along_path: bool
     ) -> None:
         """Ramp a taken arm to rest: see ``ArmMotionController.stop_motion``."""
-        controller = self.core.arms.find(arm).controller_to_stop()
+        found = self.core.arms.find(arm)
+        controller = found.controller_to_stop()
+        found.end_torques(self.core.state)
         controller.stop_motion(deceleration, self.core.time, along_path=along_path)
 
     def end_stream(self, arm: str | None) -> None:
@@ -328,6 +340,13 @@ class Executor:
             stop(reason, self.core.state)
 
     # ---- what they have in common ---------------------------------------------------
+
+    def _mover(self, arm: str | None) -> ArmMotionController:
+        """Return what moves a taken arm by positions; torques end with that."""
+        found = self.core.arms.find(arm)
+        controller = found.controller_to_move()
+        found.end_torques(self.core.state)
+        return controller
 
     def _joints_by_controller(
         self, positions: Mapping[str, float]

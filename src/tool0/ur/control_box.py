@@ -37,6 +37,7 @@ from tool0.protocol.state import (
 )
 from tool0.protocol.state_message import StateField
 from tool0.protocol.subscriptions import Subscribe
+from tool0.ur.dynamics import BoxDynamics
 from tool0.ur.messages import Messages
 from tool0.ur.modbus.signals import Signals
 from tool0.ur.pose import pose_of, transform_of
@@ -51,6 +52,10 @@ R = TypeVar("R")
 
 CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
 """The arms whose control box is a CB3; all later ones have an e-Series one."""
+E_SERIES_VERSION: Final = (5, 25, 1)
+"""The first PolyScope whose ``direct_torque`` has scales of friction: UR's driver uses
+torque control from there on."""
+CB3_VERSION: Final = (3, 15, 8)
 _FIELDS: Final[tuple[StateField, ...]] = (
     *("joint_names", "position", "velocity", "effort", "control_boxes", "arms"),
 )
@@ -106,7 +111,7 @@ class UrControlBox:
         )
         """Of the catalogue: ``ur5e``; empty for a robot of one's own."""
         self.is_e_series = self.model_name not in CB3_ARMS
-        self.version = (5, 16, 0) if self.is_e_series else (3, 15, 8)
+        self.version = E_SERIES_VERSION if self.is_e_series else CB3_VERSION
         """Of the software that the box appears to run."""
         self.rate = 500.0 if self.is_e_series else 125.0
         """Of RTDE and the real-time interface [Hz]."""
@@ -137,11 +142,13 @@ class UrControlBox:
         """The TCP in the flange: as UR's pose, and as a transform."""
         self._known: dict[tuple[str, bool], Six] = {}
         """Quantities computed from this update."""
-        self.snapshot: Snapshot
+        self.snapshot = first
         """The newest state."""
         self._show(first)
         self.newest_time = self.time
         """Simulated time of an update that may be shown later [s]."""
+        self.dynamics = BoxDynamics(self, model, first.joint_names)
+        """Masses, Jacobians and the like, for programs."""
         self.gripper: RobotiqGripper | None = None
         """The gripper that the arm carries, if it speaks Robotiq's protocol."""
         self.has_foreign_gripper = False
@@ -179,6 +186,8 @@ class UrControlBox:
                 future.set_result(None)
 
     def _show(self, snapshot: Snapshot) -> None:
+        self._elapsed = snapshot.time - self.snapshot.time
+        self._last_velocity = self.snapshot.velocity
         self.snapshot = snapshot
         self.arm_sample: ArmSample = snapshot.arms[self.arm]
         self.state: ControlBoxState = next(
@@ -270,6 +279,14 @@ class UrControlBox:
         return self._of_joints(self.snapshot.velocity)
 
     @property
+    def qdd(self) -> Six:
+        """Accelerations [rad/s²]: changes of the velocities since the last update."""
+        if not self._elapsed > 0.0:
+            return (0.0,) * 6
+        pairs = zip(self.qd, self._of_joints(self._last_velocity), strict=True)
+        return _six([(v - before) / self._elapsed for v, before in pairs])
+
+    @property
     def effort(self) -> Six:
         """Efforts of the drives [N·m]."""
         return self._of_joints(self.snapshot.effort)
@@ -334,6 +351,10 @@ class UrControlBox:
         """Return the pose of the TCP at joint positions ``q`` [rad]."""
         T_tip_tcp = transform_of(self.tcp if tcp is None else tcp)
         return pose_of(self._postures_of.forward(q).flange @ T_tip_tcp)
+
+    def posture_at(self, q: Sequence[float]) -> ScalarPosture:
+        """Return the posture in the base frame at joint positions ``q`` [rad]."""
+        return self._postures_of.forward(q)
 
     def velocity_at(self, q: Sequence[float], qd: Sequence[float]) -> Six:
         """Return the TCP's velocity in the base frame's axes [m/s, rad/s].

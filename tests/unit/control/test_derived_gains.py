@@ -17,10 +17,10 @@ from tool0.control.gains import (
     derive_arm_gains,
     derive_gripper_gains,
 )
+from tool0.description.bodies import JointDynamics
 from tool0.description.catalogue import find_part
 from tool0.description.loading import assemble
 from tool0.description.model import RobotModel
-from tool0.hardware.bodies import JointDynamics
 
 JOINTS = (
     "shoulder_pan_joint",

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tool0.description.bodies import MovingBody, moving_bodies
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.loading import assemble, load_robot
 from tool0.description.model import JointType, Mimic, RobotModel
@@ -23,7 +24,6 @@ from tool0.engines.gazebo.robot_urdf import (
 )
 from tool0.engines.mujoco.model import quat_wxyz as quat_by_mujoco
 from tool0.errors import ModelError
-from tool0.hardware.bodies import MovingBody, moving_bodies
 
 TWO_ROBOTS = Path("tests/data/description/two_robots.urdf.xacro")
 WHEEL = """\

@@ -15,6 +15,9 @@ from skew_robot import build_model
 from tool0.description.catalogue import arms, grippers
 from tool0.description.loading import assemble, named_poses
 from tool0.description.model import RobotModel
+from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.errors import ConfigError, DivergenceError
 from tool0.hardware.engine import Engine
@@ -191,6 +194,18 @@ def test_a_pose_that_puts_shapes_into_each_other_is_a_warning(
     assert len(messages) == len(set(messages))
     assert all(message.startswith("the pose puts '") for message in messages)
     assert not any(message.startswith("the pose puts 'ground'") for message in messages)
+
+
+def test_rotors_add_inertia_until_they_are_removed(skew_model: RobotModel) -> None:
+    engine = MujocoEngine(skew_model)
+    own = engine.model.dof_armature[:4].copy()
+    engine.set_rotors({1: 0.5})
+    cube = Box(size=(0.1, 0.1, 0.1))
+    engine.world.spawn(SceneObject(name="cube", geometry=cube, pose=Pose(), mass=1.0))
+    added = engine.model.dof_armature[:4] - own  # of another compiled model
+    np.testing.assert_allclose(added, [0.0, 0.5, 0.0, 0.0], atol=1e-12)
+    engine.set_rotors({})
+    np.testing.assert_array_equal(engine.model.dof_armature[:4], own)
 
 
 @pytest.mark.parametrize("dt", [0.0, -0.001, math.nan, math.inf])

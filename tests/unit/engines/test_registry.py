@@ -73,6 +73,7 @@ class ToyEngine:
 
     name = "toy"
     stepper = None
+    has_rotors = False
 
     def __init__(self, joint_names: tuple[str, ...], dt: float, mass: float) -> None:
         self.joint_names = joint_names
@@ -93,6 +94,9 @@ class ToyEngine:
 
     def set_brakes(self, torques: Mapping[int, float]) -> None:
         self._braked = frozenset(torques)
+
+    def set_rotors(self, inertias: Mapping[int, float]) -> None:
+        """Have none."""
 
     def write(self, effort: Sequence[float]) -> None:
         self._effort = list(effort)
@@ -149,6 +153,16 @@ def test_a_robot_is_brought_up_on_a_registered_engine(toy: str) -> None:
             target, abs=0.05
         )
         assert robot.time == pytest.approx(2.0)
+
+
+def test_torques_need_an_engine_with_rotors(toy: str) -> None:
+    simulation = tool0.SimulationConfig(engine=toy)
+    with tool0.bringup(simulation=simulation, realtime=False, gripper=None) as robot:
+        motion = robot.arm.motion
+        motion.take()
+        with pytest.raises(tool0.ControlError, match="'toy' has no torque control"):
+            motion.drive_torques([0.0] * 6)
+        assert motion.state.mode == "hold"
 
 
 def test_options_reach_the_engine_or_keep_their_defaults(toy: str) -> None:

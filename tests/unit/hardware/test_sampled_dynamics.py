@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from tool0.description.bodies import JointDynamics, moving_bodies
 from tool0.description.loading import assemble
 from tool0.description.model import (
     Inertial,
@@ -16,7 +17,6 @@ from tool0.description.model import (
     RobotModel,
 )
 from tool0.description.transform import Pose
-from tool0.hardware.bodies import JointDynamics, moving_bodies
 from tool0.hardware.sampled_dynamics import sample_dynamics
 
 

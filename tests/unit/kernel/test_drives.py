@@ -13,11 +13,11 @@ import pytest
 from promised import require_kernel
 from skew_robot import build_model
 
+from tool0.description.bodies import STANDARD_GRAVITY
 from tool0.description.config import DescriptionConfig
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.loading import assemble, load_description
 from tool0.description.model import Interface, RobotModel, SafetyController
-from tool0.hardware.bodies import STANDARD_GRAVITY
 from tool0.hardware.engine import JointState
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.drives import NativeDrives

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import skew_robot
 
+from tool0.description.bodies import moving_bodies
 from tool0.description.flat_frames import FlatTree
 from tool0.description.forward_kinematics import link_motions, link_poses
 from tool0.description.joint_tree import JointTree, LinkFrames, place_links
@@ -17,7 +18,6 @@ from tool0.description.model import RobotModel
 from tool0.description.transform import Transform
 from tool0.description.transform_arrays import Array, Frames
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.hardware.bodies import moving_bodies
 from tool0.kinematics.chain import find_chains
 
 N = 6

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import tool0
+from tool0.description.bodies import moving_bodies
 from tool0.description.loading import assemble
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.shapes import Box, Compound
 from tool0.description.transform import Pose, Transform
 from tool0.errors import ControlError
-from tool0.hardware.bodies import moving_bodies
 from tool0.ros1.gazebo.world import GazeboChanges, GazeboWorld, lumped_links
 from tool0.ros1.messages import MAX_VALUE, to_motion, to_transform
 

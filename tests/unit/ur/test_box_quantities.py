@@ -167,8 +167,22 @@ def test_unknown_commands_are_refused(robot: tool0.Robot) -> None:
             with ToolHistory(box) as history:
                 exchange = Exchange(box.registers, 0)
                 commands = Commands(box, exchange, history, (), lambda: None)
-                for command in (5, 56, 66, 200, -1):
+                for command in (5, 22, 72, 200, -1):
                     with pytest.raises(ControlError, match=f"command {command} is not"):
                         await commands.execute(command)
 
     asyncio.run(refused())
+
+
+def test_matrices_need_both_ranges_of_registers(robot: tool0.Robot) -> None:
+    async def answered() -> None:
+        async with control_box(robot) as box:
+            rows = box.dynamics.jacobian()
+            Exchange(box.registers, 0).answer_matrix(rows)
+            doubles = box.registers.outputs.doubles
+            columns = [value for column in zip(*rows, strict=True) for value in column]
+            assert [*doubles[:24], *doubles[36:]] == columns
+            with pytest.raises(ControlError, match="lower range"):
+                Exchange(box.registers, 24).answer_matrix(rows)
+
+    asyncio.run(answered())

@@ -5,6 +5,7 @@ Numbers of joints are in the order from base to flange.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from tool0.hardware.engine import JointState
@@ -44,3 +45,6 @@ class ArmModel(Protocol):
 
     def dynamics(self, state: JointState) -> ArmDynamics:
         """Return the dynamics in a state of all joints."""
+
+    def rotors(self) -> Sequence[float]:
+        """Return the inertias of the rotors, which ``dynamics`` lacks [kg·m²]."""

@@ -15,6 +15,7 @@ from tool0.control.arm.compliance import Compliance, ComplianceTask
 from tool0.control.arm.model import ArmModel
 from tool0.control.arm.path import CONTINUITY, ArmPath, SplineMotion
 from tool0.control.arm.stream import ServoStream, SpeedStream, StreamedMotion
+from tool0.control.arm.torque import TorqueCommand, TorqueMode
 from tool0.control.law import TrajectoryLaw
 from tool0.control.spline import JointSpline, Segment, along
 from tool0.control.trajectory import Setpoint
@@ -25,7 +26,7 @@ from tool0.hardware.robot_hardware import EffortLaw
 from tool0.protocol.controllers import Gains
 from tool0.protocol.state import ArmSetpoint
 
-Mode = Literal["hold", "path", "servo", "speed", "stop", "freedrive"]
+Mode = Literal["hold", "path", "servo", "speed", "stop", "freedrive", "torque"]
 
 
 MOST_SAG: Final = 0.05
@@ -91,6 +92,8 @@ class ArmMotionController:
         self._stream_mode: Mode = "servo"
         self._compliance: Compliance | None = None
         """Law that turns the motion into efforts, in each step of the physics."""
+        self.torques: TorqueMode | None = None
+        """Law of a program's torques, which moves the arm in place of all that."""
         self._no_efforts = (0.0,) * len(indices)
         self._last: tuple[int, float] = (0, 0.0)
         """Number of the last path, and the time on it when it was left [s]."""
@@ -126,6 +129,8 @@ class ArmMotionController:
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         self._state, self._period = state, period
+        if self.torques is not None:
+            return self._no_efforts
         compliance = self._compliance
         if compliance is None:
             return self._positions(state, period)
@@ -147,8 +152,7 @@ class ArmMotionController:
         return command
 
     def law(self) -> TrajectoryLaw | None:
-        is_streamed = self._stream is not None or self._compliance is not None
-        if is_streamed or not self._period:
+        if self._stream is not None or self.is_compliant or not self._period:
             return None
         return self._splines.law(self._period, self.spec.speed_scaling())
 
@@ -158,7 +162,7 @@ class ArmMotionController:
     def setpoint(self) -> Setpoint:
         stream, splines = self._stream, self._splines
         joints, state = self.spec.joint_models, self._state
-        if stream is None and self._compliance is None:
+        if stream is None and not self.is_compliant:
             return Setpoint(
                 joints,
                 splines.splines,
@@ -168,7 +172,7 @@ class ArmMotionController:
                 splines.speed_scaling,
             )
         now = self._measured()
-        if stream is not None and self._compliance is None:
+        if stream is not None and not self.is_compliant:
             now = stream.setpoint
         return Setpoint(joints, _tangents(now, state.time), self._select, state)
 
@@ -180,6 +184,8 @@ class ArmMotionController:
     @property
     def mode(self) -> Mode:
         """The present mode."""
+        if self.torques is not None:
+            return "torque"
         if self.is_guided:
             return "freedrive"
         return self._splines.mode if self._stream is None else self._stream_mode
@@ -197,11 +203,12 @@ class ArmMotionController:
     @property
     def is_compliant(self) -> bool:
         """Whether it does not drive the joints to its setpoint: forces move them."""
-        return self._compliance is not None
+        return self._compliance is not None or self.torques is not None
 
     def motion(self, now: float) -> ArmSetpoint:
         """Return the setpoint ``now`` [s]; in force mode, that without forces."""
-        return self._measured() if self.is_guided else self._nominal(now)
+        has_none = self.is_guided or self.torques is not None
+        return self._measured() if has_none else self._nominal(now)
 
     def _nominal(self, now: float) -> ArmSetpoint:
         stream = self._stream
@@ -215,13 +222,13 @@ class ArmMotionController:
 
     def unknown_setpoint(self, now: float) -> ArmSetpoint | None:
         """Return the setpoint ``now`` [s] if ``setpoint()`` does not tell it."""
-        if self._stream is None and self._compliance is None:
+        if self._stream is None and not self.is_compliant:
             return None
         return self.motion(now)
 
     def is_done(self, now: float) -> bool:
         """Return whether a path has arrived at its end, or a ramp to rest has ended."""
-        is_moved = self._stream is not None or self.is_guided
+        is_moved = self.mode in {"servo", "speed", "freedrive", "torque"}
         return not is_moved and self._splines.is_done(now) and self._is_there(now)
 
     def _is_there(self, now: float) -> bool:
@@ -234,7 +241,7 @@ class ArmMotionController:
     @property
     def _must_arrive(self) -> bool:
         is_on_path = self._splines.mode == "path" and not self._splines.has_braked
-        return is_on_path and self._stream is None and self._compliance is None
+        return is_on_path and self._stream is None and not self.is_compliant
 
     def is_overdue(self, distance: float, now: float) -> bool:
         """Return whether a path has ended, and its joints have not arrived in time.
@@ -377,11 +384,27 @@ class ArmMotionController:
         self._compliance = compliance
         return compliance.efforts
 
+    def start_torques(self, command: TorqueCommand, state: JointState) -> EffortLaw:
+        """Let torques move the arm, in ``state``; return the joints' law.
+
+        The commands do not count from then on.
+
+        Raises:
+            ControlError: If a drive has not that torque.
+        """
+        torques = TorqueMode(self.spec.joint_models, self.spec.model, self._select)
+        torques.aim(command)
+        self._state = state
+        positions = self._select(state.position)
+        self._use(SplineMotion.holding(positions, state.time), state.time)
+        self.torques = torques
+        return torques.efforts
+
     def end_compliance(self, state: JointState, deceleration: float) -> None:
         """Ramp to rest from the measured motion, and command positions again."""
         self._state = state
         start, now = self._measured(), state.time
-        self._compliance = None
+        self._compliance = self.torques = None
         self._use(SplineMotion.stopping(start, now, deceleration), now)
 
     def _start(self, mode: Mode, stream: StreamedMotion, now: float) -> None:

@@ -14,8 +14,8 @@ from typing import NoReturn, final
 
 import numpy as np
 
+from tool0.description.bodies import Matrix
 from tool0.errors import EngineError, EngineUnavailableError
-from tool0.hardware.bodies import Matrix
 
 VERSION = 8
 """Version of the packets, as ``kVersion`` in bridge.cc."""

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import final
 
+from tool0.description.bodies import check_masses, moving_bodies
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.transform import Pose, pose_matrix
@@ -25,8 +26,7 @@ from tool0.engines.gazebo.robot_urdf import (
 from tool0.engines.gazebo.sdf import EMPTY_WORLD, check_world
 from tool0.engines.gazebo.server import GazeboServer
 from tool0.engines.gazebo.world import GazeboServerWorld
-from tool0.errors import DivergenceError
-from tool0.hardware.bodies import check_masses, moving_bodies
+from tool0.errors import DivergenceError, EngineError
 from tool0.hardware.engine import (
     JointState,
     check_dt,
@@ -47,6 +47,7 @@ class GazeboEngine:
 
     name = "gazebo"
     stepper = None
+    has_rotors = False
 
     def __init__(
         self,
@@ -152,6 +153,10 @@ class GazeboEngine:
         joints = range(len(self.joint_names))
         values = [min(torques.get(i, 0.0), _STRONGEST_BRAKE) for i in joints]
         self._connection.request(RequestKind.BRAKES, pack_floats(values))
+
+    def set_rotors(self, inertias: Mapping[int, float]) -> None:
+        if inertias:
+            raise EngineError("Gazebo's joints have no rotors")
 
     def step(self) -> None:
         """Advance simulated time by ``dt``; ``read`` waits for the result."""

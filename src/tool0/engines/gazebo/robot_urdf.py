@@ -23,10 +23,10 @@ from typing import final
 
 import numpy as np
 
+from tool0.description.bodies import Matrix, MovingBody
 from tool0.description.model import Joint, JointType, Mimic, RobotModel, Visual
 from tool0.description.shapes import Mesh
 from tool0.errors import ModelError
-from tool0.hardware.bodies import Matrix, MovingBody
 
 WORLD = "world"
 """The link that libsdformat fixes to the world if it is the URDF's root."""

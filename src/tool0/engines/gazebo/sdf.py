@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tool0.description.bodies import BodyInertia
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import (
     Box,
@@ -24,7 +25,6 @@ from tool0.description.shapes import (
 )
 from tool0.description.transform import Pose, pose_matrix
 from tool0.errors import DescriptionError, ModelError, SourceLocation
-from tool0.hardware.bodies import BodyInertia
 
 Array = np.ndarray
 

@@ -17,6 +17,7 @@ from typing import final
 
 import numpy as np
 
+from tool0.description.bodies import Matrix, MovingBody, fixed_to_world
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.scene_state import Contact, ObjectState
@@ -41,7 +42,6 @@ from tool0.errors import (
     SourceLocation,
     did_you_mean,
 )
-from tool0.hardware.bodies import Matrix, MovingBody, fixed_to_world
 from tool0.hardware.engine import (
     Wrench,
     check_attachable,

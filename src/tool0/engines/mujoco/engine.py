@@ -74,6 +74,7 @@ class MujocoEngine:
     """An ``Engine``: MuJoCo with explicit Euler steps."""
 
     name = "mujoco"
+    has_rotors = True
     stepper: NativeStepper | None
 
     def __init__(
@@ -98,6 +99,7 @@ class MujocoEngine:
         n = len(self.joint_names)
         self._effort = [0.0] * n
         self._brakes: Mapping[int, float] = {}
+        self._rotors: Mapping[int, float] = {}
         robot_spec = build_spec(model, dt=dt, ground=ground)
         self.world = MujocoWorld(
             model, robot_spec, scene or Scene(), ground=ground, on_compiled=self._use
@@ -134,6 +136,10 @@ class MujocoEngine:
         self._brakes = torques
         self._engage_brakes()
 
+    def set_rotors(self, inertias: Mapping[int, float]) -> None:
+        self._rotors = inertias
+        self._add_rotors()
+
     def step(self) -> None:
         if self._braked.size:
             self._step_with_brakes()
@@ -168,6 +174,8 @@ class MujocoEngine:
             model.dof_invweight0,
         )
         self._friction = tuple(values[:n].copy() for values in of_model)
+        self._armature = model.dof_armature[:n].copy()
+        self._add_rotors()
         self._engage_brakes()
 
     def _engage_brakes(self) -> None:
@@ -185,6 +193,13 @@ class MujocoEngine:
             model.dof_invweight0[joint] = min(mobility[joint], _BRAKE_MOBILITY / torque)
         self._braked = np.array(sorted(self._brakes), dtype=np.intp)
         self.stepper = self._stepper()
+
+    def _add_rotors(self) -> None:
+        """Give the joints the rotors that were set, beside those of the model."""
+        armature = self.model.dof_armature
+        armature[: len(self._armature)] = self._armature
+        for joint, inertia in self._rotors.items():
+            armature[joint] += inertia
 
     def motor_joints(self) -> tuple[int, ...]:
         """Return the joint that each motor drives, by number."""

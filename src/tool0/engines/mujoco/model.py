@@ -14,6 +14,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from tool0.description.bodies import (
+    Matrix,
+    MovingBody,
+    check_masses,
+    fixed_to_world,
+    moving_bodies,
+)
 from tool0.description.model import (
     Collision,
     Joint,
@@ -33,13 +40,6 @@ from tool0.engines.mujoco.self_collisions import (
     self_colliding,
 )
 from tool0.errors import ModelError
-from tool0.hardware.bodies import (
-    Matrix,
-    MovingBody,
-    check_masses,
-    fixed_to_world,
-    moving_bodies,
-)
 
 GRIP_SOLREF = (0.002, 1.0)
 """Time constant [s] and damping ratio of pad contact: critically damped, two steps."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection, Iterator, Sequence
 
+from tool0.description.bodies import MovingBody
 from tool0.description.model import Joint, Link, RobotModel
-from tool0.hardware.bodies import MovingBody
 
 
 def body_at_rest(link: str) -> str:

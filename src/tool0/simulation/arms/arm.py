@@ -14,6 +14,7 @@ from typing import Final, final
 
 from tool0.control.arm.compliance import ComplianceTask
 from tool0.control.arm.motion import ArmMotionController
+from tool0.control.arm.torque import TorqueCommand
 from tool0.control.manager import ControllerManager, Strictness
 from tool0.description.model import RobotModel
 from tool0.description.parts import ArmParts
@@ -90,11 +91,14 @@ class Arm:
     @property
     def is_idle(self) -> bool:
         """Whether ``tick`` has nothing to do."""
-        return self.box.is_steady and not self.motion.is_returning
+        motion = self.motion
+        return self.box.is_steady and not motion.is_returning and not motion.has_torques
 
     def tick(self, state: JointState, period: float) -> None:
         """Let speed scaling go on for one tick [s]; end a return that is at rest."""
         self.box.tick(period)
+        if self.motion.has_torques:
+            self._watch_torques(state, period)
         if self.motion.has_returned(state.time):
             self._give_back(state)
 
@@ -272,8 +276,39 @@ class Arm:
             raise ControlError(
                 f"the arm '{self.name}' is in freedrive; end that before force mode"
             )
+        self.end_torques(now)
         self.motion.comply(task, now)
         self._show_freedrive(task.is_freedrive, now)
+
+    def drive(self, command: TorqueCommand, now: JointState) -> None:
+        """Drive the joints of a taken arm with torques.
+
+        Raises:
+            ControlError: If the arm is not taken, may not move, gives way to forces, or
+                a drive has not that torque, which is a violation.
+        """
+        controller = self.controller_to_move()
+        if not self._engine.has_rotors:
+            raise ControlError(
+                f"the engine '{self._engine.name}' has no torque control: its joints "
+                "have no rotors; use MuJoCo"
+            )
+        if controller.is_compliant and not self.motion.has_torques:
+            mode = "freedrive" if controller.is_guided else "force mode"
+            raise ControlError(
+                f"the arm '{self.name}' is in {mode}; end that before torques"
+            )
+        try:
+            self.motion.drive(command, now)
+        except ControlError as error:
+            if self.motion.is_protected:
+                self.stop_protectively(str(error), now)
+            raise
+
+    def end_torques(self, now: JointState) -> None:
+        """Return to position control, if torques drive the joints: ramp to rest."""
+        if self.motion.has_torques:
+            self.motion.rest(now)
 
     def stiffen(self, now: JointState, *, is_freedrive: bool) -> None:
         """End force mode, or freedrive: the arm stops where it is.
@@ -337,6 +372,15 @@ class Arm:
         return self._hardware.payloads.get(self.parts.flange)
 
     # ---- what they have in common ---------------------------------------------------
+
+    def _watch_torques(self, state: JointState, period: float) -> None:
+        """Stop protectively at a violation; end torques that no program renews."""
+        torques = self.motion.controller.torques
+        assert torques is not None  # the mode has one
+        if reason := torques.violation(state, period):
+            self.stop_protectively(reason, state)
+        elif torques.is_over(state.time):
+            self.end_torques(state)
 
     def _require_released(self) -> None:
         """Raise ControlError if the emergency stop holds the arm."""

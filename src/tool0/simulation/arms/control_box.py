@@ -14,8 +14,8 @@ from msgspec.structs import replace
 
 from tool0.description.model import FLANGE, RobotModel
 from tool0.description.payload import Payload
+from tool0.description.payload_bodies import modelled_payload
 from tool0.errors import ControlError
-from tool0.hardware.payload import modelled_payload
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.protocol.control_box_state import (
     AnalogDomain,

@@ -64,6 +64,10 @@ class ArmMechanics:
         J = np.concatenate([R @ linear, R @ axes])
         return Placement(base[:3, 3] + R @ point, R @ T[:3, :3], J)
 
+    def rotors(self) -> list[float]:
+        """Return the inertias of the rotors, which ``dynamics`` lacks [kg·m²]."""
+        return list(map(self._hardware.rotor_inertia, self.chain.joint_names))
+
     def dynamics(self, state: JointState) -> ArmDynamics:
         """Return the mass matrix of the joints, and the efforts that hold them."""
         import numpy as np

@@ -11,6 +11,7 @@ from typing import Final, final
 from tool0.control.arm.compliance import ComplianceTask
 from tool0.control.arm.motion import ArmMotionController, ArmMotionSpec
 from tool0.control.arm.path import ArmPath
+from tool0.control.arm.torque import TorqueCommand
 from tool0.control.controller import TrajectoryFollower
 from tool0.control.manager import ControllerManager
 from tool0.description.model import FLANGE, Interface, RobotModel
@@ -70,6 +71,8 @@ class ArmMotion:
         """From when an arm rests that is given back then [s]; None for any other."""
         self._n_paths = 0
         """How many paths it was given."""
+        self.has_torques = False
+        """Whether torques of its program drive the joints."""
 
     @property
     def controller(self) -> ArmMotionController:
@@ -120,12 +123,13 @@ class ArmMotion:
 
     def note_restart(self, now: float) -> None:
         """Note that the controller was restarted: a returning arm rests."""
+        self.has_torques = False
         if self.is_returning:
             self._rests_at = now
 
     def abort(self, now: JointState) -> None:
         """End at once: the brakes stop the arm."""
-        self.is_taken, self._rests_at = False, None
+        self.is_taken, self._rests_at, self.has_torques = False, None, False
         self._manager.stop_own(self.spec.name, now)
 
     # ---- while it is taken ----------------------------------------------------------
@@ -159,8 +163,23 @@ class ArmMotion:
         law = self.controller.start_compliance(task, now)
         self._manager.drive_efforts(self.spec.name, law, now)
 
+    def drive(self, command: TorqueCommand, now: JointState) -> None:
+        """Drive the joints with torques.
+
+        Raises:
+            ControlError: If a drive has not that torque; nothing has changed then.
+        """
+        torques = self.controller.torques
+        if torques is not None:
+            torques.aim(command)
+            return
+        law = self.controller.start_torques(command, now)
+        self._manager.drive_efforts(self.spec.name, law, now, with_rotors=True)
+        self.has_torques = True
+
     def rest(self, now: JointState) -> None:
         """Ramp to rest from the measured motion, with servos that have no past."""
+        self.has_torques = False
         self._manager.drive_efforts(self.spec.name, None, now)
         self.controller.end_compliance(now, STIFFENING)
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from tool0.control.arm.path import ArmPath
+from tool0.control.arm.torque import TorqueCommand
 from tool0.errors import RequestError
 from tool0.protocol.arm_motion import (
     SILENCE,
+    DriveTorques,
     EndForceMode,
     EndFreedrive,
+    EndTorques,
     ExecutePath,
     ReadArmMotion,
     ReturnArm,
@@ -132,6 +135,22 @@ def _speed_tool(simulation: Simulation, request: SpeedTool, admitted: None) -> N
         request.duration,
         lever=np.array(request.tcp[:3]),
     )
+
+
+@handles(DriveTorques, in_tick=True, publishes=False)
+def _drive_torques(simulation: Simulation, request: DriveTorques) -> None:
+    command = TorqueCommand(
+        torques=request.torques,
+        viscous_scale=request.viscous_scale,
+        coulomb_scale=request.coulomb_scale,
+        until=simulation.core.time + request.duration,
+    )
+    simulation.executor.drive(request.arm, command)
+
+
+handles(EndTorques, in_tick=True)(
+    lambda sim, request: sim.executor.end_torques(request.arm)
+)
 
 
 @handles(StartForceMode, in_tick=True)

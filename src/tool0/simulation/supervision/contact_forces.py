@@ -12,9 +12,9 @@ from typing import Final, final
 
 from tool0.description.model import RobotModel
 from tool0.description.parts import ArmParts
+from tool0.description.payload_bodies import modelled_payload
 from tool0.description.scene_state import Contact, contacts_text
 from tool0.hardware.engine import World
-from tool0.hardware.payload import modelled_payload
 from tool0.protocol.control_box_state import ControlBoxState
 from tool0.sensing.stalls import external_contacts
 

@@ -19,22 +19,27 @@ from tool0.ur.pose import pose_of, transform_of
 from tool0.ur.rtde_control.compliance import Compliance
 from tool0.ur.rtde_control.exchange import Exchange
 from tool0.ur.rtde_control.motions import Motions
+from tool0.ur.torques import Torques
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
     from tool0.ur.tool_contact import ToolHistory
 
 NO_OFFSET: Final = (0.0,) * 6
+LAST_SCALE: Final = 17
+"""Register of the last scale of ``directTorque``."""
 UPRIGHT: Final = math.radians(1.0)
 """Largest angle between gravity as a client sets it and the base's axis [rad]."""
 
 Action = Callable[[], Awaitable[None] | None]
-STREAMED: Final = frozenset({6, 9, 10, 11, 12, 24, 25, 26, 27, 38, 55, 58, 99})
+DYNAMICS: Final = frozenset({66, 67, 68, 69, 70, 71})
+STREAMED: Final = DYNAMICS | {6, 9, 10, 11, 12, 24, 25, 26, 27, 38, 55, 58, 99}
 """Executed whenever they are written.  12, 55 and 99, ``servoC``,
 ``setExternalForceTorque`` and ``kickWatchdog``, are among them because the client does
 not wait for them either."""
-POLLED: Final = frozenset({25, 26, 27, 38, 58})
-"""Queries that the client does not wait for: their answers must stay up to date."""
+POLLED: Final = DYNAMICS | {25, 26, 27, 38, 58}
+"""Queries that the client does not wait for: their answers must stay up to date; and
+``directTorque``, which goes on until another command."""
 
 
 @final
@@ -53,6 +58,7 @@ class Commands:
     ) -> None:
         """Serve ``path`` as command 45; ``wake`` lets the server look for contacts."""
         self._box, self._exchange, self._history = box, exchange, history
+        self._torques = Torques(box)
         moves = Moves(box)
         self._motions = motions = Motions(
             box, exchange, history, moves, path=path, wake=wake
@@ -105,6 +111,8 @@ class Commands:
             53: compliance.end_freedrive,
             54: lambda: exchange.answer_integer(0),  # not at a limit
             55: lambda: None,  # the wrist's own sensor counts
+            56: self._enable_wrench_input,
+            57: self._enable_wrench_input,
             58: lambda: exchange.answer(box.forward(box.q, NO_OFFSET)),
             59: self._check_gravity,
             60: lambda: exchange.answer_integer(box.has_inverse(exchange.six(0))),
@@ -113,6 +121,14 @@ class Commands:
             63: motions.end_contact_detection,
             64: lambda: exchange.answer_integer(motions.contact_steps),
             65: self._set_payload,
+            66: self._drive_torques,
+            # As in the program, what the client asks for is ignored: it gets the
+            # present posture.
+            67: lambda: exchange.answer_matrix(box.dynamics.mass_matrix()),
+            68: lambda: exchange.answer(box.dynamics.velocity_torques()),
+            69: lambda: exchange.answer(box.target_qdd),
+            70: lambda: exchange.answer_matrix(box.dynamics.jacobian()),
+            71: lambda: exchange.answer_matrix(box.dynamics.jacobian_derivative()),
             99: lambda: None,  # the server's
         }
 
@@ -173,6 +189,26 @@ class Commands:
     async def _stop_protectively(self) -> None:
         request = StopProtectively(arm=self._box.arm, reason="protective_stop()")
         await self._box.call(request)
+
+    async def _drive_torques(self) -> None:
+        """Drive the joints with torques: direct_torque, with scales of friction.
+
+        Older clients send a flag in place of the scales.
+        """
+        exchange = self._exchange
+        torques = exchange.six(0)
+        if exchange.has_number(LAST_SCALE):
+            await self._torques.set(torques, exchange.six(6), exchange.six(12))
+        elif exchange.integer(1):
+            await self._torques.set(torques)
+        else:
+            await self._torques.set(torques, NO_OFFSET, NO_OFFSET)
+
+    def _enable_wrench_input(self) -> None:
+        """Measure with RTDE's external_force_torque, or with the wrist's own sensor."""
+        is_enabled = self._exchange.integer(1) != 0
+        offset = self._exchange.three(1) if is_enabled else None
+        self._box.rtde_sensor.set_offset(offset)
 
     def _check_gravity(self) -> None:
         """Check the requested gravity: it is that of the simulation."""

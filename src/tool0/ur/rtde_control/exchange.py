@@ -6,6 +6,7 @@ from collections.abc import Collection, Sequence
 from enum import IntEnum
 from typing import TYPE_CHECKING, Final, final
 
+from tool0.errors import ControlError
 from tool0.protocol.state import Six
 
 if TYPE_CHECKING:
@@ -20,6 +21,9 @@ RESULT: Final = 1
 PROGRESS: Final = 2
 """Integer output: of asynchronous motions."""
 
+_LOWER: Final = 24
+_UPPER: Final = 36
+"""A matrix has the first registers, and those from there on."""
 _COUNTS: Final = 128
 """Counters of the progress have seven bits."""
 _MAX_PROGRESS: Final = 0x7FFF
@@ -88,6 +92,21 @@ class Exchange:
         """Set the numbers that a query returns."""
         first = self._offset
         self._outputs.doubles[first : first + len(values)] = values
+
+    def answer_matrix(self, rows: Sequence[Six]) -> None:
+        """Set the columns of a matrix, shape (6, 6), which a query returns.
+
+        Raises:
+            ControlError: If the client uses the upper registers: it needs both ranges.
+        """
+        if self._offset:
+            raise ControlError(
+                "matrices need the lower range of RTDE's registers, too; connect "
+                "without FLAG_UPPER_RANGE_REGISTERS"
+            )
+        values = [value for column in zip(*rows, strict=True) for value in column]
+        doubles = self._outputs.doubles
+        doubles[:_LOWER], doubles[_UPPER:] = values[:_LOWER], values[_LOWER:]
 
     def answer_integer(self, value: int) -> None:
         """Set the integer that a query returns, or 0 and 1 for false and true."""

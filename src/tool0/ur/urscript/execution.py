@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar, final
 
 from tool0.ur.pacer import Pacer
 from tool0.ur.tool_contact import ToolHistory
+from tool0.ur.torques import Torques
 from tool0.ur.urscript.critical import CriticalSection
 from tool0.ur.urscript.remote import RemoteServer
 from tool0.ur.urscript.sockets import Sockets
@@ -184,6 +185,7 @@ class Execution:
         self.name = name
         self.box = box
         self.moves = moves
+        self.torques = Torques(box)
         self.sockets = Sockets(box)
         self.servers: set[RemoteServer] = set()
         """Those whose functions the program calls."""

@@ -17,7 +17,6 @@ _REASONS: Final = (
         "the tool has no serial line",
     ),
     (r"request_.*_from_primary_client", "there is no operator's screen"),
-    (r"optimove[jl]", "OptiMove is not supported; use movej or movel"),
     (r"path_offset_.*", "path offsets are not supported"),
     (r"tool_wrench_limit_set", "limits of the tool's wrench are not supported"),
     (r"jerk_gain_scaling_.*", "there is one kind of profiles"),
@@ -30,9 +29,7 @@ _REASONS: Final = (
     ),
     (r"convert_pose|get_pose|set_mass_properties", "there is no world model"),
     (r"set_payload_from_attached_frames", "there is no world model"),
-    (r"jacobian.*|get_jacobian.*|get_mass_matrix", "dynamics are not offered"),
-    (r"get_coriolis_and_centrifugal_torques", "dynamics are not offered"),
-    (r"direct_torque|torque_command", "direct torques are not supported"),
+    (r"torque_command", "it is called direct_torque since PolyScope 5.23"),
     (r"estimate_payload", "payloads are not estimated"),
     (r"(read|write)_(file|.*_file)", "programs cannot reach files"),
 )

@@ -21,6 +21,9 @@ from tool0.ur.urscript_errors import ValueProblem
 _LOOKAHEAD: Final = (0.03, 0.2)
 """[s]"""
 _GAIN: Final = (100.0, 2000.0)
+FASTEST_TOOL: Final = (1.0, 2.5)
+"""Largest speed and acceleration of OptiMove's lines [m/s, m/s²]: UR gives the speed as
+"typical tool speed" of its arms, and no acceleration."""
 
 
 def _joints(thread: Thread, target: Target) -> Six:
@@ -79,6 +82,30 @@ async def movej(
     await thread.moving(
         lambda: thread.execution.abortable(thread.moves.movej(goal, a, v, t, r))
     )
+
+
+async def optimovej(
+    thread: Thread, q: Target, a: Number = 0.3, v: Number = 0.3, r: Number = 0
+) -> None:
+    """Move in joint space; a and v are fractions of what the joints can do."""
+    joints = thread.box.chain.joints
+    acceleration = _fraction("a", a) * min(item.max_acceleration for item in joints)
+    speed = _fraction("v", v) * min(item.max_velocity for item in joints)
+    await movej(thread, q, acceleration, speed, 0, r)
+
+
+async def optimovel(
+    thread: Thread, pose: Target, a: Number = 0.3, v: Number = 0.3, r: Number = 0
+) -> None:
+    """Move the TCP on a line; a and v are fractions of what it does in moves."""
+    acceleration = _fraction("a", a) * FASTEST_TOOL[1]
+    await movel(thread, pose, acceleration, _fraction("v", v) * FASTEST_TOOL[0], 0, r)
+
+
+def _fraction(name: str, value: float) -> float:
+    if not 0.0 < value <= 1.0:
+        raise ValueProblem(f"{name} is {value}; it is above 0 and at most 1")
+    return value
 
 
 async def movel(
@@ -196,6 +223,7 @@ FUNCTIONS: Final[tuple[Function, ...]] = (
         function(item, physical=True)
         for item in (
             *(movej, movel, movep, movec, servoj, servoc, speedj, speedl, stopj, stopl),
+            *(optimovej, optimovel),
         )
     ),
     *(function(item) for item in (motion_version_get, motion_version_set)),

@@ -14,6 +14,7 @@ def modules() -> dict[str, tuple[Function, ...]]:
     from tool0.ur.urscript.library import (
         arithmetic,
         controller,
+        dynamics,
         force,
         gripper,
         inputs_outputs,
@@ -33,6 +34,7 @@ def modules() -> dict[str, tuple[Function, ...]]:
         *(
             arithmetic,
             controller,
+            dynamics,
             force,
             gripper,
             inputs_outputs,

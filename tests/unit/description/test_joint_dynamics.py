@@ -4,9 +4,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from tool0.description.bodies import JointDynamics
 from tool0.description.model import RobotModel
 from tool0.engines.mujoco.engine import MujocoEngine
-from tool0.hardware.bodies import JointDynamics
 
 MASTERS = np.array(
     [[1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0], [0, -0.5, 0]]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
@@ -174,6 +175,12 @@ def _fixed_links(
     return found
 
 
+ROTOR_INERTIA = 0.1
+"""Inertia of the rotor and gear of an arm's joint, as the joint feels it [kg·m²].
+
+Manufacturers do not publish it.  It is that of MuJoCo's model of the UR5e and UR10e
+(https://github.com/google-deepmind/mujoco_menagerie/tree/main/universal_robots_ur5e).
+"""
 STANDARD_GRAVITY: Vector3 = (0.0, 0.0, -9.81)
 """Acceleration of free fall [m/s²], as MuJoCo has it by default; Gazebo has 9.8."""
 
@@ -250,14 +257,15 @@ class JointDynamics:
         self._tree = FlatTree([body.tree_joint for body in bodies], upright)
         self._mass: list[float] = []
         self._center: list[tuple[float, float, float]] = []
-        self._tensor: list[Matrix] = []
+        self.tensors: list[Matrix] = []
+        """Inertia of each body about its centre, in the frames of ``frames``."""
         for body, turn in zip(bodies, self._tree.turns, strict=True):
             self._mass.append(body.inertia.mass)
             x, y, z = (turn.T @ body.inertia.center).tolist()
             self._center.append((x, y, z))
-            self._tensor.append(turn.T @ body.inertia.tensor @ turn)
+            self.tensors.append(turn.T @ body.inertia.tensor @ turn)
 
-    @property
+    @cached_property
     def table(self) -> DynamicsTable:
         """The constants of ``static_effort``."""
         bodies = tuple(
@@ -325,13 +333,13 @@ class JointDynamics:
             rotation = np.array(frame[:9]).reshape(3, 3).T
             x, y, z = (rotation @ np.array(self._center[body])).tolist()
             x, y, z = x + frame[9], y + frame[10], z + frame[11]
-            linear, angular = self._jacobian(frames, body, (x, y, z))
-            tensor = rotation @ self._tensor[body] @ rotation.T
+            linear, angular = self.jacobian(frames, body, (x, y, z))
+            tensor = rotation @ self.tensors[body] @ rotation.T
             matrix += self._mass[body] * linear @ linear.T
             matrix += angular @ tensor @ angular.T
         return matrix
 
-    def _jacobian(
+    def jacobian(
         self, frames: Sequence[Frame], body: int, point: Vector3
     ) -> tuple[Matrix, Matrix]:
         """Return the velocities of a body per joint velocity, shape (n_joints, 3).

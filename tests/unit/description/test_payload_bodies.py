@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tool0.description.bodies import JointDynamics
 from tool0.description.loading import assemble
 from tool0.description.model import RobotModel
 from tool0.description.payload import Payload
-from tool0.hardware.bodies import JointDynamics
-from tool0.hardware.payload import modelled_payload, replaced_tools
+from tool0.description.payload_bodies import modelled_payload, replaced_tools
 
 POSE = (0.3, -1.2, 0.9, -0.5, 1.1, 0.4)
 GRAVITY = 9.81

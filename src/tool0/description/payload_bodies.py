@@ -11,10 +11,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from tool0.description.bodies import BodyInertia, total_inertia
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import RobotModel
 from tool0.description.payload import Payload
-from tool0.hardware.bodies import BodyInertia, total_inertia
 
 
 def modelled_payload(model: RobotModel, flange: str) -> Payload:

@@ -1,0 +1,188 @@
+"""Dynamics of an arm, as its control box computes them for programs.
+
+They are those of the description with the declared payload in place of the tool: what
+the drives reckon with.  Numbers are in the order from base to flange, and matrices are
+rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol, TypeAlias, cast, final
+
+from tool0.description.bodies import ROTOR_INERTIA, JointDynamics
+from tool0.description.model import RobotModel
+from tool0.description.payload_bodies import modelled_payload, replaced_tools
+from tool0.description.transform import Vector3
+from tool0.description.velocity_torques import velocity_efforts
+
+if TYPE_CHECKING:
+    from tool0.kinematics.chain import ArmChain
+    from tool0.kinematics.scalar_kinematics import ScalarPosture
+    from tool0.protocol.control_box_state import ControlBoxState
+    from tool0.protocol.state import Six, Snapshot
+
+Rows: TypeAlias = tuple["Six", ...]
+"""A matrix of six rows."""
+
+
+class MeasuredArm(Protocol):
+    """What a control box knows about its arm now."""
+
+    chain: ArmChain
+    snapshot: Snapshot
+    state: ControlBoxState
+
+    @property
+    def qd(self) -> Six: ...
+
+    @property
+    def tcp(self) -> Six: ...
+
+    def posture(self) -> ScalarPosture: ...
+
+    def posture_at(self, q: Sequence[float]) -> ScalarPosture: ...
+
+
+@final
+class BoxDynamics:
+    """Masses and Jacobians of the arm of a control box.
+
+    Joint positions [rad] and velocities [rad/s] that are left out are the measured
+    ones, and the TCP is that of the box.
+    """
+
+    def __init__(
+        self, box: MeasuredArm, model: RobotModel, joint_names: Sequence[str]
+    ) -> None:
+        """Take the arm of ``box``; states have the joints in this order."""
+        self._box, self._model = box, model
+        self._own = modelled_payload(model, box.chain.tip)
+        in_states = {name: k for k, name in enumerate(joint_names)}
+        names = [joint.name for joint in model.movable_joints]
+        self._in_states = [in_states[name] for name in names]
+        self._joints = [names.index(name) for name in box.chain.joint_names]
+        self._armatures = [
+            0.0 if drive is None else drive.armature
+            for name in box.chain.joint_names
+            for drive in [model.transmission_by_joint.get(name)]
+        ]
+        self._known = self._own, JointDynamics(model)
+        """The last payload, and the robot with it."""
+
+    def mass_matrix(
+        self, q: Sequence[float] | None = None, *, with_rotors: bool = False
+    ) -> Rows:
+        """Return the mass matrix of the joints [kg·m²].
+
+        ``with_rotors`` adds the inertia of rotors and gears.
+        """
+        matrix = self._loaded().mass_matrix(self._position(q))
+        matrix = matrix[self._joints][:, self._joints]
+        for k, armature in enumerate(self._armatures):
+            matrix[k, k] += (armature or ROTOR_INERTIA) * with_rotors - armature
+        return cast("Rows", tuple(map(tuple, matrix.tolist())))
+
+    def velocity_torques(
+        self, q: Sequence[float] | None = None, qd: Sequence[float] | None = None
+    ) -> Six:
+        """Return the Coriolis and centrifugal torques [N·m]."""
+        position = self._position(q)
+        velocity = [0.0] * len(position)
+        speeds = self._box.qd if qd is None else qd
+        for k, speed in zip(self._joints, speeds, strict=True):
+            velocity[k] = speed
+        efforts = velocity_efforts(self._loaded(), position, velocity)
+        return cast("Six", tuple(efforts[self._joints].tolist()))
+
+    def jacobian(
+        self, q: Sequence[float] | None = None, tcp: Sequence[float] | None = None
+    ) -> Rows:
+        """Return the twist of the TCP in the base's axes per joint velocity."""
+        posture, point = self._placed(q, tcp)
+        return jacobian(posture, point)
+
+    def jacobian_derivative(
+        self,
+        q: Sequence[float] | None = None,
+        qd: Sequence[float] | None = None,
+        tcp: Sequence[float] | None = None,
+    ) -> Rows:
+        """Return the change of ``jacobian`` per second."""
+        posture, point = self._placed(q, tcp)
+        return jacobian_derivative(posture, point, self._box.qd if qd is None else qd)
+
+    def _loaded(self) -> JointDynamics:
+        """Return the dynamics of the robot with the payload."""
+        payload = self._box.state.payload
+        if self._known[0] != payload:
+            declared = {} if payload == self._own else {self._box.chain.tip: payload}
+            added = replaced_tools(self._model, declared)
+            self._known = payload, JointDynamics(self._model, added=added)
+        return self._known[1]
+
+    def _position(self, q: Sequence[float] | None) -> list[float]:
+        """Return the positions of all joints in the model's order [rad | m]."""
+        measured = self._box.snapshot.position
+        position = [measured[k] for k in self._in_states]
+        if q is not None:
+            for k, value in zip(self._joints, q, strict=True):
+                position[k] = value
+        return position
+
+    def _placed(
+        self, q: Sequence[float] | None, tcp: Sequence[float] | None
+    ) -> tuple[ScalarPosture, Vector3]:
+        """Return a posture, and where the TCP is in the base [m]."""
+        box = self._box
+        posture = box.posture() if q is None else box.posture_at(q)
+        x, y, z, *_ = box.tcp if tcp is None else tcp
+        return posture, posture.flange.apply((x, y, z))
+
+
+def jacobian(posture: ScalarPosture, point: Vector3) -> Rows:
+    """Return the twist of a point of the flange per joint velocity.
+
+    Linear above angular, in the axes of the posture's frame; ``point`` is in it [m].
+    """
+    columns = []
+    for axis, origin in zip(posture.axes, posture.points, strict=True):
+        columns.append((*_cross(axis, _less(point, origin)), *axis))
+    return _transposed(columns)
+
+
+def jacobian_derivative(
+    posture: ScalarPosture, point: Vector3, qd: Sequence[float]
+) -> Rows:
+    """Return the change of ``jacobian`` per second at joint velocities [rad/s]."""
+    point_velocity, _ = posture.velocity(point, qd)
+    columns = []
+    for k, (axis, origin) in enumerate(zip(posture.axes, posture.points, strict=True)):
+        moved, omega = posture.velocity(origin, qd, n_joints=k)
+        turned = _cross(omega, axis)
+        linear = _plus(
+            _cross(turned, _less(point, origin)),
+            _cross(axis, _less(point_velocity, moved)),
+        )
+        columns.append((*linear, *turned))
+    return _transposed(columns)
+
+
+def _transposed(columns: Sequence[Sequence[float]]) -> Rows:
+    return cast("Rows", tuple(zip(*columns, strict=True)))
+
+
+def _cross(a: Vector3, b: Vector3) -> Vector3:
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def _less(a: Vector3, b: Vector3) -> Vector3:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def _plus(a: Vector3, b: Vector3) -> Vector3:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])

@@ -1,0 +1,92 @@
+"""Torque control, and the dynamics that it needs.  Matrices are lists of rows."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from tool0.protocol.arm_motion import COULOMB_SCALE, VISCOUS_SCALE
+from tool0.protocol.state import Six
+from tool0.ur.urscript.execution import Thread
+from tool0.ur.urscript.functions import Function, function
+from tool0.ur.urscript.kinds import Bool, Joints, PoseLike
+from tool0.ur.urscript.values import Value
+from tool0.ur.urscript_errors import ValueProblem
+
+_NONE: Final = (0.0,) * 6
+
+
+async def direct_torque(
+    thread: Thread,
+    torque: Joints,
+    viscous_scale: Joints | None = None,
+    coulomb_scale: Joints | None = None,
+    friction_comp: Bool | None = None,
+) -> None:
+    """Drive the joints with torques beside gravity [N·m] for one control period.
+
+    The scales are the parts of each joint's friction that are compensated.  The older
+    friction_comp switches the compensation; with a scale, it does not count.
+    """
+    if friction_comp is False and viscous_scale is None and coulomb_scale is None:
+        viscous_scale = coulomb_scale = _NONE
+    viscous = _scale("viscous_scale", viscous_scale, VISCOUS_SCALE)
+    coulomb = _scale("coulomb_scale", coulomb_scale, COULOMB_SCALE)
+    torques = thread.execution.torques
+    await thread.moving(lambda: torques.drive(torque, viscous, coulomb))
+
+
+def _scale(name: str, values: Six | None, default: Six) -> Six:
+    if values is None:
+        return default
+    if not (min(values) >= 0.0 and max(values) <= 1.0):
+        raise ValueProblem(f"the numbers of {name} are from 0 to 1")
+    return values
+
+
+def get_mass_matrix(
+    thread: Thread, q: Joints | None = None, include_rotors_inertia: Bool = False
+) -> Value:
+    """Return the joints' mass matrix with the payload [kg·m²]."""
+    dynamics = thread.box.dynamics
+    return dynamics.mass_matrix(q, with_rotors=include_rotors_inertia)
+
+
+def get_coriolis_and_centrifugal_torques(
+    thread: Thread, q: Joints | None = None, qd: Joints | None = None
+) -> Value:
+    """Return the torques that joint velocities cause, with the payload [N·m]."""
+    return thread.box.dynamics.velocity_torques(q, qd)
+
+
+def get_jacobian(
+    thread: Thread, q: Joints | None = None, tcp: PoseLike | None = None
+) -> Value:
+    """Return the twist of the TCP per joint velocity, in the base frame's axes."""
+    return thread.box.dynamics.jacobian(q, tcp)
+
+
+def get_jacobian_time_derivative(
+    thread: Thread,
+    q: Joints | None = None,
+    qd: Joints | None = None,
+    tcp: PoseLike | None = None,
+) -> Value:
+    """Return the change of the Jacobian per second."""
+    return thread.box.dynamics.jacobian_derivative(q, qd, tcp)
+
+
+def get_actual_joint_accelerations(thread: Thread) -> Value:
+    """Return the change of the joints' speeds in the last control period [rad/s²]."""
+    return thread.box.qdd
+
+
+FUNCTIONS: Final[tuple[Function, ...]] = (
+    function(direct_torque, physical=True),
+    *(
+        function(item)
+        for item in (
+            *(get_mass_matrix, get_coriolis_and_centrifugal_torques, get_jacobian),
+            *(get_jacobian_time_derivative, get_actual_joint_accelerations),
+        )
+    ),
+)
