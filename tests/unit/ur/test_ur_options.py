@@ -48,8 +48,12 @@ def test_options_of_the_controller_need_the_controller() -> None:
         RunOptions(ur=True, remote=False)
 
 
-def test_it_goes_together_with_ros() -> None:
-    given = UrControllerOptions(ur_host="127.0.0.5", ur_sockets=True)
+def test_it_goes_together_with_ros(tmp_path: Path) -> None:
+    given = UrControllerOptions(
+        ur_host="127.0.0.5", ur_sockets=True, ur_programs=tmp_path
+    )
     for run in (RunOptions(ur=True, ros1=True), RunOptions(ur=True, ros2=True)):
         options = BringupOptions(run=run, ur=given).ur.options()
-        assert options == UrOptions(host="127.0.0.5", allow_sockets=True)
+        assert options == UrOptions(
+            host="127.0.0.5", allow_sockets=True, programs=tmp_path
+        )

@@ -47,7 +47,7 @@ def test_it_is_rejected_where_it_is_wrong(text: str, expected: str) -> None:
         ('x = "' + "a" * 1100 + '"', "at most 1023 bytes"),
         (
             "x = " + "a" * 100_000,
-            "p:1:205: unexpected 'aaaaaaaaaaaaaaaaaaaaaaaaaaaaaa'",
+            "p:1:405: unexpected 'aaaaaaaaaaaaaaaaaaaaaaaaaaaaaa'",
         ),
         ("x = 1e999", "too large"),
         ("x = [[1, 2], [3]]", "equal lengths"),
