@@ -55,6 +55,7 @@ def test_what_runs_after_the_start(manager: Manager) -> None:
         "force_torque_sensor_broadcaster": "active",
         "tcp_pose_broadcaster": "active",
         "scaled_joint_trajectory_controller": "inactive",
+        "passthrough_trajectory_controller": "inactive",
     }
     jtc = manager.controllers()[JTC]
     assert jtc.type == "joint_trajectory_controller/JointTrajectoryController"

@@ -16,6 +16,9 @@ from tool0.protocol.controllers import Role
 _TRAJECTORY = ControllerType(
     Role.TRAJECTORY, "tool0.control.ros2.trajectory_parameters"
 )
+_PASSTHROUGH = ControllerType(
+    Role.TRAJECTORY, "tool0.control.ros2.passthrough_trajectory"
+)
 _FORWARD = ControllerType(Role.COMMAND, "tool0.control.ros2.forward_command")
 _GRIPPER = ControllerType(Role.GRIPPER, "tool0.control.ros2.gripper_action")
 _BROADCASTER = ControllerType(Role.READER, "tool0.control.ros2.broadcasters")
@@ -53,6 +56,7 @@ ROS2: Final = Dialect(
         ),
         "joint_trajectory_controller/JointTrajectoryController": _TRAJECTORY,
         "ur_controllers/ScaledJointTrajectoryController": _TRAJECTORY,
+        "ur_controllers/PassthroughTrajectoryController": _PASSTHROUGH,
         "forward_command_controller/ForwardCommandController": _FORWARD,
         "forward_command_controller/MultiInterfaceForwardCommandController": _FORWARD,
         "position_controllers/JointGroupPositionController": _FORWARD,

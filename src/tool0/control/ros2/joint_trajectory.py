@@ -7,7 +7,7 @@ import logging
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, NamedTuple, final
+from typing import ClassVar, NamedTuple
 
 from tool0.control.goal_motion import check_limits, splines_by_plan
 from tool0.control.joint_tracking import JointTracking
@@ -53,7 +53,6 @@ DEACTIVATED = GoalResult(
 )
 
 
-@final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointTrajectorySpec:
     """The parameters of a JointTrajectoryController."""
@@ -109,7 +108,6 @@ class _PendingTrajectory(NamedTuple):
     """Positions at which the joints that it does not name stay [rad | m]."""
 
 
-@final
 class JointTrajectoryController:
     """Track a joint trajectory; velocity and effort joints by PID and feed-forward.
 
@@ -288,10 +286,13 @@ class JointTrajectoryController:
         self._finish(REPLACED)
         self._tolerances = self.spec.tolerances
         if isinstance(goal, TrajectoryGoal):
-            spec = self.spec
-            self._tolerances = override_tolerances(goal, spec.tolerances, spec.name)
+            self._tolerances = self._tolerances_of(goal)
         self._start(splines, handle)
         return handle
+
+    def _tolerances_of(self, goal: TrajectoryGoal) -> TrajectoryTolerances:
+        """Return the tolerances that hold during a goal."""
+        return override_tolerances(goal, self.spec.tolerances, self.spec.name)
 
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
         """Replace the motion as the topic ``~/joint_trajectory`` does, or reject it.

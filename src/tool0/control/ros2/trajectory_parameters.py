@@ -50,10 +50,9 @@ def parse(
 ) -> JointTrajectorySpec:
     """Return the checked parameters of a JointTrajectoryController."""
     commands = _choices(parameters, "command_interfaces", _COMMANDS)
-    states = _choices(parameters, "state_interfaces", _STATES)
     interface = _command_interface(parameters, commands)
     joints = controlled_joints(robot, parameters, interface)
-    _check_states(parameters, robot, joints, states, interface)
+    states = read_states(parameters, robot, joints, interface)
     _check_command_joints(parameters, joints)
     is_open_loop = parameters.boolean("open_loop_control", default=False)
     gains, velocity_ff = read_joint_gains(parameters, joints)
@@ -150,13 +149,19 @@ def _command_interface(parameters: Namespace, kinds: tuple[str, ...]) -> Interfa
     )
 
 
-def _check_states(
+def read_states(
     parameters: Namespace,
     robot: RobotJoints,
     joints: Sequence[Joint],
-    kinds: tuple[str, ...],
     interface: Interface,
-) -> None:
+) -> tuple[str, ...]:
+    """Return the kinds of state interfaces that ``state_interfaces`` lists.
+
+    Raises:
+        ConfigError: If a joint lacks one, or it lacks what a controller of
+            ``interface`` needs.
+    """
+    kinds = _choices(parameters, "state_interfaces", _STATES)
     entry = parameters.find("state_interfaces") or parameters.entry
     if "position" not in kinds:
         raise ConfigError(
@@ -178,6 +183,7 @@ def _check_states(
                     f"'{entry.key}' requires",
                     entry.location,
                 )
+    return kinds
 
 
 def _check_command_joints(parameters: Namespace, joints: Sequence[Joint]) -> None:
@@ -202,8 +208,18 @@ def _speed_interface(
         default = parameters.text("tf_prefix", "") + SPEED_SCALING
     parameters.accept("speed_scaling/command_interface", "speed_scaling_topic_name")
     name = parameters.text(path, default)
-    if not name:
-        return None
+    return speed_prefix(parameters, path, name, robot) if name else None
+
+
+def speed_prefix(
+    parameters: Namespace, path: str, name: str, robot: RobotJoints
+) -> str:
+    """Return the prefix of the arm whose speed scaling has this state interface.
+
+    Raises:
+        ConfigError: If no arm has one of this ``name``, which the parameter at ``path``
+            gives.
+    """
     valid = [f"{prefix}{SPEED_SCALING}" for prefix in robot.speed_scaling or ("",)]
     if name not in valid:
         entry = parameters.find(path) or parameters.entry

@@ -7,12 +7,14 @@ from importlib import import_module
 from typing import Any
 
 _TRAJECTORY = "trajectory:JointTrajectoryPart"
+_PASSTHROUGH = "trajectory:FollowTrajectoryPart"
 _FORWARD = "forward:ForwardCommandPart"
 
 CONTROLLERS = {
     "joint_state_broadcaster/JointStateBroadcaster": "joint_states:JointStatePart",
     "joint_trajectory_controller/JointTrajectoryController": _TRAJECTORY,
     "ur_controllers/ScaledJointTrajectoryController": _TRAJECTORY,
+    "ur_controllers/PassthroughTrajectoryController": _PASSTHROUGH,
     "forward_command_controller/ForwardCommandController": _FORWARD,
     "forward_command_controller/MultiInterfaceForwardCommandController": _FORWARD,
     "position_controllers/JointGroupPositionController": _FORWARD,

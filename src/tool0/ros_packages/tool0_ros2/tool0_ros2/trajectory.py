@@ -21,12 +21,12 @@ _OUTPUT_FIELDS = {"position": "positions", "velocity": "velocities", "effort": "
 """Field of the output, by command interface."""
 
 
-class JointTrajectoryPart:
-    """``joint_trajectory``, ``controller_state``, the action and ``query_state``."""
+class FollowTrajectoryPart:
+    """The action ``follow_joint_trajectory`` alone."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
-        names, node, parameters = context.names, context.node, context.parameters
+        names, parameters = context.names, context.parameters
         claimed = (name for _, joints in context.status["claimed"] for name in joints)
         self._full = list(parameters.get("joints") or dict.fromkeys(claimed))
         self._joints = list(map(names.to_ros, self._full))
@@ -37,29 +37,6 @@ class JointTrajectoryPart:
         ]
         self._has_rate_errors = self._outputs[:1] != ["positions"]
         """With position commands, ROS computes no errors of velocities."""
-        self._picked: list[int] | None = None
-        qos = QoSProfile(depth=10)
-        self._publisher = node.create_publisher(
-            msg.JointTrajectoryControllerState, "~/controller_state", qos
-        )
-        self._subscriptions = [
-            node.create_subscription(
-                JointTrajectory, "~/joint_trajectory", self._command, qos
-            )
-        ]
-        if hasattr(msg, "SpeedScalingFactor"):
-            latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-            self._subscriptions.append(
-                node.create_subscription(
-                    msg.SpeedScalingFactor,
-                    "~/speed_scaling_input",
-                    self._scale,
-                    latched,
-                )
-            )
-        self._service = node.create_service(
-            srv.QueryTrajectoryState, "~/query_state", self._query
-        )
         self._action = SimulatedAction(
             context,
             action.FollowJointTrajectory,
@@ -70,45 +47,17 @@ class JointTrajectoryPart:
         )
 
     def wants(self) -> Sequence[str]:
-        is_used = self._publisher.get_subscription_count() or self._action.active
-        return (self._context.name,) if is_used else ()
+        return (self._context.name,) if self._action.active else ()
 
     def publish(self, update: Update) -> None:
         motion = update.motions.get(self._context.name)
-        if motion is None:
-            return
-        if self._publisher.get_subscription_count():
-            self._publisher.publish(self._state(update, motion))
-        self._action.publish(
-            update.time, lambda goal: self._feedback(goal, update, motion)
-        )
+        if motion is not None:
+            self._action.publish(
+                update.time, lambda goal: self._feedback(goal, update, motion)
+            )
 
     def close(self) -> None:
-        node = self._context.node
         self._action.close()
-        node.destroy_publisher(self._publisher)
-        node.destroy_service(self._service)
-        for subscription in self._subscriptions:
-            node.destroy_subscription(subscription)
-
-    # ---- out ------------------------------------------------------------------------
-
-    def _state(self, update: Update, motion: ControllerMotion) -> Any:
-        message = msg.JointTrajectoryControllerState()
-        message.header.stamp = update.stamp
-        reference = _point(motion["reference"], motion["time_from_start"])
-        feedback = _point(motion["feedback"])
-        return fill(
-            message,
-            joint_names=self._joints,
-            reference=reference,
-            feedback=feedback,
-            error=self._error(motion),
-            output=self._output(update),
-            speed_scaling_factor=motion["speed_scaling"],
-            desired=reference,  # Humble has these names, too
-            actual=feedback,
-        )
 
     def _feedback(
         self, goal: ActiveGoal, update: Update, motion: ControllerMotion
@@ -132,6 +81,94 @@ class JointTrajectoryPart:
         positions, rates = motion["error"]
         return _point(
             [positions, rates if self._has_rate_errors else [0.0] * len(rates)]
+        )
+
+    def _start(self, goal: Any) -> Request[GoalStarted]:
+        return requests.follow_trajectory(
+            controller=self._context.name,
+            **self._trajectory(goal.trajectory),
+            path_tolerance=self._tolerances(goal.path_tolerance),
+            goal_tolerance=self._tolerances(goal.goal_tolerance),
+            goal_time_tolerance=to_seconds(goal.goal_time_tolerance),
+        )
+
+    def _tolerances(self, given: Any) -> dict[str, list[float]]:
+        full = self._context.names.to_model
+        return {full(joint): item for joint, item in to_tolerances(given).items()}
+
+    def _trajectory(self, message: Any) -> dict[str, Any]:
+        return {
+            "points": to_points(message.points),
+            "joint_names": list(map(self._context.names.to_model, message.joint_names)),
+            "stamp": self._context.clock.from_ros(message.header.stamp),
+        }
+
+
+class JointTrajectoryPart(FollowTrajectoryPart):
+    """``joint_trajectory``, ``controller_state``, the action and ``query_state``."""
+
+    def __init__(self, context: ControllerContext) -> None:
+        super().__init__(context)
+        node = context.node
+        self._picked: list[int] | None = None
+        qos = QoSProfile(depth=10)
+        self._publisher = node.create_publisher(
+            msg.JointTrajectoryControllerState, "~/controller_state", qos
+        )
+        self._subscriptions = [
+            node.create_subscription(
+                JointTrajectory, "~/joint_trajectory", self._command, qos
+            )
+        ]
+        if hasattr(msg, "SpeedScalingFactor"):
+            latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+            self._subscriptions.append(
+                node.create_subscription(
+                    msg.SpeedScalingFactor,
+                    "~/speed_scaling_input",
+                    self._scale,
+                    latched,
+                )
+            )
+        self._service = node.create_service(
+            srv.QueryTrajectoryState, "~/query_state", self._query
+        )
+
+    def wants(self) -> Sequence[str]:
+        is_watched = self._publisher.get_subscription_count()
+        return (self._context.name,) if is_watched else super().wants()
+
+    def publish(self, update: Update) -> None:
+        motion = update.motions.get(self._context.name)
+        if motion is not None and self._publisher.get_subscription_count():
+            self._publisher.publish(self._state(update, motion))
+        super().publish(update)
+
+    def close(self) -> None:
+        super().close()
+        node = self._context.node
+        node.destroy_publisher(self._publisher)
+        node.destroy_service(self._service)
+        for subscription in self._subscriptions:
+            node.destroy_subscription(subscription)
+
+    # ---- out ------------------------------------------------------------------------
+
+    def _state(self, update: Update, motion: ControllerMotion) -> Any:
+        message = msg.JointTrajectoryControllerState()
+        message.header.stamp = update.stamp
+        reference = _point(motion["reference"], motion["time_from_start"])
+        feedback = _point(motion["feedback"])
+        return fill(
+            message,
+            joint_names=self._joints,
+            reference=reference,
+            feedback=feedback,
+            error=self._error(motion),
+            output=self._output(update),
+            speed_scaling_factor=motion["speed_scaling"],
+            desired=reference,  # Humble has these names, too
+            actual=feedback,
         )
 
     def _output(self, update: Update) -> JointTrajectoryPoint:
@@ -162,26 +199,6 @@ class JointTrajectoryPart:
         if error is not None:
             text = self._context.names.text(error)
             self._context.report.error(f"joint_trajectory: {text}")
-
-    def _start(self, goal: Any) -> Request[GoalStarted]:
-        return requests.follow_trajectory(
-            controller=self._context.name,
-            **self._trajectory(goal.trajectory),
-            path_tolerance=self._tolerances(goal.path_tolerance),
-            goal_tolerance=self._tolerances(goal.goal_tolerance),
-            goal_time_tolerance=to_seconds(goal.goal_time_tolerance),
-        )
-
-    def _tolerances(self, given: Any) -> dict[str, list[float]]:
-        full = self._context.names.to_model
-        return {full(joint): item for joint, item in to_tolerances(given).items()}
-
-    def _trajectory(self, message: Any) -> dict[str, Any]:
-        return {
-            "points": to_points(message.points),
-            "joint_names": list(map(self._context.names.to_model, message.joint_names)),
-            "stamp": self._context.clock.from_ros(message.header.stamp),
-        }
 
     def _scale(self, message: Any) -> None:
         context = self._context
