@@ -431,7 +431,12 @@ class _TreeReader:
         if self._units is None:
             is_text = node.tag.endswith(":str")
             if node.tag in ANGLE_TAGS or (is_text and is_ros_angle(text)):
-                return _angle(written, key, where)
+                try:
+                    return read_number(written, ANGLE)[0]
+                except ConfigError:
+                    raise ConfigError(
+                        f"'{key}' must be an angle, got {text!r}", where
+                    ) from None
         elif not self._units and node.tag in ANGLE_TAGS:
             return written
         if node.tag.startswith("!"):
@@ -444,10 +449,3 @@ class _TreeReader:
 
 def _joined(key: str, path: list[str]) -> str:
     return "/".join([key, *path] if key else path)
-
-
-def _angle(text: str, key: str, where: SourceLocation) -> float:
-    try:
-        return read_number(text, ANGLE)[0]
-    except ConfigError:
-        raise ConfigError(f"'{key}' must be an angle, got {text!r}", where) from None
