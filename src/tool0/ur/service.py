@@ -6,7 +6,6 @@ import asyncio
 import contextlib
 import logging
 import time
-from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final, Protocol
 
@@ -14,7 +13,6 @@ from tool0.errors import Tool0Error, TransportError
 from tool0.protocol.arm import ListArms
 from tool0.protocol.robot import ReadInfo
 from tool0.protocol.socket_channel import SocketChannel
-from tool0.protocol.state import Snapshot
 from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.options import UrArm, UrOptions
 
@@ -22,8 +20,6 @@ logger = logging.getLogger(__name__)
 
 CONNECT_TIMEOUT: Final = 60.0
 """Longest wait for the bring-up [wall s]."""
-MAX_BEHIND: Final = 16
-"""Updates that a busy process shows one after another; it leaves out those before."""
 _RETRY: Final = 0.02
 """Between two attempts to connect [wall s]."""
 
@@ -93,21 +89,12 @@ async def serve(
     loop = asyncio.get_running_loop()
     has_ended = asyncio.Event()
     boxes: list[UrControlBox] = []
-    behind: deque[Snapshot] = deque(maxlen=MAX_BEHIND)
 
     def take() -> None:
-        """Show what is new: one state after another, each with a turn of programs."""
-        is_showing = bool(behind)
-        behind.extend(subscription.pending() if boxes else ())
-        if behind and not is_showing:
-            show()
-
-    def show() -> None:
-        newest, snapshot = behind[-1].time, behind.popleft()
-        for box in boxes:
-            box.take(snapshot, newest)
-        if behind:
-            loop.call_soon(show)
+        """Show the newest state: a busy process leaves out those before it."""
+        newest = subscription.pending() if boxes else []
+        for box in boxes if newest else ():
+            box.take(newest[-1], newest[-1].time)
 
     def refuse(error: Tool0Error) -> None:
         for box in boxes:
