@@ -26,7 +26,7 @@ async def control_box(robot: tool0.Robot, arm: str = "") -> AsyncIterator[UrCont
 
     def take() -> None:
         for snapshot in subscription.pending() if boxes else ():
-            boxes[0].take(snapshot, snapshot.time)
+            boxes[0].take(snapshot)
 
     def in_loop() -> None:
         with contextlib.suppress(RuntimeError):  # the loop has ended

@@ -193,7 +193,7 @@ class BoxRig:
 
         def take() -> None:
             for snapshot in subscription.pending() if boxes else ():
-                boxes[0].take(snapshot, snapshot.time)
+                boxes[0].take(snapshot)
 
         def in_loop() -> None:
             with suppress(RuntimeError):

@@ -350,8 +350,11 @@ def test_urx_reads_and_moves_the_arm(rig):
         robot.movel(pose, acc=1.0, vel=0.5, wait=False)
         runs_a_program(robot)
         assert robot.getl(wait=True)[:3] == pytest.approx(pose[:3], abs=SWAY)
-        robot.set_digital_out(2, True)
-        until(lambda: robot.get_digital_out(2, wait=True), "output 2", period=0.0)
+        box = rig.robot.arm.control_box  # urx reads outputs of older packets
+        robot.set_digital_out(3, True)
+        until(lambda: box.state.digital_outputs[3], "output 3 is on")
+        robot.set_digital_out(3, False)
+        until(lambda: not box.state.digital_outputs[3], "output 3 is off")
     finally:
         robot.close()
 

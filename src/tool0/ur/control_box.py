@@ -145,8 +145,6 @@ class UrControlBox:
         self.snapshot = first
         """The newest state."""
         self._show(first)
-        self.newest_time = self.time
-        """Simulated time of an update that may be shown later [s]."""
         self.dynamics = BoxDynamics(self, model, first.joint_names)
         """Masses, Jacobians and the like, for programs."""
         self.gripper: RobotiqGripper | None = None
@@ -168,13 +166,9 @@ class UrControlBox:
 
     # ---- updates --------------------------------------------------------------------
 
-    def take(self, snapshot: Snapshot, newest: float) -> None:
-        """Show the robot after another update, and tell everyone.
-
-        ``newest`` is the time of the newest update that is here [s].
-        """
+    def take(self, snapshot: Snapshot) -> None:
+        """Show the robot after another update, and tell everyone."""
         self._show(snapshot)
-        self.newest_time = newest
         for callback in tuple(self.when_updated):
             try:
                 callback()

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar, cast, final
@@ -48,8 +47,6 @@ _LEAD_DECAY: Final = 0.8
 _ATTEMPTS: Final = 4
 _SHOWN_WARNINGS: Final = 5
 _ROUNDING: Final = 1e-9
-_SHOWN_AFTER: Final = 0.02
-"""How long an update may lack a motion that was sent [s]."""
 OWN_STREAM: Final = 1e6
 """Timeout of the streams of a program of the box itself [wall s]: it may pause between
 two commands, and nobody else sends them, who could fall silent."""
@@ -78,8 +75,6 @@ class Moves:
         self._running: _Running | None = None
         self._lead = LEAD[1]
         self._pacer = Pacer(box)
-        self._sent = -math.inf
-        """When a motion was sent last [s]: updates show it a little later."""
         self._owed = (0.0, 0.0)
         """Change of velocity that the steps until a time [s] have not executed."""
 
@@ -101,7 +96,6 @@ class Moves:
             ControlError: If the arm may not move now.
         """
         self._running = running = await self._start(tuple(moves))
-        self._sent = running.sent
         plan = running.plan
         self._warn(plan.warnings)
         if wait:
@@ -175,7 +169,7 @@ class Moves:
     ) -> None:
         """Follow joint positions [rad]; return after ``t`` [s]."""
         box = self._box
-        self._running, self._sent = None, box.time
+        self._running = None
         box.send(
             ServoJoints(
                 arm=box.arm,
@@ -201,7 +195,7 @@ class Moves:
             qd = cast("Six", tuple(v / excess for v in qd))
         if t is None:
             t = float(np.abs(np.subtract(qd, box.target_qd)).max()) / a
-        self._running, self._sent = None, box.time
+        self._running = None
         a = self._hastened(a, t)
         box.send(
             SpeedJoints(arm=box.arm, velocities=qd, acceleration=a, timeout=OWN_STREAM)
@@ -216,7 +210,7 @@ class Moves:
         if t is None:
             change = np.subtract(xd, box.tcp_speed(target=True))
             t = _duration(change, a, a_rot)
-        self._running, self._sent = None, box.time
+        self._running = None
         a = self._hastened(a, t)
         box.send(
             SpeedTool(
@@ -239,7 +233,7 @@ class Moves:
         change = a * t / scale
         if abs(start - since) < _ROUNDING:
             change += owed
-        left = end - self._box.newest_time
+        left = end - self._box.time
         if left < _ROUNDING:
             self._owed = (change, end)
             return a
@@ -247,10 +241,12 @@ class Moves:
 
     async def stopj(self, a: float = 2.0) -> None:
         """Ramp down to rest from any motion; ``a`` is the leading joint's [rad/s²]."""
-        box, deceleration = self._box, _above_0(a)
-        if self._is_at_rest():
+        box, request = self._box, StopArm(arm=self._box.arm, deceleration=_above_0(a))
+        if box.arm_sample.is_done and not any(box.target_qd):
+            box.send(request)  # what was sent before it, and is not shown yet, stops
+            self._running = None
             return
-        await box.call(StopArm(arm=box.arm, deceleration=deceleration))
+        await box.call(request)
         self._running = None  # also a path that was to begin later
         await self._rest()
 
@@ -365,12 +361,6 @@ class Moves:
             return update.is_done or update.mode != "path"
         is_reset = self._box.time < running.sent
         return update.path > running.number or running.number == 0 or is_reset
-
-    def _is_at_rest(self) -> bool:
-        """Return whether there is nothing to stop."""
-        box = self._box
-        is_shown = not self._sent <= box.time < self._sent + _SHOWN_AFTER
-        return is_shown and box.arm_sample.is_done and not any(box.target_qd)
 
     async def _rest(self) -> None:
         await self._box.next_update()

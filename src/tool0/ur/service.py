@@ -94,7 +94,7 @@ async def serve(
         """Show the newest state: a busy process leaves out those before it."""
         newest = subscription.pending() if boxes else []
         for box in boxes if newest else ():
-            box.take(newest[-1], newest[-1].time)
+            box.take(newest[-1])
 
     def refuse(error: Tool0Error) -> None:
         for box in boxes:

@@ -98,7 +98,11 @@ class Checker:
     def _statement(self, statement: s.Statement) -> None:
         match statement:
             case s.Assign():
-                self._assign(statement)
+                call = self._scope.output_call(statement)
+                if call is None:
+                    self._assign(statement)
+                else:
+                    self._statement(call)
             case s.Evaluate(value=value) | s.Kill(handle=value):
                 self._fold(value)
             case s.If(branches=branches, otherwise=otherwise):

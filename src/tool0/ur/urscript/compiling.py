@@ -131,7 +131,8 @@ class Statements:
     def _step(self, statement: s.Statement) -> CompiledStatement:
         match statement:
             case s.Assign():
-                return self._assign(statement)
+                call = self._scope.output_call(statement)
+                return self._assign(statement) if call is None else self._step(call)
             case s.Evaluate(at=at, value=expression):
                 return self._then(expression, at, lambda frame, value: None)
             case s.Return(at=at, value=returned):

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 from tool0.ur.urscript import syntax as s
+
+_OUTPUTS: Final = "digital_out"
 
 
 @final
@@ -35,6 +37,20 @@ class Scope:
                 return scope.functions[name], scope
             scope = scope.parent
         return None
+
+    def output_call(self, statement: s.Assign) -> s.Evaluate | None:
+        """Return the call that ``digital_out[n] = b`` means; None for a variable.
+
+        It is the oldest form of ``set_digital_out(n, b)``, which urx sends.
+        """
+        name, at = statement.name, statement.at
+        if name != _OUTPUTS or len(statement.indexes) != 1:
+            return None
+        if name in self.locals or name in self.globals:
+            return None
+        values = (*statement.indexes, statement.value)
+        arguments = tuple(s.Argument(at, None, value) for value in values)
+        return s.Evaluate(at, s.Call(at, "set_digital_out", arguments))
 
     def visible_functions(self) -> list[str]:
         """Return the names of all functions and threads that are visible."""

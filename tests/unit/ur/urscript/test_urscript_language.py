@@ -352,6 +352,14 @@ def test_a_critical_section_holds_other_threads() -> None:
     assert found[start : start + 3] == ["in", "out", "other"]
 
 
+def test_a_variable_may_have_the_name_of_the_outputs() -> None:
+    assert texts("""
+    digital_out = [1, 2, 3]
+    digital_out[2] = 4
+    textmsg(digital_out)
+    """) == ["[1, 2, 4]"]
+
+
 def test_threads_enter_a_critical_section_in_turn() -> None:
     loop = """
     thread {0}():
