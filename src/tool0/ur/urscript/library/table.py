@@ -3,52 +3,24 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import cast
+from importlib import import_module
+from typing import Final
 
 from tool0.ur.urscript.functions import Function
+
+_MODULES: Final = (
+    *("arithmetic", "controller", "dynamics", "force", "gripper", "inputs_outputs"),
+    *("modbus", "motion", "poses", "program", "registers", "servers", "settings"),
+    *("sockets", "state", "strings"),
+)
 
 
 @cache
 def modules() -> dict[str, tuple[Function, ...]]:
     """Return the functions that programs can call, by the module that has them."""
-    from tool0.ur.urscript.library import (
-        arithmetic,
-        controller,
-        dynamics,
-        force,
-        gripper,
-        inputs_outputs,
-        modbus,
-        motion,
-        poses,
-        program,
-        registers,
-        servers,
-        settings,
-        sockets,
-        state,
-        strings,
-    )
-
-    found = (
-        *(
-            arithmetic,
-            controller,
-            dynamics,
-            force,
-            gripper,
-            inputs_outputs,
-            modbus,
-            motion,
-            poses,
-        ),
-        *(program, registers, servers, settings, sockets, state, strings),
-    )
     return {
-        module.__name__.rpartition(".")[2]: cast(
-            "tuple[Function, ...]", module.FUNCTIONS
-        )
-        for module in found
+        name: import_module(f"tool0.ur.urscript.library.{name}").FUNCTIONS
+        for name in _MODULES
     }
 
 
