@@ -234,8 +234,12 @@ class Recorder:
             logger.exception("the recorder failed")
             reason = f"{self._part.path}: {error!r}"
         self._error = reason
-        self._is_over.set()
         logger.warning("the recording has ended: %s", reason)
-        self._part.abandon()
         text = f"the recording has ended: {reason}"
-        self._simulation.bus.announce(Reported(text, self._simulation.snapshot.time))
+        try:
+            self._part.abandon()
+            self._simulation.bus.announce(
+                Reported(text, self._simulation.snapshot.time)
+            )
+        finally:  # who sees that it is over finds the rest done
+            self._is_over.set()
