@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import socket
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,7 +12,7 @@ from pathlib import Path
 import pytest
 from served import serving
 from taught_programs import taught_pick
-from ur_address import free_host
+from urscript_export import TIMEOUT, run_urscript
 
 import tool0
 from tool0 import (
@@ -30,12 +28,9 @@ from tool0 import (
     UntilStep,
     WaitStep,
 )
-from tool0.scene import Pose
 
 pytestmark = pytest.mark.slow
 
-TIMEOUT = 60.0
-"""[wall s]"""
 EVERY_STEP = Program(
     name='every "step"\n\\',
     arm="arm",
@@ -169,43 +164,6 @@ def test_the_urscript_rests_where_a_path_ends(robot: tool0.Robot) -> None:
     text = robot.programs.export(Program(name="blends", steps=steps), "urscript")
     moves = [line for line in text.splitlines() if "movel(" in line]
     assert ["r=" in line for line in moves] == [True, False, False]
-
-
-def test_the_urscript_searches_until_contact() -> None:
-    # In real time: the script runs in a process of its own, which reacts in its time.
-    start = ToolPose(xyz=(0.45, 0.1, 0.0), rpy=(3.14, 0.0, 0.0))
-    program = Program(
-        name="search",
-        tool=ToolPose(xyz=(0.0, 0.0, 0.155)),
-        steps=(
-            MoveJointStep(pose=start, speed=2.0, acceleration=4.0),
-            UntilStep(direction=(0.0, 0.0, -1.0), distance=0.05, speed=0.02),
-            SetOutputStep(output=9),
-        ),
-    )
-    with tool0.bringup(arm="ur5e", scene="table_and_bin") as robot:
-        run_urscript(robot, program)
-        height = robot.arm.pose(tool=Pose(xyz=program.tool.xyz)).position[2]
-        assert -0.03 < height < -0.005  # the table's top is at -0.02 m
-
-
-def run_urscript(robot: tool0.Robot, program: Program) -> None:
-    """Let tool0's own control box run a program until it sets output 9."""
-    box = robot.arm.control_box
-    box.set_digital_output(9, False)
-    text = robot.programs.export(program, "urscript")
-    host = free_host()
-    with tool0.UrController(robot, tool0.UrOptions(host=host)) as controller:
-        controller.wait()
-        with socket.create_connection((host, 30002), timeout=TIMEOUT) as port:
-            port.sendall(text.encode())
-            end = time.monotonic() + TIMEOUT
-            messages = b""
-            while not box.state.digital_outputs[9]:
-                messages = messages[-(1 << 16) :] + port.recv(1 << 16)
-                assert not box.state.protective_stop
-                ended = time.monotonic() > end or b"nothing was touched" in messages
-                assert not ended, messages
 
 
 def test_yaml_is_the_file_of_the_program(robot: tool0.Robot, tmp_path: Path) -> None:
