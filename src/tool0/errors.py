@@ -160,6 +160,14 @@ class GoalTimeoutError(ControlError, TimeoutError):
     """A goal was still active when the wait for it ended."""
 
 
+class CollisionError(ControlError):
+    """A start, a target or a path is in collision, or too near to something."""
+
+
+class PlanningError(ControlError):
+    """No collision-free motion was found; the message says why."""
+
+
 class ProgramError(ControlError):
     """A program that cannot be executed: which step, and why."""
 

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
 import logging
 import math
 import struct
 from collections.abc import Mapping, Sequence
-from functools import cache
-from pathlib import Path
 from typing import Any, final
 
 import mujoco
@@ -17,6 +13,7 @@ import numpy as np
 
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
+from tool0.engines.mujoco.library import address_of, mujoco_library, variable_of
 from tool0.engines.mujoco.model import build_spec
 from tool0.engines.mujoco.world import MujocoWorld
 from tool0.errors import ConfigError, DivergenceError, ModelError
@@ -49,24 +46,6 @@ _MOST_FRICTION = 1e6
 def _log_warning(message: str) -> None:
     """Log what MuJoCo warns of, in place of a file in the working directory."""
     logger.debug("MuJoCo: %s", message)
-
-
-@cache
-def _library() -> ctypes.CDLL | None:
-    """Return MuJoCo's library, which is loaded already; None if it is not found."""
-    folder = Path(mujoco.__file__).parent
-    for path in sorted(folder.glob("libmujoco.*")):
-        with contextlib.suppress(OSError):
-            return ctypes.CDLL(str(path))
-    return None
-
-
-def _address(function: Any) -> int:
-    return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
-
-
-def _variable(library: ctypes.CDLL, name: str) -> int:
-    return ctypes.addressof(ctypes.c_void_p.in_dll(library, name))
 
 
 @final
@@ -208,7 +187,7 @@ class MujocoEngine:
 
     def _stepper(self) -> NativeStepper | None:
         """Return how compiled code steps the current model and data."""
-        library = _library()
+        library = mujoco_library()
         if library is None:
             return None
 
@@ -217,10 +196,8 @@ class MujocoEngine:
 
         model, data = self.model, self.data
         return NativeStepper(
-            step=_address(library.mj_step),
-            on_error=ctypes.addressof(
-                ctypes.c_void_p.in_dll(library, "mju_user_error")
-            ),
+            step=address_of(library.mj_step),
+            on_error=variable_of(library, "mju_user_error"),
             model=model._address,
             data=data._address,
             position=data.qpos.ctypes.data,

@@ -79,7 +79,7 @@ def disabled_collisions(
     at_default = shapes.colliding_at(default)
     adjacent = set(adjacent_links(model))
     robot = {link: _branch(model, link) for link in shapes.links}
-    masters = {link: _master(model, link) for link in shapes.links}
+    masters = {link: mechanism_of(model, link) for link in shapes.links}
     reasons = {}
     for pair in itertools.combinations(sorted(shapes.links), 2):
         first, second = pair
@@ -228,7 +228,7 @@ def _branch(model: RobotModel, link: str) -> str:
     return link
 
 
-def _master(model: RobotModel, link: str) -> str | None:
+def mechanism_of(model: RobotModel, link: str) -> str | None:
     """Return the joint that drives the mechanism of mimic joints a link belongs to."""
     masters = {j.mimic.joint for j in model.joints if j.mimic is not None}
     while link in model.parent_joint:

@@ -16,6 +16,7 @@ from typing import Any, final
 import mujoco
 import numpy as np
 
+from tool0.description.bodies import Matrix
 from tool0.description.model import Collision, RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.scene_state import ObjectState
@@ -192,12 +193,7 @@ def _add_object(
     body = spec.worldbody.add_body(
         name=item.name, pos=frame[:3, 3], quat=quat_wxyz(frame)
     )
-    geoms = [
-        _add_part(spec, body, item, Collision(geometry=shape, origin=pose))
-        for shape, pose in placed_geometries(item.geometry)
-    ]
-    for geom, (name, _) in zip(geoms, _geoms(item), strict=True):
-        geom.name = name
+    geoms = add_shapes(spec, body, item, np.eye(4))
     if item.mass is None:
         return
     body.add_freejoint(name=free_joint_name(item.name))
@@ -210,10 +206,26 @@ def _add_object(
         geom.density *= item.mass / fixed.body(item.name).mass[0]
 
 
-def _add_part(spec: Any, body: Any, item: SceneObject, part: Collision) -> Any:
+def add_shapes(spec: Any, body: Any, item: SceneObject, frame: Matrix) -> list[Any]:
+    """Add the shapes of an object to a body in which it has the pose ``frame``.
+
+    Returns the geoms.
+    """
+    geoms = [
+        _add_part(spec, body, item, Collision(geometry=shape, origin=pose), frame)
+        for shape, pose in placed_geometries(item.geometry)
+    ]
+    for geom, (name, _) in zip(geoms, _geoms(item), strict=True):
+        geom.name = name
+    return geoms
+
+
+def _add_part(
+    spec: Any, body: Any, item: SceneObject, part: Collision, frame: Matrix
+) -> Any:
     """Add one shape of an object to its body; return the geom."""
     try:
-        geom = add_geom(spec, body, part, np.eye(4))
+        geom = add_geom(spec, body, part, frame)
     except ModelError as error:
         raise ModelError(f"object '{item.name}': {error.message}") from None
     geom.rgba = item.rgba

@@ -1,0 +1,207 @@
+"""The shapes of a robot, of the objects around it and of what it holds, at rest.
+
+It is a model of its own, without dynamics, in which distances are measured: for every
+engine, and in any thread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple, final
+
+import mujoco
+import numpy as np
+
+from tool0.description.bodies import moving_bodies
+from tool0.description.model import RobotModel
+from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_state import ObjectState
+from tool0.description.transform import Transform
+from tool0.engines.mujoco.library import address_of, mujoco_library
+from tool0.engines.mujoco.model import build_spec
+from tool0.engines.mujoco.objects import add_shapes, compile_with_scene
+from tool0.engines.mujoco.world import geom_owners
+from tool0.errors import ModelError
+from tool0.hardware.shape_memory import FloatArray, ShapeMemory
+
+
+class HeldObject(NamedTuple):
+    """An object that moves with a link."""
+
+    item: SceneObject
+    link: str
+    T_link_item: Transform
+
+
+class Plane(NamedTuple):
+    """A plane that nothing may pass, from above."""
+
+    name: str
+    point: tuple[float, float, float]
+    """[m], in the robot's root."""
+    normal: tuple[float, float, float]
+    """To where the robot is."""
+
+
+@final
+class Shape(NamedTuple):
+    """One shape that can be too near to another."""
+
+    geom: int
+    owner: str
+    """The link, object or plane it belongs to, or ``ground``."""
+    body: int
+    """What it moves with."""
+
+
+@final
+class DistanceModel:
+    """The compiled shapes.  One thread at a time may use it."""
+
+    def __init__(
+        self,
+        robot: RobotModel,
+        ground: float | None,
+        *,
+        objects: Sequence[tuple[SceneObject, ObjectState]] = (),
+        held: Sequence[HeldObject] = (),
+        planes: Sequence[Plane] = (),
+    ) -> None:
+        """Compile the shapes.
+
+        Args:
+            robot: Its links.
+            ground: Height of the ground in the robot's root [m]; None without.
+            objects: What stands around the robot, and where.
+            held: What it carries.
+            planes: Bounds of the space.
+
+        Raises:
+            ModelError: If MuJoCo does not support a shape.
+        """
+        spec = build_spec(robot, dt=0.001, ground=ground)
+        places = {name: (body, frame) for body in moving_bodies(robot) for name, frame in body.links}
+        for load in held:
+            body, frame = places[load.link]
+            handle = spec.body(body.joint.child)
+            add_shapes(spec, handle, load.item, frame @ load.T_link_item.matrix)
+        for plane in planes:
+            quat = np.empty(4)
+            normal = np.array(plane.normal) / np.linalg.norm(plane.normal)
+            mujoco.mju_quatZ2Vec(quat, normal)
+            spec.worldbody.add_geom(
+                name=plane.name,
+                pos=plane.point,
+                quat=quat,
+                type=mujoco.mjtGeom.mjGEOM_PLANE,
+                size=[0.0, 0.0, 0.05],
+            )
+        still = tuple(replace(item, mass=None) for item, _ in objects)
+        self.model, _ = compile_with_scene(spec, robot, Scene(still), {})
+        for item, state in objects:
+            body = self.model.body(item.name)
+            body.pos[:], body.quat[:] = state.position, state.quat_wxyz
+        self.data = mujoco.MjData(self.model)
+        joints = robot.movable_joints
+        self._addresses = {
+            joint.name: int(self.model.joint(joint.name).qposadr[0]) for joint in joints
+        }
+        owners = geom_owners(self.model)
+        self.shapes = tuple(
+            Shape(k, owners[k], int(self.model.geom_bodyid[k]))
+            for k in range(self.model.ngeom)
+        )
+
+    def put(self, positions: Mapping[str, float]) -> None:
+        """Put joints at positions [rad | m]."""
+        for name, position in positions.items():
+            self.data.qpos[self._addresses[name]] = position
+        mujoco.mj_kinematics(self.model, self.data)
+
+    def addresses(self, joints: Sequence[str]) -> Any:
+        """Return where the positions of joints are, shape (n,)."""
+        return np.array([self._addresses[name] for name in joints], dtype=np.int32)
+
+    def axis_rows(self, joints: Sequence[str]) -> Any:
+        """Return the rows of the joints in ``ShapeMemory.axes``, shape (n,)."""
+        return np.array([self.model.joint(name).id for name in joints], dtype=np.int32)
+
+    def body_of(self, link: str) -> int:
+        """Return the body that a link moves with."""
+        return int(self.model.site(link).bodyid[0])
+
+    def rotation_in_body(self, link: str) -> FloatArray:
+        """Return the rotation of a link in its body, shape (3, 3)."""
+        found = np.empty(9)
+        mujoco.mju_quat2Mat(found, self.model.site_quat[self.model.site(link).id])
+        return found.reshape(3, 3)
+
+    def joints_above(self, body: int) -> Iterator[tuple[str, float]]:
+        """Yield the joints that move a body, from it on, and how far a body's origin is.
+
+        The second is the largest distance of the body's origin from the joint's axis
+        that any position of the joints between allows [m].
+        """
+        model, length = self.model, 0.0
+        while body > 0:
+            for k in range(model.body_jntnum[body]):
+                joint = int(model.body_jntadr[body]) + k
+                yield model.joint(joint).name, length
+                if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE:
+                    length += float(np.abs(model.jnt_range[joint]).max())
+            length += float(np.linalg.norm(model.body_pos[body]))
+            body = int(model.body_parentid[body])
+
+    def slides(self, joint: str) -> bool:
+        """Return whether a joint slides."""
+        return bool(self.model.joint(joint).type[0] == mujoco.mjtJoint.mjJNT_SLIDE)
+
+    def extent(self, shape: Shape) -> float:
+        """Return the largest distance of a shape's points from its body's origin [m]."""
+        offset = float(np.linalg.norm(self.model.geom_pos[shape.geom]))
+        return offset + float(self.model.geom_rbound[shape.geom])
+
+    def is_plane(self, shape: Shape) -> bool:
+        """Return whether a shape is a plane, the ground included."""
+        return bool(self.model.geom_type[shape.geom] == mujoco.mjtGeom.mjGEOM_PLANE)
+
+    def radius(self, shape: Shape) -> float:
+        """Return the radius of the sphere around a shape [m]."""
+        return float(self.model.geom_rbound[shape.geom])
+
+    def is_parallel(self, axis: FloatArray, plane: Shape) -> bool:
+        """Return whether an axis in the world is a plane's normal."""
+        if not self.is_plane(plane):
+            return False
+        normal = self.data.geom_xmat[plane.geom].reshape(3, 3)[:, 2]
+        return bool(np.linalg.norm(np.cross(axis, normal)) < 1e-9)
+
+    def parent(self, body: int) -> int:
+        """Return the body that carries another one."""
+        return int(self.model.body_parentid[body])
+
+    def memory(self) -> ShapeMemory:
+        """Return what compiled code needs.
+
+        Raises:
+            ModelError: If MuJoCo's library is not found.
+        """
+        library = mujoco_library()
+        if library is None:
+            raise ModelError("MuJoCo's library is not found beside its Python package")
+        model, data = self.model, self.data
+        return ShapeMemory(
+            kinematics=address_of(library.mj_kinematics),
+            distance=address_of(library.mj_geomDistance),
+            model=model._address,
+            data=data._address,
+            position=data.qpos,
+            centres=data.geom_xpos,
+            rotations=data.geom_xmat,
+            axes=data.xaxis,
+            anchors=data.xanchor,
+            bodies=data.xmat,
+            radii=model.geom_rbound,
+            boxes=model.geom_aabb,
+        )

@@ -1,0 +1,37 @@
+"""Where shapes are in an engine's memory, for compiled code that measures distances."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+class ShapeMemory(NamedTuple):
+    """Functions and arrays of an engine; numbers are addresses of C functions and data."""
+
+    kinematics: int
+    """``void kinematics(const void *model, void *data)`` places the shapes."""
+    distance: int
+    """``double distance(const void *model, void *data, int first, int second, double
+    most, double *ends)`` is that between two shapes, up to ``most`` [m]."""
+    model: int
+    data: int
+    position: FloatArray
+    centres: FloatArray
+    """Of the shapes [m], shape (n_shapes, 3)."""
+    rotations: FloatArray
+    """Of the shapes, shape (n_shapes, 9)."""
+    axes: FloatArray
+    """Of the joints in the world, shape (n, 3)."""
+    anchors: FloatArray
+    """A point on each axis in the world [m], shape (n, 3)."""
+    bodies: FloatArray
+    """Rotations of the bodies, shape (n, 9)."""
+    radii: FloatArray
+    """Of spheres around the shapes [m], shape (n_shapes,); 0 for planes."""
+    boxes: FloatArray
+    """Centre and half sizes of boxes around the shapes [m], shape (n_shapes, 6)."""

@@ -1,0 +1,359 @@
+"""Whether shapes stay apart, and the search for a free way: ``clearance.c``, ``search.c``."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import time
+from collections.abc import Sequence
+from ctypes import Structure, byref, c_double, c_int32, c_int64, c_size_t, c_uint32, c_uint64
+from enum import IntEnum
+from typing import Any, Final, NamedTuple, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.hardware.shape_memory import ShapeMemory
+from tool0.kernel.memory import FloatArray, IntArray
+
+MOST_MOVING: Final = 24
+"""Most joints of a plan."""
+FREE: Final = -1
+TILTED: Final = -2
+"""What is wrong in a pose, if it is no pair of shapes."""
+
+
+class Ended(IntEnum):
+    """How a search ended."""
+
+    FOUND = 0
+    NO_WAY = 1
+    """The trees were full."""
+    TIMEOUT = 2
+    CANCELLED = 3
+    NO_MEMORY = 4
+
+
+class _Clearances(Structure):
+    _fields_ = (
+        ("n_joints", c_int32),
+        ("n_pairs", c_int32),
+        ("tool", c_int32),
+        ("calls", c_int64),
+        ("poses", c_int64),
+        ("kinematics", c_size_t),
+        ("distance", c_size_t),
+        ("model", c_size_t),
+        ("data", c_size_t),
+        ("position", c_size_t),
+        ("addresses", c_size_t),
+        ("centres", c_size_t),
+        ("rotations", c_size_t),
+        ("axes", c_size_t),
+        ("anchors", c_size_t),
+        ("axis_rows", c_size_t),
+        ("moved_by", c_size_t),
+        ("sliding", c_uint32),
+        ("tilting", c_uint32),
+        ("bodies", c_size_t),
+        ("radii", c_size_t),
+        ("boxes", c_size_t),
+        ("first", c_size_t),
+        ("second", c_size_t),
+        ("least", c_size_t),
+        ("reach", c_size_t),
+        ("up", c_size_t),
+        ("tool_axis", c_size_t),
+        ("tilt", c_double),
+        ("slack", c_double),
+        ("rates", c_size_t),
+        ("steps", c_size_t),
+        ("looks", c_size_t),
+    )
+
+
+class _Search(Structure):
+    _fields_ = (
+        ("start", c_size_t),
+        ("goals", c_size_t),
+        ("n_goals", c_int32),
+        ("most_nodes", c_int32),
+        ("lower", c_size_t),
+        ("upper", c_size_t),
+        ("near_lower", c_size_t),
+        ("near_upper", c_size_t),
+        ("range", c_double),
+        ("deadline", c_double),
+        ("seed", c_uint64),
+        ("cancelled", c_size_t),
+        ("samples", c_int64),
+    )
+
+
+class Pairs(NamedTuple):
+    """The pairs of shapes that must stay apart."""
+
+    first: IntArray
+    second: IntArray
+    """Numbers of shapes: the second is the larger one, or a plane."""
+    least: FloatArray
+    """Distance that is kept [m]."""
+    reach: FloatArray
+    """Largest relative motion of any of their points [m/rad], shape (n, n_joints)."""
+
+
+class Joints(NamedTuple):
+    """The joints that a plan moves, from base to tip."""
+
+    addresses: IntArray
+    """Of each in the engine's positions."""
+    axis_rows: IntArray
+    """The row of each in the engine's axes."""
+    sliding: int
+    """A bit for each that slides."""
+    moved_by: NDArray[np.uint32]
+    """Of each shape of the engine, a bit for each joint that moves it."""
+
+
+class Upright(NamedTuple):
+    """A tool that must not tilt."""
+
+    body: int
+    axis: FloatArray
+    """In the body, shape (3,)."""
+    up: FloatArray
+    """In the world, shape (3,)."""
+    tilt: float
+    """Largest angle between them [rad]."""
+    tilting: int
+    """A bit for each joint that turns the tool."""
+
+
+class Violation(NamedTuple):
+    """What is too near on a way, and where."""
+
+    pair: int
+    """Its number, or TILTED."""
+    row: int
+    """The pose before."""
+    part: float
+    """Of the way from there to the next pose."""
+
+
+class Found(NamedTuple):
+    """The end of a search."""
+
+    ended: Ended
+    way: FloatArray
+    """Poses [rad | m], shape (n, n_joints)."""
+    samples: int
+
+
+@final
+class Cancelled:
+    """A flag that another thread sets to end a search."""
+
+    def __init__(self) -> None:
+        self._flag = c_int32(0)
+
+    def set(self) -> None:
+        self._flag.value = 1
+
+    def __bool__(self) -> bool:
+        """Return whether it is set."""
+        return bool(self._flag.value)
+
+    @property
+    def address(self) -> int:
+        return ctypes.addressof(self._flag)
+
+
+@final
+class Clearances:
+    """Looks at poses and ways of one group of joints; one thread at a time."""
+
+    def __init__(
+        self,
+        compiled: ctypes.CDLL,
+        memory: ShapeMemory,
+        joints: Joints,
+        pairs: Pairs,
+        *,
+        slack: float,
+        upright: Upright | None = None,
+    ) -> None:
+        """Look at ``pairs``.
+
+        Args:
+            compiled: The kernel.
+            memory: The engine's.
+            joints: Those that move.
+            pairs: They must include ``slack``.
+            slack: How far a motion is looked at ahead, at least [m].
+            upright: The tool to keep upright.
+        """
+        self.n_joints = len(joints.addresses)
+        if self.n_joints > MOST_MOVING:
+            raise ValueError(f"{self.n_joints} joints; {MOST_MOVING} is the most")
+        self._compiled = compiled
+        compiled.tool0_clearances_nearest.restype = c_double
+        n_pairs = len(pairs.first)
+        struct = self._struct = _Clearances(
+            n_joints=self.n_joints,
+            n_pairs=n_pairs,
+            tool=-1,
+            sliding=joints.sliding,
+            slack=slack,
+        )
+        arrays: dict[str, NDArray[Any]] = {
+            name: getattr(memory, name)
+            for name in memory._fields
+            if isinstance(getattr(memory, name), np.ndarray)
+        }
+        arrays |= {
+            "addresses": np.ascontiguousarray(joints.addresses, dtype=np.int32),
+            "axis_rows": np.ascontiguousarray(joints.axis_rows, dtype=np.int32),
+            "moved_by": np.ascontiguousarray(joints.moved_by, dtype=np.uint32),
+            "first": np.ascontiguousarray(pairs.first, dtype=np.int32),
+            "second": np.ascontiguousarray(pairs.second, dtype=np.int32),
+            "least": np.ascontiguousarray(pairs.least),
+            "reach": np.ascontiguousarray(pairs.reach),
+            "rates": np.zeros(max(n_pairs, 1)),
+            "steps": np.zeros(max(n_pairs, 1)),
+            "looks": np.zeros(max(n_pairs, 1), dtype=np.int32),
+        }
+        if upright is not None:
+            struct.tool, struct.tilt = upright.body, upright.tilt
+            struct.tilting = upright.tilting
+            arrays |= {
+                "up": np.ascontiguousarray(upright.up),
+                "tool_axis": np.ascontiguousarray(upright.axis),
+            }
+        for name, array in arrays.items():
+            setattr(struct, name, array.ctypes.data)
+        for name in ("kinematics", "distance", "model", "data"):
+            setattr(struct, name, getattr(memory, name))
+        self._alive = (memory, arrays)
+
+    @property
+    def poses(self) -> int:
+        """Number of poses that were looked at so far."""
+        return int(self._struct.poses)
+
+    def at(self, q: FloatArray) -> int:
+        """Return FREE, TILTED, or a pair that is too near, in a pose (n_joints,)."""
+        q = _packed(q)
+        return int(self._compiled.tool0_clearances_at(self._ref, _at(q)))
+
+    def nearest(self, q: FloatArray, most: float) -> tuple[float, int]:
+        """Return the smallest distance up to ``most`` [m], and its pair or FREE."""
+        q, pair = _packed(q), c_int32()
+        distance = self._compiled.tool0_clearances_nearest(
+            self._ref, _at(q), c_double(most), byref(pair)
+        )
+        return float(distance), pair.value
+
+    def distances(self, q: FloatArray, most: float) -> FloatArray:
+        """Return the distance of each pair in a pose, up to ``most`` [m]."""
+        q, found = _packed(q), np.empty(self._struct.n_pairs)
+        self._compiled.tool0_clearances_all(
+            self._ref, _at(q), c_double(most), _at(found)
+        )
+        return found
+
+    def along(self, poses: FloatArray) -> Violation | None:
+        """Return what is too near on the straight ways from pose to pose."""
+        poses, row, part = _packed(poses), c_int32(), c_double()
+        found = self._compiled.tool0_clearances_along(
+            self._ref, _at(poses), len(poses), byref(row), byref(part)
+        )
+        return None if found == FREE else Violation(found, row.value, part.value)
+
+    def search(
+        self,
+        start: FloatArray,
+        goals: FloatArray,
+        samples: tuple[FloatArray, FloatArray],
+        near: tuple[FloatArray, FloatArray],
+        *,
+        seed: int,
+        longest: float,
+        most_nodes: int,
+        timeout: float,
+        cancelled: Cancelled,
+    ) -> Found:
+        """Search a way by RRT-Connect.
+
+        Args:
+            start: A free pose, shape (n_joints,).
+            goals: Free poses, shape (n, n_joints).
+            samples: Bounds of the samples, shape (n_joints,) each.
+            near: Bounds of most samples.
+            seed: Of the samples.
+            longest: Longest extension of a tree [rad].
+            most_nodes: Size of a tree.
+            timeout: Wall time after which it ends [s].
+            cancelled: Ends it.
+        """
+        arrays = [_packed(item) for item in (start, goals, *samples, *near)]
+        way = np.empty((2 * most_nodes, self.n_joints))
+        names = ("start", "goals", "lower", "upper", "near_lower", "near_upper")
+        setup = _Search(
+            n_goals=len(goals),
+            most_nodes=most_nodes,
+            range=longest,
+            deadline=time.clock_gettime(time.CLOCK_MONOTONIC) + timeout,
+            seed=seed,
+            cancelled=cancelled.address,
+        )
+        for name, array in zip(names, arrays, strict=True):
+            setattr(setup, name, array.ctypes.data)
+        n_way = c_int32()
+        ended = Ended(
+            self._compiled.tool0_search(
+                self._ref, byref(setup), _at(way), byref(n_way)
+            )
+        )
+        if ended is Ended.NO_MEMORY:
+            raise MemoryError
+        return Found(ended, way[: n_way.value].copy(), setup.samples)
+
+    def shorten(
+        self,
+        way: FloatArray,
+        *,
+        tries: int,
+        seed: int,
+        timeout: float = math.inf,
+        cancelled: Cancelled,
+    ) -> FloatArray:
+        """Return a way with straight parts in place of detours.
+
+        ``tries`` is how many attempts in a row may be in vain.
+        """
+        most = 2 * len(way) + 16
+        room = np.empty((most, self.n_joints))
+        room[: len(way)] = way
+        n = self._compiled.tool0_shorten(
+            self._ref,
+            _at(room),
+            len(way),
+            most,
+            tries,
+            c_uint64(seed),
+            c_double(time.clock_gettime(time.CLOCK_MONOTONIC) + timeout),
+            c_size_t(cancelled.address),
+        )
+        return room[:n].copy()
+
+    @property
+    def _ref(self) -> object:
+        return byref(self._struct)
+
+
+def _packed(values: FloatArray | Sequence[float]) -> FloatArray:
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+def _at(array: FloatArray) -> c_size_t:
+    return c_size_t(array.ctypes.data)

@@ -1,0 +1,254 @@
+/* RRT-Connect (Kuffner and LaValle, ICRA 2000) between a pose and several goals, and
+   shortcuts.  The same seed gives the same way. */
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "clearance.h"
+#include "export.h"
+
+#define NARROW 0.7       /* part of the samples near start and goals */
+#define UPRIGHT_RANGE 0.15 /* [rad], of an extension along which the tool stays upright */
+
+enum { FOUND = 0, NO_WAY = 1, TIMEOUT = 2, CANCELLED = 3, NO_MEMORY = 4 };
+
+typedef struct {
+    const double *start;  /* (n_joints) */
+    const double *goals;  /* (n_goals, n_joints) */
+    int32_t n_goals;
+    int32_t most_nodes;   /* of both trees */
+    const double *lower, *upper; /* (n_joints), of the samples */
+    const double *near_lower, *near_upper;
+    double range;         /* longest extension [rad] */
+    double deadline;      /* as of CLOCK_MONOTONIC [s] */
+    uint64_t seed;
+    volatile int32_t *cancelled;
+    int64_t samples;      /* out */
+} Search;
+
+typedef struct {
+    double *q;
+    int32_t *parent;
+    int32_t n, n_joints;
+} Tree;
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* splitmix64 */
+static double uniform(uint64_t *state)
+{
+    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static double apart(const double *a, const double *b, int32_t n)
+{
+    double sum = 0.0;
+    for (int32_t j = 0; j < n; j++)
+        sum += (a[j] - b[j]) * (a[j] - b[j]);
+    return sum;
+}
+
+static int32_t nearest(const Tree *tree, const double *q)
+{
+    int32_t best = 0;
+    double least = INFINITY;
+    for (int32_t k = 0; k < tree->n; k++) {
+        const double distance = apart(tree->q + k * tree->n_joints, q, tree->n_joints);
+        if (distance < least) {
+            least = distance;
+            best = k;
+        }
+    }
+    return best;
+}
+
+static int32_t add(Tree *tree, const double *q, int32_t parent)
+{
+    memcpy(tree->q + tree->n * tree->n_joints, q, sizeof(double) * tree->n_joints);
+    tree->parent[tree->n] = parent;
+    return tree->n++;
+}
+
+/* Grow a tree from a node towards a target; return the new node, or -1.  `reached`:
+   whether it is the target. */
+static int32_t extend(
+    Clearances *c, Tree *tree, int32_t from, const double *target, double range,
+    int *reached)
+{
+    const int32_t n = tree->n_joints;
+    const double *here = tree->q + from * n;
+    const double way = sqrt(apart(here, target, n));
+    double q[MOST_MOVING], at;
+    *reached = way <= range;
+    const double part = *reached ? 1.0 : range / way;
+    for (int32_t j = 0; j < n; j++)
+        q[j] = *reached ? target[j] : here[j] + part * (target[j] - here[j]);
+    if (c->tool >= 0 && !*reached) {
+        if (!clearances_upright(c, q))
+            return -1;
+        const double moved = apart(here, q, n);
+        /* a projection may throw it back or aside */
+        if (moved < 1e-4 * range * range || moved > 4.0 * range * range)
+            return -1;
+        if (apart(q, target, n) >= way * way)
+            return -1;
+    }
+    if (clearances_at(c, q) != FREE || clearances_between(c, here, q, &at) != FREE)
+        return -1;
+    return add(tree, q, from);
+}
+
+/* Write the way from the root of a tree to a node; return how many poses it has. */
+static int32_t way_to(const Tree *tree, int32_t node, double *way)
+{
+    int32_t n = 0;
+    for (int32_t k = node; k >= 0; k = tree->parent[k])
+        n++;
+    int32_t row = n;
+    for (int32_t k = node; k >= 0; k = tree->parent[k])
+        memcpy(
+            way + --row * tree->n_joints, tree->q + k * tree->n_joints,
+            sizeof(double) * tree->n_joints);
+    return n;
+}
+
+/* Write the poses of a way from the start to one of the goals to `way`, of the size of
+   `most_nodes` poses, and their number to `n_way`. */
+TOOL0_EXPORT int32_t tool0_search(
+    Clearances *c, Search *s, double *way, int32_t *n_way)
+{
+    const int32_t n = c->n_joints, most = s->most_nodes;
+    const double range = c->tool >= 0 ? fmin(s->range, UPRIGHT_RANGE) : s->range;
+    Tree trees[2];
+    int32_t result = NO_WAY;
+    for (int k = 0; k < 2; k++) {
+        trees[k] = (Tree){
+            malloc(sizeof(double) * (size_t)(most * n)),
+            malloc(sizeof(int32_t) * (size_t)most), 0, n};
+        if (!trees[k].q || !trees[k].parent)
+            result = NO_MEMORY;
+    }
+    if (result == NO_MEMORY)
+        goto end;
+    add(&trees[0], s->start, -1);
+    for (int32_t k = 0; k < s->n_goals; k++)
+        add(&trees[1], s->goals + k * n, -1);
+    uint64_t state = s->seed;
+    for (int turn = 0;; turn = !turn) {
+        if (*s->cancelled || now() > s->deadline) {
+            result = *s->cancelled ? CANCELLED : TIMEOUT;
+            break;
+        }
+        if (trees[0].n >= most - 1 || trees[1].n >= most - 1)
+            break;
+        double sample[MOST_MOVING];
+        const int near = uniform(&state) < NARROW;
+        for (int32_t j = 0; j < n; j++) {
+            const double lower = near ? s->near_lower[j] : s->lower[j];
+            const double upper = near ? s->near_upper[j] : s->upper[j];
+            sample[j] = lower + uniform(&state) * (upper - lower);
+        }
+        s->samples++;
+        Tree *here = &trees[turn], *there = &trees[!turn];
+        int reached;
+        const int32_t grown =
+            extend(c, here, nearest(here, sample), sample, range, &reached);
+        if (grown < 0)
+            continue;
+        const double *target = here->q + grown * n;
+        int32_t node = nearest(there, target);
+        do {
+            node = there->n >= most - 1
+                ? -1
+                : extend(c, there, node, target, range, &reached);
+        } while (node >= 0 && !reached);
+        if (node < 0)
+            continue;
+        /* both trees have this pose: the way takes it once */
+        const int32_t from_start = turn ? node : grown, from_goal = turn ? grown : node;
+        int32_t rows = way_to(&trees[0], from_start, way);
+        for (int32_t k = trees[1].parent[from_goal]; k >= 0; k = trees[1].parent[k])
+            memcpy(way + rows++ * n, trees[1].q + k * n, sizeof(double) * n);
+        *n_way = rows;
+        result = FOUND;
+        break;
+    }
+end:
+    for (int k = 0; k < 2; k++) {
+        free(trees[k].q);
+        free(trees[k].parent);
+    }
+    return result;
+}
+
+/* Replace parts of a way through `n_way` poses by straight ones, at random; return how
+   many poses it has then.  `most`: room for them; `tries`: without success. */
+TOOL0_EXPORT int32_t tool0_shorten(
+    Clearances *c, double *way, int32_t n_way, int32_t most, int32_t tries,
+    uint64_t seed, double deadline, volatile int32_t *cancelled)
+{
+    const int32_t n = c->n_joints;
+    uint64_t state = seed;
+    double a[MOST_MOVING], b[MOST_MOVING], at;
+    for (int32_t failed = 0; failed < tries && n_way > 2;) {
+        if (*cancelled || now() > deadline)
+            break;
+        /* Two places on the way: a whole number is a pose. */
+        double x = uniform(&state) * (n_way - 1), y = uniform(&state) * (n_way - 1);
+        if (x > y) {
+            const double other = x;
+            x = y;
+            y = other;
+        }
+        /* Half of the time from pose to pose. */
+        if (uniform(&state) < 0.5) {
+            x = floor(x);
+            y = ceil(y);
+        }
+        const int32_t i = (int32_t)fmin(floor(x), n_way - 2);
+        const int32_t k = (int32_t)fmin(floor(y), n_way - 2);
+        if (i == k) {
+            failed++;
+            continue;
+        }
+        double before = 0.0, *p = way + i * n, *r = way + k * n;
+        for (int32_t j = 0; j < n; j++) {
+            a[j] = p[j] + (x - i) * (p[n + j] - p[j]);
+            b[j] = r[j] + (y - k) * (r[n + j] - r[j]);
+        }
+        before = sqrt(apart(a, p + n, n)) + sqrt(apart(r, b, n));
+        for (int32_t m = i + 1; m < k; m++)
+            before += sqrt(apart(way + m * n, way + (m + 1) * n, n));
+        if (sqrt(apart(a, b, n)) > before - 1e-6
+            || clearances_between(c, a, b, &at) != FREE) {
+            failed++;
+            continue;
+        }
+        /* poses 0 … i, a, b, k + 1 … */
+        const int keep_a = x - i > 1e-9, keep_b = k + 1 - y > 1e-9;
+        const int32_t head = i + 1 + keep_a, tail = n_way - (k + 1);
+        if (head + keep_b + tail > most) {
+            failed++;
+            continue;
+        }
+        memmove(
+            way + (head + keep_b) * n, way + (k + 1) * n, sizeof(double) * (size_t)(tail * n));
+        if (keep_a)
+            memcpy(way + (i + 1) * n, a, sizeof(double) * n);
+        if (keep_b)
+            memcpy(way + head * n, b, sizeof(double) * n);
+        n_way = head + keep_b + tail;
+        failed = 0;
+    }
+    return n_way;
+}

@@ -1,0 +1,250 @@
+"""A smooth motion of any joints through waypoints: corners are cut, never overshot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple, final
+
+import numpy as np
+
+from tool0.description.model import Joint
+from tool0.kinematics.chain import Array
+from tool0.motion.path import Path
+from tool0.motion.rules import TIME_TO_FULL_ACCELERATION
+
+_DEVIATION: Final = 3.0 / 16.0
+"""Distance of a blend from its corner, relative to its length on each side and to the
+difference of the two directions."""
+_SHARE: Final = 0.5
+"""Part of the joints' accelerations for the curvature of a blend; the rest is for the
+change of speed along it."""
+_GRID: Final = 16
+"""Intervals of each piece of the path, for its speed."""
+_KNOT: Final = 0.02
+"""Time between two knots of the motion [s]."""
+_STILL: Final = 1e-9
+
+
+@final
+class _Piece(NamedTuple):
+    """A straight piece, or a blend that turns from one direction to another."""
+
+    start: Array
+    before: Array
+    """Direction at its start, a unit vector."""
+    after: Array
+    """Direction at its end."""
+    length: float
+
+    def at(self, u: Array) -> tuple[Array, Array, Array]:
+        """Return positions, and first and second derivative by the way, (n, m) each.
+
+        The direction changes by a smoothstep in ``u``, 0 … 1: the curvature is
+        continuous.
+        """
+        turn = self.after - self.before
+        u = u[:, None]
+        shape = u**3 - u**4 / 2.0
+        q = self.start + self.length * (u * self.before + shape * turn)
+        slope = self.before + (3.0 * u**2 - 2.0 * u**3) * turn
+        bend = 6.0 * u * (1.0 - u) * turn / self.length
+        return q, slope, bend
+
+
+@final
+class SmoothWay:
+    """A way through waypoints whose corners are replaced by blends."""
+
+    def __init__(self, poses: Array, deviations: Sequence[float]) -> None:
+        """Cut the corners.
+
+        Args:
+            poses: The waypoints [rad | m], shape (n, n_joints); no two in a row are the
+                same.
+            deviations: Largest distance of the way from each corner [rad | m], shape
+                (n - 2,); at 0, the motion stops there.
+        """
+        steps = np.diff(poses, axis=0)
+        lengths = np.linalg.norm(steps, axis=1)
+        directions = steps / lengths[:, None]
+        trims = np.zeros(len(poses))
+        for k, deviation in enumerate(deviations, 1):
+            turn = float(np.linalg.norm(directions[k] - directions[k - 1]))
+            room = min(lengths[k - 1], lengths[k]) / 2.0
+            wanted = deviation / (_DEVIATION * turn) if turn > _STILL else room
+            trims[k] = min(room, wanted)
+        self._pieces: list[_Piece] = []
+        self._stops: list[int] = []
+        """The number of the piece before which the motion rests."""
+        self.corners: list[int] = []
+        """The corner of each piece; -1 of straight ones."""
+        for k, (direction, length) in enumerate(zip(directions, lengths, strict=True)):
+            rest = length - trims[k] - trims[k + 1]
+            if rest > _STILL:
+                start = poses[k] + trims[k] * direction
+                self._add(_Piece(start, direction, direction, float(rest)), -1)
+            if k + 2 == len(poses):
+                break
+            if trims[k + 1] > _STILL:
+                start = poses[k + 1] - trims[k + 1] * direction
+                blend = _Piece(start, direction, directions[k + 1], 2.0 * trims[k + 1])
+                self._add(blend, k)
+            else:
+                self._stops.append(len(self._pieces))
+        self.end = poses[-1]
+
+    def _add(self, piece: _Piece, corner: int) -> None:
+        self._pieces.append(piece)
+        self.corners.append(corner)
+
+    def chords(self, n: int) -> tuple[Array, list[int]]:
+        """Return poses along the way, ``n`` chords for each blend.
+
+        Also the corner of each chord; -1 of straight ones.
+        """
+        poses, corners = [self._pieces[0].start[None]], []
+        for piece, corner in zip(self._pieces, self.corners, strict=True):
+            u = np.arange(1, n + 1) / n if corner >= 0 else np.ones(1)
+            poses.append(piece.at(u)[0])
+            corners += [corner] * len(u)
+        found = np.concatenate(poses)
+        found[-1] = self.end
+        return found, corners
+
+    def sampled(self) -> tuple[Array, Array, Array, Array, set[int]]:
+        """Return the way, the positions and both derivatives at a grid of it.
+
+        Also the indices of the grid at which the motion rests.
+        """
+        u = np.linspace(0.0, 1.0, _GRID + 1)
+        ways, rows, begun, rests = [np.zeros(1)], [], 0.0, {0}
+        for k, piece in enumerate(self._pieces):
+            if k in self._stops:
+                rests.add(k * _GRID)
+            ways.append(begun + u[1:] * piece.length)
+            begun += piece.length
+            rows.append([values[:-1] for values in piece.at(u)])
+        rows.append([values[-1:] for values in self._pieces[-1].at(u)])
+        s = np.concatenate(ways)
+        q, slope, bend = (np.concatenate(parts) for parts in zip(*rows, strict=True))
+        return s, q, slope, bend, rests | {len(s) - 1}
+
+    def at(self, s: Array) -> tuple[Array, Array, Array]:
+        """Return positions and both derivatives at places on the way."""
+        starts = np.cumsum([0.0, *(piece.length for piece in self._pieces)])
+        number = np.searchsorted(starts, s, side="right") - 1
+        number = np.clip(number, 0, len(self._pieces) - 1)
+        shape = (len(s), len(self.end))
+        q, slope, bend = np.empty(shape), np.empty(shape), np.empty(shape)
+        for k in np.unique(number):
+            here = number == k
+            u = (s[here] - starts[k]) / self._pieces[k].length
+            q[here], slope[here], bend[here] = self._pieces[k].at(np.clip(u, 0.0, 1.0))
+        return q, slope, bend
+
+
+def time_way(joints: Sequence[Joint], way: SmoothWay, *, speed: float) -> Path:
+    """Return a fast motion along a way, from rest to rest.
+
+    It is the fastest by parts of the accelerations for curvature and for speeding up,
+    smoothed over ``TIME_TO_FULL_ACCELERATION``, and slower as a whole where a joint
+    would exceed its limits of velocity, acceleration or jerk.
+
+    Args:
+        joints: Of the positions, with their limits.
+        way: Where to.
+        speed: Fraction of each joint's largest velocity.
+    """
+    fastest = speed * np.array([joint.max_velocity for joint in joints])
+    strongest = np.array([joint.max_acceleration for joint in joints])
+    s, _, slope, bend, rests = way.sampled()
+    times, speeds = _profile(s, slope, bend, fastest, strongest, rests)
+    duration = float(times[-1]) + TIME_TO_FULL_ACCELERATION
+    n = max(int(np.ceil(duration / _KNOT)), 4)
+    knots = np.linspace(0.0, duration, n + 1)
+    x, v, a = _smoothed(times, s, speeds, knots)
+    q, slope, bend = way.at(x)
+    qd = slope * v[:, None]
+    qdd = slope * a[:, None] + bend * v[:, None] ** 2
+    q[-1] = way.end
+    qd[0] = qd[-1] = qdd[0] = qdd[-1] = 0.0
+    jerk = np.diff(qdd, axis=0) / (knots[1] - knots[0])
+    jerks = np.array(
+        [
+            min(joint.max_acceleration / TIME_TO_FULL_ACCELERATION, joint.limits.jerk)
+            for joint in joints
+        ]
+    )
+    slower = max(
+        1.0,
+        float((np.abs(qd) / fastest).max()),
+        float((np.abs(qdd) / strongest).max()) ** (1 / 2),
+        float((np.abs(jerk) / jerks).max()) ** (1 / 3),
+    )
+    return Path(
+        joint_names=tuple(joint.name for joint in joints),
+        times=slower * knots,
+        positions=q,
+        velocities=qd / slower,
+        accelerations=qdd / slower**2,
+    )
+
+
+def _profile(
+    s: Array,
+    slope: Array,
+    bend: Array,
+    fastest: Array,
+    strongest: Array,
+    rests: set[int],
+) -> tuple[Array, Array]:
+    """Return time and speed at each place of a grid."""
+    curved = np.abs(bend).max(axis=1) > _STILL
+    share = np.where(curved, _SHARE, 1.0)[:, None]
+    with np.errstate(divide="ignore"):
+        by_speed = (fastest / np.abs(slope)).min(axis=1)
+        by_bend = np.sqrt((_SHARE * strongest / np.abs(bend)).min(axis=1))
+        ramps = (share * strongest / np.abs(slope)).min(axis=1)
+    squares = (np.minimum(by_speed, by_bend) ** 2).tolist()
+    for k in rests:
+        squares[k] = 0.0
+    steps, ramp = np.diff(s).tolist(), ramps.tolist()
+    for k in range(len(steps)):
+        gain = 2.0 * min(ramp[k], ramp[k + 1]) * steps[k]
+        squares[k + 1] = min(squares[k + 1], squares[k] + gain)
+    for k in reversed(range(len(steps))):
+        gain = 2.0 * min(ramp[k], ramp[k + 1]) * steps[k]
+        squares[k] = min(squares[k], squares[k + 1] + gain)
+    speeds = np.sqrt(squares)
+    durations = 2.0 * np.diff(s) / (speeds[1:] + speeds[:-1])
+    return np.concatenate([np.zeros(1), np.cumsum(durations)]), speeds
+
+
+def _smoothed(
+    times: Array, s: Array, speeds: Array, at: Array
+) -> tuple[Array, Array, Array]:
+    """Return place, speed and acceleration of the mean of delayed copies.
+
+    The delays are 0 … ``TIME_TO_FULL_ACCELERATION``.  Between the ``times`` the
+    acceleration is constant.
+    """
+    window = TIME_TO_FULL_ACCELERATION
+    h = np.diff(times)
+    accelerations = np.diff(speeds) / h
+    areas = h * (s[:-1] + h * (speeds[:-1] / 2.0 + h * accelerations / 6.0))
+    sums = np.concatenate([np.zeros(1), np.cumsum(areas)])
+
+    def values(t: Array) -> tuple[Array, Array, Array]:
+        """Return the integral of the place, the place and the speed."""
+        inside = np.clip(t, 0.0, times[-1])
+        k = np.clip(np.searchsorted(times, inside, side="right") - 1, 0, len(h) - 1)
+        u = inside - times[k]
+        place = s[k] + u * (speeds[k] + u * accelerations[k] / 2.0)
+        area = sums[k] + u * (s[k] + u * (speeds[k] / 2.0 + u * accelerations[k] / 6.0))
+        late = np.maximum(t - times[-1], 0.0)
+        speed = np.where(late > 0.0, 0.0, speeds[k] + u * accelerations[k])
+        return area + late * s[-1], place, np.where(t < 0.0, 0.0, speed)
+
+    now, past = values(at), values(at - window)
+    x, v, a = ((one - other) / window for one, other in zip(now, past, strict=True))
+    return np.clip(x, 0.0, s[-1]), np.maximum(v, 0.0), a

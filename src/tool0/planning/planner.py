@@ -1,0 +1,293 @@
+"""Collision-free motions: a straight one, or a search, then shortcuts and timing."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+
+from tool0.description.model import Joint, JointType
+from tool0.errors import CollisionError, PlanningError
+from tool0.kernel.clearance import Cancelled, Ended
+from tool0.kinematics.chain import Array
+from tool0.motion.path import Path
+from tool0.motion.waypoints import SmoothWay, time_way
+from tool0.planning.world import PlanningGroup
+
+LONGEST: Final = 1.0
+"""Longest extension of a tree [rad]."""
+MOST_NODES: Final = 20_000
+"""Size of a tree."""
+RESTARTS: Final = 4
+"""Ways that are searched; the fastest wins."""
+MOST_GOALS: Final = 24
+_BESIDE: Final = 1.0
+"""How far around start and goals most samples are [rad]."""
+_TRIES: Final = 40
+"""Shortcuts in a row that may be in vain."""
+_CUT: Final = 0.2
+"""Distance of the motion from a corner, at first [rad]."""
+_STOP: Final = 0.002
+"""Smaller distances are a stop at the corner."""
+_CHORDS: Final = 16
+_TURN: Final = 2.0 * math.pi
+_SAME: Final = 1e-9
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FreeMotion:
+    """A motion that keeps its clearance, and how it was found."""
+
+    path: Path
+    goal: int
+    """Which of the goals it ends at."""
+    waypoints: Array
+    """Where it turns [rad | m], shape (n, n_joints)."""
+    is_direct: bool
+    """Whether it is straight in joint space."""
+    samples: int
+    """Random poses that the search used."""
+    poses: int
+    """Poses at which distances were measured."""
+    planning_time: float
+    """Wall time [s]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchOptions:
+    """How a way is searched."""
+
+    speed: float = 0.5
+    """Fraction of the joints' largest velocities."""
+    timeout: float = 5.0
+    """Longest wall time [s]."""
+    seed: int = 0
+    restarts: int = RESTARTS
+
+
+def plan_free_motion(
+    group: PlanningGroup,
+    joints: Sequence[Joint],
+    start: Array,
+    goals: Array,
+    options: SearchOptions,
+    cancelled: Cancelled,
+) -> FreeMotion:
+    """Return the fastest collision-free motion that was found to any of the goals.
+
+    Args:
+        group: What must stay apart.
+        joints: The joints that move, with their limits.
+        start: Their positions [rad | m], shape (n_joints,).
+        goals: Targets within the limits, shape (n, n_joints), n >= 1.
+        options: Speed, time, seed.
+        cancelled: Another thread may set it.
+
+    Raises:
+        CollisionError: If the start or every goal is in collision, with the bodies.
+        PlanningError: If no way was found in time.
+    """
+    begun = time.perf_counter()
+    looked = group.clearances.poses
+    group.begin(start)
+    fastest = np.array([joint.max_velocity for joint in joints])
+    numbers = _free_goals(group, start, goals, fastest)
+    way, samples, is_direct = _direct(group, start, goals, numbers), 0, True
+    if way is None:
+        way, samples = _searched(
+            group, joints, start, goals[numbers], options, cancelled, begun
+        )
+        is_direct = False
+    path = timed(group, joints, way, options.speed)
+    return FreeMotion(
+        path=path,
+        goal=int(np.abs(goals - way[-1]).max(axis=1).argmin()),
+        waypoints=way,
+        is_direct=is_direct,
+        samples=samples,
+        poses=group.clearances.poses - looked,
+        planning_time=time.perf_counter() - begun,
+    )
+
+
+def check_way(group: PlanningGroup, poses: Array) -> tuple[int, float, str] | None:
+    """Return where the straight ways from pose to pose are not free, and why.
+
+    The row of the pose before, the part of the way from there on, and the reason; None
+    if all is free.
+
+    Raises:
+        CollisionError: If the first pose is in collision.
+    """
+    group.begin(poses[0])
+    found = group.clearances.along(poses)
+    if found is None:
+        return None
+    row = min(found.row, len(poses) - 2)
+    part = found.part if row == found.row else 1.0
+    q = poses[row] + part * (poses[row + 1] - poses[row])
+    return row, part, group.explained(found.pair, q)
+
+
+def windings(q: Array, joints: Sequence[Joint], start: Array) -> Array:
+    """Return a posture with all whole turns of its joints within limits, (n, m).
+
+    Turns by more than a turn away from the start are left out.
+    """
+    choices = []
+    for value, joint, here in zip(q.tolist(), joints, start.tolist(), strict=True):
+        lower, upper = _limits(joint, here)
+        if joint.type is JointType.PRISMATIC:
+            choices.append([value])
+            continue
+        first = math.ceil((max(lower, here - _TURN) - value - _SAME) / _TURN)
+        last = math.floor((min(upper, here + _TURN) - value + _SAME) / _TURN)
+        turned = [value + k * _TURN for k in range(first, last + 1)]
+        choices.append([min(max(one, lower), upper) for one in turned])
+    return np.array(list(itertools.product(*choices))).reshape(-1, len(q))
+
+
+def timed(
+    group: PlanningGroup, joints: Sequence[Joint], way: Array, speed: float
+) -> Path:
+    """Return the motion along a free way; its corners are cut as far as is free."""
+    deviations = [_CUT] * (len(way) - 2)
+    while True:
+        smooth = SmoothWay(way, deviations)
+        chords, corners = smooth.chords(_CHORDS)
+        found = group.clearances.along(chords) if len(way) > 2 else None
+        corner = corners[min(found.row, len(corners) - 1)] if found else -1
+        if corner < 0:
+            return time_way(joints, smooth, speed=speed)
+        smaller = deviations[corner] / 2.0
+        deviations[corner] = smaller if smaller >= _STOP else 0.0
+
+
+def cost(way: Array, fastest: Array) -> float:
+    """Return the time of a way at the joints' largest velocities [s]."""
+    return float((np.abs(np.diff(way, axis=0)) / fastest).max(axis=1).sum())
+
+
+def _free_goals(
+    group: PlanningGroup, start: Array, goals: Array, fastest: Array
+) -> list[int]:
+    """Return the numbers of the goals that are free, the nearest first."""
+    costs = (np.abs(goals - start) / fastest).max(axis=1)
+    numbers: list[int] = []
+    known: dict[bytes, str] = {}
+    for k in np.argsort(costs, kind="stable").tolist():
+        posture = np.round(np.mod(goals[k], _TURN), 6).tobytes()
+        if posture not in known:
+            known[posture] = group.why_not(goals[k])
+        if not known[posture]:
+            numbers.append(k)
+        if len(numbers) == MOST_GOALS:
+            break
+    if not numbers:
+        reasons = list(dict.fromkeys(known.values()))
+        if len(known) == 1:
+            raise CollisionError(f"the target is in collision: {reasons[0]}")
+        raise CollisionError(
+            f"no posture of the target is free ({len(known)} were tried): "
+            + "; ".join(reasons[:3])
+            + (f"; and {len(reasons) - 3} more reasons" if len(reasons) > 3 else "")
+        )
+    return numbers
+
+
+def _direct(
+    group: PlanningGroup, start: Array, goals: Array, numbers: Sequence[int]
+) -> Array | None:
+    """Return the straight way to the nearest goal, if it is free."""
+    for k in numbers[:2]:
+        way = np.array([start, goals[k]])
+        if group.clearances.along(way) is None:
+            return way
+    return None
+
+
+def _searched(
+    group: PlanningGroup,
+    joints: Sequence[Joint],
+    start: Array,
+    goals: Array,
+    options: SearchOptions,
+    cancelled: Cancelled,
+    begun: float,
+) -> tuple[Array, int]:
+    """Return the best of several ways, and the number of samples."""
+    limits = np.array(
+        [_limits(joint, here) for joint, here in zip(joints, start, strict=True)]
+    ).T
+    ends = np.vstack([start, goals[:8]])
+    beside = np.clip(
+        [ends.min(axis=0) - _BESIDE, ends.max(axis=0) + _BESIDE], limits[0], limits[1]
+    )
+    wide = np.clip([start - _TURN / 2, start + _TURN / 2], limits[0], limits[1])
+    wide = np.array([np.minimum(wide[0], beside[0]), np.maximum(wide[1], beside[1])])
+    fastest = np.array([joint.max_velocity for joint in joints])
+    best: tuple[float, Array] | None = None
+    samples, first_found = 0, math.inf
+
+    def left() -> float:
+        return options.timeout - (time.perf_counter() - begun)
+
+    for restart in range(options.restarts):
+        seed = options.seed * 1_000_003 + restart
+        found = group.clearances.search(
+            start,
+            goals,
+            (wide[0], wide[1]),
+            (beside[0], beside[1]),
+            seed=seed,
+            longest=LONGEST,
+            most_nodes=MOST_NODES,
+            timeout=left(),
+            cancelled=cancelled,
+        )
+        samples += found.samples
+        if found.ended is Ended.CANCELLED:
+            raise PlanningError("planning was cancelled")
+        if found.ended is Ended.FOUND:
+            way = group.clearances.shorten(
+                found.way, tries=_TRIES, seed=seed, timeout=left(), cancelled=cancelled
+            )
+            way = _without_repeats(way)
+            duration = cost(way, fastest)
+            if best is None or duration < best[0]:
+                best = duration, way
+        elif found.ended is Ended.TIMEOUT:
+            break
+    if best is None:
+        raise PlanningError(
+            f"no way found in {time.perf_counter() - begun:.1f} s, with {samples} "
+            "samples: there may be none; a longer timeout, a smaller clearance, or "
+            "another target may help"
+        )
+    return best[1], samples
+
+
+def _without_repeats(way: Array) -> Array:
+    keep = np.append(True, np.abs(np.diff(way, axis=0)).max(axis=1) > _SAME)
+    keep[-1] = True
+    kept = way[keep]
+    if len(kept) > 2 and np.abs(kept[-1] - kept[-2]).max() <= _SAME:
+        kept = np.delete(kept, -2, axis=0)
+    return np.asarray(kept)
+
+
+def _limits(joint: Joint, here: float) -> tuple[float, float]:
+    """Return the limits of a joint [rad | m]; one without has two turns."""
+    lower, upper = joint.limits.lower, joint.limits.upper
+    if joint.type is JointType.CONTINUOUS or not math.isfinite(upper - lower):
+        return here - _TURN, here + _TURN
+    return lower, upper
+
+

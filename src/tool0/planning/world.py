@@ -1,0 +1,383 @@
+"""What a motion must not collide with, and how near it may come.
+
+Distances are those of MuJoCo's shapes, on a model of its own, for every engine.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final, NamedTuple, final
+
+import numpy as np
+
+from tool0.description.model import RobotModel
+from tool0.description.scene import SceneObject
+from tool0.description.scene_state import ObjectState
+from tool0.errors import CollisionError, PlanningError
+from tool0.kernel import library
+from tool0.kernel.clearance import FREE, TILTED, Clearances, Joints, Pairs, Upright
+from tool0.kinematics.chain import Array
+
+if TYPE_CHECKING:
+    from tool0.engines.mujoco.distances import (
+        DistanceModel,
+        HeldObject,
+        Plane,
+        Shape,
+    )
+
+CLEARANCE: Final = 0.005
+"""Distance that motions keep, unless they say otherwise [m]."""
+SLACK: Final = 0.0005
+"""Distance that the search keeps beyond the clearance [m]: between two looks at a
+motion, shapes come nearer to each other by no more."""
+TOUCH: Final = 0.0005
+"""Depth from which shapes collide [m]: those that rest on each other are some 0.1 mm
+into each other in the physics, too."""
+_ROUNDING: Final = 1e-4
+"""By how much what is near at the start may come nearer [m]."""
+_FAR: Final = 1.0
+_PARALLEL: Final = 1e-6
+
+
+class UprightTool(NamedTuple):
+    """A tool that must not tilt."""
+
+    link: str
+    axis: tuple[float, float, float]
+    """In the link."""
+    tilt: float
+    """Largest angle between the axis and where it points at the start [rad]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surroundings:
+    """Everything that a motion could collide with, at one moment."""
+
+    positions: Mapping[str, float]
+    """Joint → position of all movable joints [rad | m]."""
+    objects: tuple[tuple[SceneObject, ObjectState], ...] = ()
+    """What stands around the robot, and where."""
+    held: tuple[HeldObject, ...] = ()
+    """What moves with a gripper."""
+    planes: tuple[Plane, ...] = ()
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rules:
+    """What a motion keeps to."""
+
+    clearance: float = CLEARANCE
+    """Smallest distance [m]."""
+    may_touch: frozenset[str] = frozenset()
+    """Links and objects that the motion may touch."""
+    upright: UprightTool | None = None
+
+
+@final
+class CollisionWorld:
+    """The shapes of a robot and of what is around it.  One thread at a time."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        ground: float | None,
+        usual: Mapping[str, float],
+        apart: Collection[frozenset[str]] = (),
+    ) -> None:
+        """Compile nothing yet.
+
+        Args:
+            model: The robot.
+            ground: Height of the ground in the robot's root [m]; None without.
+            usual: Joint → position of its default pose [rad | m]: links that overlap
+                there touch by construction.
+            apart: Pairs of links that need not be looked at, as in an SRDF.
+        """
+        self._model, self._ground = model, ground
+        self._usual, self._apart = dict(usual), frozenset(apart)
+        self._compiled_for: object = None
+        self._distances: DistanceModel | None = None
+        self._ignored: frozenset[frozenset[str]] | None = None
+
+    def group(
+        self, joints: Sequence[str], around: Surroundings, rules: Rules
+    ) -> PlanningGroup:
+        """Return what looks at motions of some joints; the others stay.
+
+        Raises:
+            ModelError: If MuJoCo does not support a shape.
+            PlanningError: If there is no compiled kernel.
+        """
+        compiled = library.load()
+        if compiled is None:
+            raise PlanningError(
+                "planning needs tool0's compiled kernel, and there is none: "
+                f"{library.kernel_status().reason}; compile it: "
+                f"{library.COMPILE_COMMAND}"
+            )
+        distances = self._fitting(around)
+        distances.put(around.positions)
+        pairs = tuple(self._pairs(distances, joints, around, rules))
+        least = np.array(
+            [-TOUCH if pair.may_touch else rules.clearance for pair in pairs]
+        )
+        reach = np.array([pair.reach for pair in pairs]).reshape(-1, len(joints))
+        upright = None
+        if rules.upright is not None:
+            upright = _upright(distances, joints, rules.upright)
+        return PlanningGroup(
+            names=tuple((pair.first.owner, pair.second.owner) for pair in pairs),
+            least=least + SLACK,
+            clearances=Clearances(
+                compiled,
+                distances.memory(),
+                _joints(distances, joints),
+                Pairs(
+                    np.array([pair.first.geom for pair in pairs], dtype=np.int32),
+                    np.array([pair.second.geom for pair in pairs], dtype=np.int32),
+                    least=(shared := least + SLACK),
+                    reach=reach,
+                ),
+                slack=SLACK,
+                upright=upright,
+            ),
+            shared=shared,
+            owner=distances,
+        )
+
+    def _fitting(self, around: Surroundings) -> DistanceModel:
+        """Return the compiled shapes, which may be those of the last call."""
+        from tool0.engines.mujoco.gl import import_mujoco
+
+        import_mujoco()
+        from tool0.engines.mujoco.distances import DistanceModel
+
+        wanted = around.objects, around.held, around.planes
+        if self._distances is None or wanted != self._compiled_for:
+            self._distances = DistanceModel(
+                self._model,
+                self._ground,
+                objects=around.objects,
+                held=around.held,
+                planes=around.planes,
+            )
+            self._compiled_for = wanted
+        return self._distances
+
+    def _pairs(
+        self,
+        distances: DistanceModel,
+        joints: Sequence[str],
+        around: Surroundings,
+        rules: Rules,
+    ) -> Iterator[_Pair]:
+        """Yield the pairs of shapes whose distance a motion changes."""
+        column = {name: k for k, name in enumerate(joints)}
+        levers = {
+            body: dict(distances.joints_above(body))
+            for body in {shape.body for shape in distances.shapes}
+        }
+        ignored = self._links_that_touch(distances)
+        grippers = self._hands(around)
+        steady = _steady_axes(distances, levers)
+        for one, two in itertools.combinations(distances.shapes, 2):
+            if one.body == two.body or frozenset((one.owner, two.owner)) in ignored:
+                continue
+            if distances.parent(one.body) == two.body != 0:
+                continue
+            if distances.parent(two.body) == one.body != 0:
+                continue
+            if two.owner in grippers.get(one.owner, ()) or one.owner in grippers.get(
+                two.owner, ()
+            ):
+                continue
+            reach = np.zeros(len(joints))
+            is_plane = [distances.is_plane(shape) for shape in (one, two)]
+            for shape, other in ((one, two), (two, one)):
+                above = levers[shape.body]
+                for name in above.keys() - levers[other.body].keys():
+                    if (k := column.get(name)) is None:
+                        continue
+                    if any(is_plane) and steady.get(name) is not None:
+                        if distances.is_parallel(steady[name], other):
+                            continue
+                    reach[k] += (
+                        1.0
+                        if distances.slides(name)
+                        else above[name] + distances.extent(shape)
+                    )
+            if not reach.any():
+                continue
+            first, second = (two, one) if self._is_larger(distances, one, two) else (one, two)
+            may_touch = not rules.may_touch.isdisjoint((one.owner, two.owner))
+            yield _Pair(first, second, reach, may_touch)
+
+    @staticmethod
+    def _is_larger(distances: DistanceModel, one: Shape, two: Shape) -> bool:
+        if distances.is_plane(one):
+            return True
+        return not distances.is_plane(two) and distances.radius(one) > distances.radius(two)
+
+    def _hands(self, around: Surroundings) -> dict[str, frozenset[str]]:
+        """Return the links that hold each held object."""
+        return {
+            load.item.name: frozenset(self._model.links_from(load.link))
+            for load in around.held
+        }
+
+    def _links_that_touch(self, distances: DistanceModel) -> frozenset[frozenset[str]]:
+        """Return the pairs of links that touch by construction."""
+        if self._ignored is None:
+            from tool0.engines.mujoco.link_collisions import (
+                LinkShapes,
+                adjacent_links,
+                mechanism_of,
+            )
+
+            model = self._model
+            links = [link.name for link in model.links if link.collisions]
+            masters = {name: mechanism_of(model, name) for name in links}
+            one_mechanism = {
+                frozenset((one, two))
+                for one, two in itertools.combinations(links, 2)
+                if masters[one] is not None and masters[one] == masters[two]
+            }
+            overlapping = map(frozenset, LinkShapes(model).colliding_at(self._usual))
+            self._ignored = frozenset(
+                {
+                    *map(frozenset, adjacent_links(model)),
+                    *overlapping,
+                    *one_mechanism,
+                    *self._apart,
+                }
+            )
+        return self._ignored
+
+
+class _Pair(NamedTuple):
+    first: Shape
+    second: Shape
+    reach: Array
+    may_touch: bool
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlanningGroup:
+    """Looks at motions of a group of joints, by the pairs of shapes they move."""
+
+    names: tuple[tuple[str, str], ...]
+    """What each pair consists of."""
+    least: Array
+    """Distance that each pair keeps, with SLACK [m]."""
+    clearances: Clearances
+    shared: Array
+    """The same numbers in the memory of ``clearances``."""
+    owner: DistanceModel = field(repr=False)
+    """What the memory belongs to."""
+
+    def begin(self, start: Array) -> None:
+        """Allow what is near at the start to stay as near.
+
+        Raises:
+            CollisionError: If something collides there.
+        """
+        self.shared[:] = self.least
+        if self.clearances.at(start) == TILTED:
+            raise CollisionError("the start is tilted more than the motion may be")
+        found = self.clearances.distances(start, float(self.least.max(initial=0.0)))
+        deepest = int(found.argmin()) if len(found) else FREE
+        if deepest >= 0 and found[deepest] < -TOUCH:
+            first, second = self.names[deepest]
+            raise CollisionError(
+                f"the start is in collision: '{first}' is {-1e3 * found[deepest]:.1f} mm "
+                f"in '{second}'"
+            )
+        np.minimum(self.least, found - _ROUNDING, out=self.shared)
+
+    def why_not(self, q: Array) -> str:
+        """Return what is wrong in a pose; empty if nothing is."""
+        found = self.clearances.at(q)
+        if found == FREE:
+            return ""
+        return self.explained(found, q)
+
+    def explained(self, pair: int, q: Array) -> str:
+        """Return what is wrong with a pair in a pose, for people."""
+        if pair == TILTED:
+            return "the tool is tilted more than it may be"
+        first, second = self.names[pair]
+        distance = float(self.clearances.distances(q, _FAR)[pair])
+        if distance < 0.0:
+            return f"'{first}' would be {-1e3 * distance:.1f} mm in '{second}'"
+        return (
+            f"'{first}' would be {1e3 * distance:.1f} mm from '{second}', nearer than "
+            f"{1e3 * (self.shared[pair] - SLACK):.1f} mm"
+        )
+
+    def clearance(self, poses: Array) -> tuple[float, str]:
+        """Return the smallest distance in poses up to 1 m [m], and of what.
+
+        Pairs that may touch are left out.
+        """
+        least, names = _FAR, ""
+        for q in poses:
+            distance, pair = self.clearances.nearest(q, least)
+            if pair != FREE and distance < least:
+                least, names = distance, " and ".join(self.names[pair])
+        return least, names
+
+
+def _steady_axes(
+    distances: DistanceModel, levers: Mapping[int, Mapping[str, float]]
+) -> dict[str, Array]:
+    """Return the axes, in the world, of joints that no other joint moves."""
+    found = {}
+    for above in levers.values():
+        *_, last = above or [""]
+        if last:
+            row = distances.axis_rows([last])[0]
+            found[last] = distances.data.xaxis[row].copy()
+    return found
+
+
+def _upright(
+    distances: DistanceModel, joints: Sequence[str], tool: UprightTool
+) -> Upright:
+    body = distances.body_of(tool.link)
+    axis = distances.rotation_in_body(tool.link) @ np.array(tool.axis)
+    axis /= np.linalg.norm(axis)
+    rotation = distances.data.xmat[body].reshape(3, 3)
+    above = dict(distances.joints_above(body))
+    tilting = _bits(
+        joints, lambda name: name in above and not distances.slides(name)
+    )
+    return Upright(
+        body=body,
+        axis=axis,
+        up=rotation @ axis,
+        tilt=tool.tilt,
+        tilting=tilting,
+    )
+
+
+def _joints(distances: DistanceModel, joints: Sequence[str]) -> Joints:
+    moved_by = []
+    for shape in distances.shapes:
+        above = dict(distances.joints_above(shape.body))
+        moved_by.append(_bits(joints, above.__contains__))
+    return Joints(
+        addresses=distances.addresses(joints),
+        axis_rows=distances.axis_rows(joints),
+        sliding=_bits(joints, distances.slides),
+        moved_by=np.array(moved_by, dtype=np.uint32),
+    )
+
+
+def _bits(joints: Sequence[str], has: Callable[[str], bool]) -> int:
+    return sum(1 << k for k, name in enumerate(joints) if has(name))
