@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, final
 
 from tool0.api.arm_motion import ArmMotion
 from tool0.api.control_box import ControlBox
@@ -12,6 +12,7 @@ from tool0.api.controller import GoalHandle
 from tool0.api.sensors import ForceTorque
 from tool0.description.posture import Branch, Solution
 from tool0.description.transform import Pose, Transform
+from tool0.errors import ControlError
 from tool0.protocol.arm import (
     ArmInfo,
     MoveLinear,
@@ -21,15 +22,48 @@ from tool0.protocol.arm import (
     SolveInverseKinematics,
 )
 from tool0.protocol.channel import Channel
+from tool0.protocol.planning import (
+    Checked,
+    CheckMotion,
+    ExecutePlan,
+    KeepOut,
+    Plan,
+    PlanMotion,
+    PlanTarget,
+    Upright,
+)
 from tool0.protocol.poses import GoToPose
-from tool0.protocol.request import plain
+from tool0.protocol.request import CollisionRule, plain
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from tool0.kinematics.chain import ArmChain
     from tool0.kinematics.inverse import InverseKinematics
 
 AnyPose = Transform | Pose | Iterable[Sequence[float]]
 """A pose; anything else is a homogeneous matrix, shape (4, 4)."""
+
+
+class PlanOptions(TypedDict, total=False):
+    """How a collision-free motion is planned."""
+
+    speed: float
+    """Fraction of each joint's largest velocity, 0.01 … 1; 0.5, if left out."""
+    clearance: float
+    """Smallest distance between bodies [m]; 0.005, if left out."""
+    may_touch: tuple[str, ...]
+    """Links and objects that the motion may touch, such as what is to be gripped."""
+    keep_out: tuple[KeepOut, ...]
+    """Boxes and planes that the robot does not enter."""
+    upright: Upright
+    """Keep an axis of the tool within an angle from where it points at the start."""
+    joint_ranges: dict[str, tuple[float, float]]
+    """Joint → narrower limits for this motion [rad]."""
+    timeout: float
+    """Wall time after which the search ends [s]; 5, if left out."""
+    seed: int
+    """Of the search: the same one finds the same plan, unless the time runs out."""
 
 
 @final
@@ -105,7 +139,9 @@ class Arm:
         """What moves it in place of its controllers, by paths and streams."""
         return ArmMotion(self.name, self._channel)
 
-    def go_to_pose(self, name: str, *, speed: float = 0.5) -> tuple[GoalHandle, ...]:
+    def go_to_pose(
+        self, name: str, *, speed: float = 0.5, collision: CollisionRule = "refuse"
+    ) -> tuple[GoalHandle, ...]:
         """Move the arm to a named pose; its gripper stays as it is.
 
         A pose of gripper joints only, such as ``open``, moves the gripper.
@@ -113,11 +149,12 @@ class Arm:
         Args:
             name: A built-in or saved pose; its joints of other robots do not move.
             speed: Fraction of each joint's largest velocity, 0.01 … 1.
+            collision: As for ``move_to``.
 
         Raises:
             ControlError: If there is no such pose, or it cannot be reached.
         """
-        request = GoToPose(name=name, robot=self.name, speed=speed)
+        request = GoToPose(name=name, robot=self.name, speed=speed, collision=collision)
         goals = self._channel.call(request)
         return tuple(GoalHandle(goal, self._channel) for goal in goals)
 
@@ -199,6 +236,8 @@ class Arm:
         relative_to: str | None = None,
         near: Mapping[str, float] | None = None,
         branch: Branch | None = None,
+        collision: CollisionRule = "refuse",
+        plan: bool = False,
     ) -> GoalHandle:
         """Move the tool to ``pose`` in joint space, and return the goal.
 
@@ -214,12 +253,25 @@ class Arm:
             relative_to: As for ``inverse_kinematics``.
             near: As for ``inverse_kinematics``.
             branch: As for ``inverse_kinematics``.
+            collision: ``refuse`` to move if the arm would collide on the way, with the
+                bodies and the place; or ``ignore``.
+            plan: Go around obstacles: ``plan`` and ``execute`` in one call, to any
+                posture that reaches the pose.
 
         Raises:
             UnreachableError: If no posture reaches the pose.
+            CollisionError: If the arm would collide on the straight way in joint space.
+            PlanningError: If no way around is found.
             ControlError: If no running JointTrajectoryController has the arm's joints,
                 or it refuses; nothing moves then.
         """
+        if plan:
+            if near or branch:
+                raise ControlError("a planned motion has neither near nor branch")
+            found = self.plan(
+                pose, tip=tip, tool=tool, relative_to=relative_to, speed=speed
+            )
+            return self.execute(found)
         request = MoveTo(
             arm=self.name,
             pose=_sendable(pose),
@@ -229,6 +281,7 @@ class Arm:
             relative_to=relative_to,
             near={} if near is None else near,  # type: ignore[arg-type]
             branch=branch,
+            collision=collision,
         )
         return GoalHandle(self._channel.call(request), self._channel)
 
@@ -242,6 +295,7 @@ class Arm:
         tip: str | None = None,
         tool: AnyPose | None = None,
         relative_to: str | None = None,
+        collision: CollisionRule = "refuse",
     ) -> GoalHandle:
         """Move the tool to ``pose`` along a straight line, and return the goal.
 
@@ -258,8 +312,11 @@ class Arm:
             tip: As for ``inverse_kinematics``.
             tool: As for ``inverse_kinematics``.
             relative_to: As for ``inverse_kinematics``.
+            collision: ``refuse`` to move if the arm would collide on the way, with the
+                bodies and the place; or ``ignore``.
 
         Raises:
+            CollisionError: If the arm would collide on the line.
             UnreachableError: If the arm cannot follow the line without a jump of its
                 joints, with the reason and the place on the line.
             ControlError: If the arm is moving or already at ``pose``, if no running
@@ -274,8 +331,120 @@ class Arm:
             tip=tip,
             tool=_sendable(tool),
             relative_to=relative_to,
+            collision=collision,
         )
         return GoalHandle(self._channel.call(request), self._channel)
+
+    # ---- around obstacles -----------------------------------------------------------
+
+    def plan(
+        self,
+        target: AnyPose | Mapping[str, float],
+        *,
+        tip: str | None = None,
+        tool: AnyPose | None = None,
+        relative_to: str | None = None,
+        free_axis: Literal["x", "y", "z"] | None = None,
+        **options: Unpack[PlanOptions],
+    ) -> Plan:
+        """Return a collision-free motion to a target; nothing moves.
+
+        The motion starts at the commanded posture, and ends at rest.  What a gripper
+        holds is carried along.  Robots, objects, held objects and the ground keep the
+        clearance; links that touch by construction, and what is nearer at the start,
+        may stay so.
+
+        Args:
+            target: A pose of the tool, or joint → position [rad].  All postures that
+                reach a pose are targets, with whole turns of the joints.
+            tip: As for ``inverse_kinematics``.
+            tool: As for ``inverse_kinematics``.
+            relative_to: As for ``inverse_kinematics``; with ``tip`` itself, the target
+                is relative to where the tool is.
+            free_axis: An axis of the tool about which it may be turned at the target.
+            **options: Of the search: see ``PlanOptions``.
+
+        Raises:
+            CollisionError: If the start or the target is in collision, with the bodies.
+            PlanningError: If no way is found, or there is no compiled kernel.
+            UnreachableError: If no posture reaches the target.
+            ControlError: If the arm is not built like a UR.
+        """
+        wanted = self.target(
+            target, tip=tip, tool=tool, relative_to=relative_to, free_axis=free_axis
+        )
+        return self._channel.call(PlanMotion(targets=(wanted,), **options))
+
+    def execute(self, plan: Plan) -> GoalHandle:
+        """Follow a plan, and return the goal.
+
+        A contact that is neither there at the start nor allowed by the plan stops the
+        motion: the goal is ABORTED then, with the bodies.
+
+        Raises:
+            ControlError: If the arm or the scene has moved since the plan was made, if
+                no running JointTrajectoryController has its joints, or it refuses.
+        """
+        (goal,) = self._channel.call(ExecutePlan(number=plan.number))
+        return GoalHandle(goal, self._channel)
+
+    def check(
+        self,
+        target: AnyPose | Mapping[str, float],
+        *,
+        linear: bool = False,
+        clearance: float = 0.0,
+        may_touch: Iterable[str] = (),
+        keep_out: Iterable[KeepOut] = (),
+        tip: str | None = None,
+        tool: AnyPose | None = None,
+        relative_to: str | None = None,
+    ) -> Checked:
+        """Return whether a motion as of ``move_to`` or ``move_linear`` would be free.
+
+        Args:
+            target: As for ``plan``.
+            linear: Whether the tool is to move on a straight line.
+            clearance: Smallest distance between bodies [m].
+            may_touch: Links and objects that may be touched.
+            keep_out: Boxes and planes that the robot may not enter.
+            tip: As for ``inverse_kinematics``.
+            tool: As for ``inverse_kinematics``.
+            relative_to: As for ``inverse_kinematics``.
+
+        Raises:
+            UnreachableError: If no posture reaches the target, or the line.
+        """
+        return self._channel.call(
+            CheckMotion(
+                target=self.target(target, tip=tip, tool=tool, relative_to=relative_to),
+                linear=linear,
+                clearance=clearance,
+                may_touch=tuple(may_touch),
+                keep_out=tuple(keep_out),
+            )
+        )
+
+    def target(
+        self,
+        target: AnyPose | Mapping[str, float],
+        *,
+        tip: str | None = None,
+        tool: AnyPose | None = None,
+        relative_to: str | None = None,
+        free_axis: Literal["x", "y", "z"] | None = None,
+    ) -> PlanTarget:
+        """Return a target for ``Robot.plan``; the arguments are those of ``plan``."""
+        of_joints = isinstance(target, Mapping)
+        return PlanTarget(
+            arm=self.name,
+            positions=dict(plain(target)) if isinstance(target, Mapping) else {},
+            pose=None if of_joints else _sendable(target),  # type: ignore[arg-type]
+            tip=tip,
+            tool=_sendable(tool),
+            relative_to=relative_to,
+            free_axis=free_axis,
+        )
 
 
 def _sendable(pose: AnyPose | None) -> Any:

@@ -25,7 +25,7 @@ from tool0.protocol.goals import (
     ToleranceOverride,
 )
 from tool0.protocol.motion import CommandGripper, CommandJoints, MoveJoints, SteerJoints
-from tool0.protocol.request import checked_value
+from tool0.protocol.request import CollisionRule, checked_value
 from tool0.protocol.trajectories import (
     CommandTrajectory,
     FollowTrajectory,
@@ -200,6 +200,7 @@ class ControllerHandle:
         *,
         speed: float = 0.5,
         duration: float | None = None,
+        collision: CollisionRule = "refuse",
     ) -> GoalHandle:
         """Move joints of a trajectory controller smoothly.
 
@@ -210,8 +211,10 @@ class ControllerHandle:
             positions: Joint → target [rad | m].
             speed: Fraction of each joint's largest velocity, 0.01 … 1.
             duration: Instead of a speed: how long the motion takes [simulated s].
+            collision: As for ``Robot.move_joints``.
 
         Raises:
+            CollisionError: If an arm would collide.
             GoalRejectedError: If a joint is not the controller's, or a position is out
                 of its limits; the controller's motion continues.
         """
@@ -220,6 +223,7 @@ class ControllerHandle:
             speed=speed,
             duration=duration,
             controller=self.name,
+            collision=collision,
         )
         (started,) = self._channel.call(request)
         return GoalHandle(started, self._channel)

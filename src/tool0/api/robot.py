@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
@@ -35,8 +35,9 @@ from tool0.protocol.objects import (
     FindCollisions,
     ReadContacts,
 )
+from tool0.protocol.planning import CancelPlanning, ExecutePlan, PlanMotion
 from tool0.protocol.poses import DeletePose, GoToPose, ListPoses, SavePose
-from tool0.protocol.request import checked_path, checked_value
+from tool0.protocol.request import CollisionRule, checked_path, checked_value
 from tool0.protocol.robot import ReadInfo, ReadLinkPose, ReadSummary, SimulationInfo
 from tool0.protocol.running import (
     EmergencyStop,
@@ -52,7 +53,9 @@ from tool0.protocol.sensors import ListCameras
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from tool0.api.arm import Arm
+    from typing_extensions import Unpack
+
+    from tool0.api.arm import Arm, PlanOptions
     from tool0.api.episodes import EpisodesHandle
     from tool0.api.programs import ProgramHandle, Programs
     from tool0.api.recording import Recording
@@ -65,6 +68,7 @@ if TYPE_CHECKING:
     from tool0.protocol.bus import Subscription
     from tool0.protocol.controllers import ControllerStatus
     from tool0.protocol.objects import Collision
+    from tool0.protocol.planning import Plan, PlanTarget
     from tool0.protocol.program import Program
     from tool0.protocol.recordings import RecordingStatus
     from tool0.protocol.state import Snapshot
@@ -490,6 +494,7 @@ class Robot(AbstractContextManager["Robot"]):
         *,
         speed: float = 0.5,
         duration: float | None = None,
+        collision: CollisionRule = "refuse",
     ) -> tuple[GoalHandle, ...]:
         """Move joints smoothly, by the controllers that claim them.
 
@@ -498,12 +503,15 @@ class Robot(AbstractContextManager["Robot"]):
             speed: Fraction of each joint's largest velocity, 0.01 … 1.
             duration: Instead of a speed: duration of the motion [simulated s].  All
                 joints must belong to one controller then.
+            collision: ``refuse`` to move if an arm would collide on the straight way in
+                joint space, with the bodies and the place; or ``ignore``.
 
         Returns:
             A goal for each running JointTrajectoryController that has one of the
             joints; its other joints continue their motion.
 
         Raises:
+            CollisionError: If an arm would collide.
             ControlError: If no such controller claims a joint, or one of them refuses;
                 nothing moves then.
         """
@@ -511,9 +519,36 @@ class Robot(AbstractContextManager["Robot"]):
             positions=positions,  # type: ignore[arg-type]  # any mapping
             speed=speed,
             duration=duration,
+            collision=collision,
         )
         goals = self.channel.call(request)
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
+
+    def plan(
+        self, targets: Iterable[PlanTarget], **options: Unpack[PlanOptions]
+    ) -> Plan:
+        """Return a collision-free motion of several arms together; nothing moves.
+
+        Args:
+            targets: One for each arm that moves: ``Arm.target`` makes them.
+            **options: As for ``Arm.plan``.
+
+        Raises:
+            Tool0Error: As ``Arm.plan``.
+        """
+        return self.channel.call(PlanMotion(targets=tuple(targets), **options))
+
+    def execute(self, plan: Plan) -> tuple[GoalHandle, ...]:
+        """Follow a plan; return the goal of each controller.
+
+        As ``Arm.execute``; a contact of one arm stops all.
+        """
+        goals = self.channel.call(ExecutePlan(number=plan.number))
+        return tuple(GoalHandle(goal, self.channel) for goal in goals)
+
+    def cancel_planning(self) -> None:
+        """End every search in progress; ``plan`` raises PlanningError there."""
+        self.channel.call(CancelPlanning())
 
     def poses(self) -> Mapping[str, NamedPose]:
         """Return the built-in poses and the saved ones, by name.
@@ -545,7 +580,12 @@ class Robot(AbstractContextManager["Robot"]):
         self.channel.call(DeletePose(name=name))
 
     def go_to_pose(
-        self, name: str, *, robot: str | None = None, speed: float = 0.5
+        self,
+        name: str,
+        *,
+        robot: str | None = None,
+        speed: float = 0.5,
+        collision: CollisionRule = "refuse",
     ) -> tuple[GoalHandle, ...]:
         """Move the joints of a pose there, as ``move_joints`` does.
 
@@ -556,11 +596,14 @@ class Robot(AbstractContextManager["Robot"]):
             name: A built-in or saved pose.
             robot: Only the joints of this robot; of all robots, if left out.
             speed: Fraction of each joint's largest velocity, 0.01 … 1.
+            collision: As for ``move_joints``.
 
         Raises:
+            CollisionError: If an arm would collide.
             ControlError: If there is no such pose, or it cannot be reached.
         """
-        goals = self.channel.call(GoToPose(name=name, robot=robot, speed=speed))
+        request = GoToPose(name=name, robot=robot, speed=speed, collision=collision)
+        goals = self.channel.call(request)
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
 
     # ---- demonstrations -------------------------------------------------------------

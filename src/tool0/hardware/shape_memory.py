@@ -11,7 +11,7 @@ FloatArray = NDArray[np.float64]
 
 
 class ShapeMemory(NamedTuple):
-    """Functions and arrays of an engine; numbers are addresses of C functions and data."""
+    """Functions and arrays of an engine; numbers are addresses."""
 
     kinematics: int
     """``void kinematics(const void *model, void *data)`` places the shapes."""

@@ -144,7 +144,7 @@ static double exact(Clearances *c, int32_t pair, double most, double *ends)
 {
     c->calls++;
     return c->distance(
-        c->model, c->data, c->first[pair], c->second[pair], most, ends);
+        c->model, c->data, c->first[pair], c->second[pair], fmax(most, 1e-6), ends);
 }
 
 /* Whether a pair may be nearer, as far as boxes tell. */

@@ -1,4 +1,4 @@
-"""Whether shapes stay apart, and the search for a free way: ``clearance.c``, ``search.c``."""
+"""Whether shapes stay apart, and the search for a way."""
 
 from __future__ import annotations
 
@@ -6,7 +6,16 @@ import ctypes
 import math
 import time
 from collections.abc import Sequence
-from ctypes import Structure, byref, c_double, c_int32, c_int64, c_size_t, c_uint32, c_uint64
+from ctypes import (
+    Structure,
+    byref,
+    c_double,
+    c_int32,
+    c_int64,
+    c_size_t,
+    c_uint32,
+    c_uint64,
+)
 from enum import IntEnum
 from typing import Any, Final, NamedTuple, final
 
@@ -310,9 +319,7 @@ class Clearances:
             setattr(setup, name, array.ctypes.data)
         n_way = c_int32()
         ended = Ended(
-            self._compiled.tool0_search(
-                self._ref, byref(setup), _at(way), byref(n_way)
-            )
+            self._compiled.tool0_search(self._ref, byref(setup), _at(way), byref(n_way))
         )
         if ended is Ended.NO_MEMORY:
             raise MemoryError

@@ -56,6 +56,7 @@ class ArmChain:
         self.base = joints[0].parent
         """The link that carries the arm."""
         self.tip = tip
+        self._model = model
         placed = place_links(model, [tip], self.base)
         self.tree = placed.tree
         """The joints in ``base``."""
@@ -63,6 +64,10 @@ class ArmChain:
         """The tip in the frame of the last joint."""
         self._forward = JointTree(self.tree)
         self._last = self.T_last_tip.matrix
+
+    def with_joints(self, joints: Sequence[Joint]) -> ArmChain:
+        """Return the arm with the same joints, but other limits."""
+        return ArmChain(self._model, self.tip, joints)
 
     def forward(self, q: Array) -> Posture:
         """Return the pose of the flange at positions ``q`` [rad], shape (n, 6)."""

@@ -111,8 +111,8 @@ class SmoothWay:
         found[-1] = self.end
         return found, corners
 
-    def sampled(self) -> tuple[Array, Array, Array, Array, set[int]]:
-        """Return the way, the positions and both derivatives at a grid of it.
+    def sampled(self) -> tuple[Array, Array, Array, set[int]]:
+        """Return the way, and both derivatives of the positions, at a grid of it.
 
         Also the indices of the grid at which the motion rests.
         """
@@ -126,8 +126,8 @@ class SmoothWay:
             rows.append([values[:-1] for values in piece.at(u)])
         rows.append([values[-1:] for values in self._pieces[-1].at(u)])
         s = np.concatenate(ways)
-        q, slope, bend = (np.concatenate(parts) for parts in zip(*rows, strict=True))
-        return s, q, slope, bend, rests | {len(s) - 1}
+        _, slope, bend = (np.concatenate(parts) for parts in zip(*rows, strict=True))
+        return s, slope, bend, rests | {len(s) - 1}
 
     def at(self, s: Array) -> tuple[Array, Array, Array]:
         """Return positions and both derivatives at places on the way."""
@@ -157,8 +157,8 @@ def time_way(joints: Sequence[Joint], way: SmoothWay, *, speed: float) -> Path:
     """
     fastest = speed * np.array([joint.max_velocity for joint in joints])
     strongest = np.array([joint.max_acceleration for joint in joints])
-    s, _, slope, bend, rests = way.sampled()
-    times, speeds = _profile(s, slope, bend, fastest, strongest, rests)
+    s, slope, bend, rests = way.sampled()
+    times, speeds = _profile(s, _Limits(slope, bend, fastest, strongest), rests)
     duration = float(times[-1]) + TIME_TO_FULL_ACCELERATION
     n = max(int(np.ceil(duration / _KNOT)), 4)
     knots = np.linspace(0.0, duration, n + 1)
@@ -190,15 +190,22 @@ def time_way(joints: Sequence[Joint], way: SmoothWay, *, speed: float) -> Path:
     )
 
 
-def _profile(
-    s: Array,
-    slope: Array,
-    bend: Array,
-    fastest: Array,
-    strongest: Array,
-    rests: set[int],
-) -> tuple[Array, Array]:
+class _Limits(NamedTuple):
+    """What bounds the speed at each place of a grid."""
+
+    slope: Array
+    """First derivative of the positions by the way, shape (n, n_joints)."""
+    bend: Array
+    """The second one."""
+    fastest: Array
+    """[rad/s | m/s], shape (n_joints,)."""
+    strongest: Array
+    """[rad/s² | m/s²]"""
+
+
+def _profile(s: Array, limits: _Limits, rests: set[int]) -> tuple[Array, Array]:
     """Return time and speed at each place of a grid."""
+    slope, bend, fastest, strongest = limits
     curved = np.abs(bend).max(axis=1) > _STILL
     share = np.where(curved, _SHARE, 1.0)[:, None]
     with np.errstate(divide="ignore"):

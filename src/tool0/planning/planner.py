@@ -77,6 +77,7 @@ def plan_free_motion(
     joints: Sequence[Joint],
     start: Array,
     goals: Array,
+    *,
     options: SearchOptions,
     cancelled: Cancelled,
 ) -> FreeMotion:
@@ -102,10 +103,15 @@ def plan_free_motion(
     way, samples, is_direct = _direct(group, start, goals, numbers), 0, True
     if way is None:
         way, samples = _searched(
-            group, joints, start, goals[numbers], options, cancelled, begun
+            group,
+            joints,
+            (start, goals[numbers]),
+            options=options,
+            cancelled=cancelled,
+            begun=begun,
         )
         is_direct = False
-    path = timed(group, joints, way, options.speed)
+    path = _timed(group, joints, way, options.speed)
     return FreeMotion(
         path=path,
         goal=int(np.abs(goals - way[-1]).max(axis=1).argmin()),
@@ -121,12 +127,9 @@ def check_way(group: PlanningGroup, poses: Array) -> tuple[int, float, str] | No
     """Return where the straight ways from pose to pose are not free, and why.
 
     The row of the pose before, the part of the way from there on, and the reason; None
-    if all is free.
-
-    Raises:
-        CollisionError: If the first pose is in collision.
+    if all is free.  What collides at the start may do so as deeply.
     """
-    group.begin(poses[0])
+    group.begin(poses[0], is_check=True)
     found = group.clearances.along(poses)
     if found is None:
         return None
@@ -154,7 +157,7 @@ def windings(q: Array, joints: Sequence[Joint], start: Array) -> Array:
     return np.array(list(itertools.product(*choices))).reshape(-1, len(q))
 
 
-def timed(
+def _timed(
     group: PlanningGroup, joints: Sequence[Joint], way: Array, speed: float
 ) -> Path:
     """Return the motion along a free way; its corners are cut as far as is free."""
@@ -216,25 +219,31 @@ def _direct(
 def _searched(
     group: PlanningGroup,
     joints: Sequence[Joint],
-    start: Array,
-    goals: Array,
+    ends: tuple[Array, Array],
+    *,
     options: SearchOptions,
     cancelled: Cancelled,
     begun: float,
 ) -> tuple[Array, int]:
-    """Return the best of several ways, and the number of samples."""
+    """Return the best of several ways, and the number of samples.
+
+    ``ends`` are the start and the goals.
+    """
+    start, goals = ends
     limits = np.array(
         [_limits(joint, here) for joint, here in zip(joints, start, strict=True)]
     ).T
-    ends = np.vstack([start, goals[:8]])
+    around = np.vstack([start, goals[:8]])
     beside = np.clip(
-        [ends.min(axis=0) - _BESIDE, ends.max(axis=0) + _BESIDE], limits[0], limits[1]
+        [around.min(axis=0) - _BESIDE, around.max(axis=0) + _BESIDE],
+        limits[0],
+        limits[1],
     )
     wide = np.clip([start - _TURN / 2, start + _TURN / 2], limits[0], limits[1])
     wide = np.array([np.minimum(wide[0], beside[0]), np.maximum(wide[1], beside[1])])
     fastest = np.array([joint.max_velocity for joint in joints])
     best: tuple[float, Array] | None = None
-    samples, first_found = 0, math.inf
+    samples = 0
 
     def left() -> float:
         return options.timeout - (time.perf_counter() - begun)
@@ -289,5 +298,3 @@ def _limits(joint: Joint, here: float) -> tuple[float, float]:
     if joint.type is JointType.CONTINUOUS or not math.isfinite(upper - lower):
         return here - _TURN, here + _TURN
     return lower, upper
-
-

@@ -13,20 +13,14 @@ from typing import TYPE_CHECKING, Final, NamedTuple, final
 import numpy as np
 
 from tool0.description.model import RobotModel
-from tool0.description.scene import SceneObject
-from tool0.description.scene_state import ObjectState
+from tool0.description.surroundings import Surroundings
 from tool0.errors import CollisionError, PlanningError
 from tool0.kernel import library
 from tool0.kernel.clearance import FREE, TILTED, Clearances, Joints, Pairs, Upright
 from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
-    from tool0.engines.mujoco.distances import (
-        DistanceModel,
-        HeldObject,
-        Plane,
-        Shape,
-    )
+    from tool0.engines.mujoco.distances import DistanceModel, Shape
 
 CLEARANCE: Final = 0.005
 """Distance that motions keep, unless they say otherwise [m]."""
@@ -50,20 +44,6 @@ class UprightTool(NamedTuple):
     """In the link."""
     tilt: float
     """Largest angle between the axis and where it points at the start [rad]."""
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Surroundings:
-    """Everything that a motion could collide with, at one moment."""
-
-    positions: Mapping[str, float]
-    """Joint → position of all movable joints [rad | m]."""
-    objects: tuple[tuple[SceneObject, ObjectState], ...] = ()
-    """What stands around the robot, and where."""
-    held: tuple[HeldObject, ...] = ()
-    """What moves with a gripper."""
-    planes: tuple[Plane, ...] = ()
 
 
 @final
@@ -100,14 +80,16 @@ class CollisionWorld:
         """
         self._model, self._ground = model, ground
         self._usual, self._apart = dict(usual), frozenset(apart)
-        self._compiled_for: object = None
-        self._distances: DistanceModel | None = None
+        self._compiled: tuple[object, DistanceModel] | None = None
+        self._groups: dict[object, PlanningGroup] = {}
         self._ignored: frozenset[frozenset[str]] | None = None
 
     def group(
         self, joints: Sequence[str], around: Surroundings, rules: Rules
     ) -> PlanningGroup:
         """Return what looks at motions of some joints; the others stay.
+
+        It is valid until the next call.
 
         Raises:
             ModelError: If MuJoCo does not support a shape.
@@ -121,18 +103,21 @@ class CollisionWorld:
                 f"{library.COMPILE_COMMAND}"
             )
         distances = self._fitting(around)
+        distances.place(state for _, state in around.objects)
         distances.put(around.positions)
+        key = tuple(joints), rules
+        if rules.upright is None and key in self._groups:
+            return self._groups[key]
         pairs = tuple(self._pairs(distances, joints, around, rules))
-        least = np.array(
-            [-TOUCH if pair.may_touch else rules.clearance for pair in pairs]
-        )
-        reach = np.array([pair.reach for pair in pairs]).reshape(-1, len(joints))
+        bounds = [-TOUCH if pair.may_touch else rules.clearance for pair in pairs]
+        least = np.array(bounds, dtype=np.float64) + SLACK
+        shared = least.copy()
         upright = None
         if rules.upright is not None:
             upright = _upright(distances, joints, rules.upright)
-        return PlanningGroup(
+        found = PlanningGroup(
             names=tuple((pair.first.owner, pair.second.owner) for pair in pairs),
-            least=least + SLACK,
+            least=least,
             clearances=Clearances(
                 compiled,
                 distances.memory(),
@@ -140,8 +125,10 @@ class CollisionWorld:
                 Pairs(
                     np.array([pair.first.geom for pair in pairs], dtype=np.int32),
                     np.array([pair.second.geom for pair in pairs], dtype=np.int32),
-                    least=(shared := least + SLACK),
-                    reach=reach,
+                    least=shared,
+                    reach=np.array([pair.reach for pair in pairs]).reshape(
+                        -1, len(joints)
+                    ),
                 ),
                 slack=SLACK,
                 upright=upright,
@@ -149,6 +136,8 @@ class CollisionWorld:
             shared=shared,
             owner=distances,
         )
+        self._groups[key] = found
+        return found
 
     def _fitting(self, around: Surroundings) -> DistanceModel:
         """Return the compiled shapes, which may be those of the last call."""
@@ -157,17 +146,19 @@ class CollisionWorld:
         import_mujoco()
         from tool0.engines.mujoco.distances import DistanceModel
 
-        wanted = around.objects, around.held, around.planes
-        if self._distances is None or wanted != self._compiled_for:
-            self._distances = DistanceModel(
+        objects = tuple(item for item, _ in around.objects)
+        wanted = objects, around.held, around.planes
+        if self._compiled is None or wanted != self._compiled[0]:
+            distances = DistanceModel(
                 self._model,
                 self._ground,
-                objects=around.objects,
+                objects=objects,
                 held=around.held,
                 planes=around.planes,
             )
-            self._compiled_for = wanted
-        return self._distances
+            self._compiled = wanted, distances
+            self._groups.clear()
+        return self._compiled[1]
 
     def _pairs(
         self,
@@ -197,15 +188,13 @@ class CollisionWorld:
             ):
                 continue
             reach = np.zeros(len(joints))
-            is_plane = [distances.is_plane(shape) for shape in (one, two)]
             for shape, other in ((one, two), (two, one)):
                 above = levers[shape.body]
                 for name in above.keys() - levers[other.body].keys():
                     if (k := column.get(name)) is None:
                         continue
-                    if any(is_plane) and steady.get(name) is not None:
-                        if distances.is_parallel(steady[name], other):
-                            continue
+                    if name in steady and distances.is_parallel(steady[name], other):
+                        continue  # it turns about the normal of a plane
                     reach[k] += (
                         1.0
                         if distances.slides(name)
@@ -213,15 +202,9 @@ class CollisionWorld:
                     )
             if not reach.any():
                 continue
-            first, second = (two, one) if self._is_larger(distances, one, two) else (one, two)
             may_touch = not rules.may_touch.isdisjoint((one.owner, two.owner))
+            first, second = sorted((one, two), key=distances.size)
             yield _Pair(first, second, reach, may_touch)
-
-    @staticmethod
-    def _is_larger(distances: DistanceModel, one: Shape, two: Shape) -> bool:
-        if distances.is_plane(one):
-            return True
-        return not distances.is_plane(two) and distances.radius(one) > distances.radius(two)
 
     def _hands(self, around: Surroundings) -> dict[str, frozenset[str]]:
         """Return the links that hold each held object."""
@@ -234,7 +217,6 @@ class CollisionWorld:
         """Return the pairs of links that touch by construction."""
         if self._ignored is None:
             from tool0.engines.mujoco.link_collisions import (
-                LinkShapes,
                 adjacent_links,
                 mechanism_of,
             )
@@ -242,17 +224,16 @@ class CollisionWorld:
             model = self._model
             links = [link.name for link in model.links if link.collisions]
             masters = {name: mechanism_of(model, name) for name in links}
-            one_mechanism = {
-                frozenset((one, two))
-                for one, two in itertools.combinations(links, 2)
-                if masters[one] is not None and masters[one] == masters[two]
-            }
-            overlapping = map(frozenset, LinkShapes(model).colliding_at(self._usual))
             self._ignored = frozenset(
                 {
                     *map(frozenset, adjacent_links(model)),
-                    *overlapping,
-                    *one_mechanism,
+                    *(
+                        frozenset(pair)
+                        for pair in itertools.combinations(links, 2)
+                        if masters[pair[0]] is not None
+                        and masters[pair[0]] == masters[pair[1]]
+                    ),
+                    *distances.overlapping(links, self._usual),
                     *self._apart,
                 }
             )
@@ -281,24 +262,26 @@ class PlanningGroup:
     owner: DistanceModel = field(repr=False)
     """What the memory belongs to."""
 
-    def begin(self, start: Array) -> None:
+    def begin(self, start: Array, *, is_check: bool = False) -> None:
         """Allow what is near at the start to stay as near.
 
+        A check is as exact as the steps along a motion; a search keeps SLACK beyond.
+
         Raises:
-            CollisionError: If something collides there.
+            CollisionError: If something collides there; a check goes on.
         """
-        self.shared[:] = self.least
+        self.shared[:] = self.least - SLACK if is_check else self.least
         if self.clearances.at(start) == TILTED:
             raise CollisionError("the start is tilted more than the motion may be")
         found = self.clearances.distances(start, float(self.least.max(initial=0.0)))
         deepest = int(found.argmin()) if len(found) else FREE
-        if deepest >= 0 and found[deepest] < -TOUCH:
+        if not is_check and deepest >= 0 and found[deepest] < -TOUCH:
             first, second = self.names[deepest]
             raise CollisionError(
-                f"the start is in collision: '{first}' is {-1e3 * found[deepest]:.1f} mm "
-                f"in '{second}'"
+                f"the start is in collision: '{first}' is "
+                f"{-1e3 * found[deepest]:.1f} mm in '{second}'"
             )
-        np.minimum(self.least, found - _ROUNDING, out=self.shared)
+        np.minimum(self.shared, found - _ROUNDING, out=self.shared)
 
     def why_not(self, q: Array) -> str:
         """Return what is wrong in a pose; empty if nothing is."""
@@ -317,7 +300,7 @@ class PlanningGroup:
             return f"'{first}' would be {-1e3 * distance:.1f} mm in '{second}'"
         return (
             f"'{first}' would be {1e3 * distance:.1f} mm from '{second}', nearer than "
-            f"{1e3 * (self.shared[pair] - SLACK):.1f} mm"
+            f"{1e3 * (self.least[pair] - SLACK):.1f} mm"
         )
 
     def clearance(self, poses: Array) -> tuple[float, str]:
@@ -354,9 +337,7 @@ def _upright(
     axis /= np.linalg.norm(axis)
     rotation = distances.data.xmat[body].reshape(3, 3)
     above = dict(distances.joints_above(body))
-    tilting = _bits(
-        joints, lambda name: name in above and not distances.slides(name)
-    )
+    tilting = _bits(joints, lambda name: name in above and not distances.slides(name))
     return Upright(
         body=body,
         axis=axis,

@@ -9,7 +9,13 @@ from msgspec import Meta, Struct, field
 from tool0.description.posture import Branch, Solution
 from tool0.description.transform import Pose, Transform
 from tool0.protocol.goals import GoalStarted
-from tool0.protocol.request import JointPositions, Request, Response, SpeedScale
+from tool0.protocol.request import (
+    CollisionRule,
+    JointPositions,
+    Request,
+    Response,
+    SpeedScale,
+)
 
 Row = tuple[float, float, float, float]
 
@@ -82,6 +88,7 @@ class MoveTo(_OfTool[GoalStarted], frozen=True, kw_only=True):
     speed: SpeedScale = 0.5
     near: JointPositions = field(default_factory=dict)
     branch: Branch | None = None
+    collision: CollisionRule = "ignore"
 
 
 class MoveLinear(_OfTool[GoalStarted], frozen=True, kw_only=True):
@@ -94,3 +101,4 @@ class MoveLinear(_OfTool[GoalStarted], frozen=True, kw_only=True):
     """Of the tool [m/s²]; the rotation ramps over the same duration."""
     angular_speed: Rate = 1.0
     """Of the tool [rad/s]."""
+    collision: CollisionRule = "ignore"

@@ -22,6 +22,7 @@ _MODULES: Final = (
     "gripper",
     "arm",
     "arm_motion",
+    "planning",
     "objects",
     "programs",
     "control_box",

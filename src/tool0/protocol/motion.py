@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
-from msgspec import Meta, Struct
+from msgspec import Meta, Struct, structs
 
 from tool0.protocol.goals import GoalStarted
-from tool0.protocol.request import JointPositions, Name, Request, SpeedScale
+from tool0.protocol.request import (
+    CollisionRule,
+    JointPositions,
+    Name,
+    Request,
+    SpeedScale,
+)
 
 
 class GripLimits(Struct, frozen=True, kw_only=True):
@@ -33,6 +39,10 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
     cubic, and the controller's other joints keep their setpoints."""
     controller: Name | None = None
     """The controller whose joints they are; those that claim them, if left out."""
+    collision: CollisionRule = "ignore"
+
+    def as_done(self) -> Request[Any]:
+        return structs.replace(self, collision="ignore")
 
 
 class SteerJoints(Request[None], frozen=True):

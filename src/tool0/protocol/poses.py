@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tool0.description.named_pose import NamedPose
 from tool0.protocol.goals import GoalStarted
-from tool0.protocol.request import Name, Request, SpeedScale
+from tool0.protocol.request import CollisionRule, Name, Request, SpeedScale
 
 
 class ListPoses(Request[dict[str, NamedPose]], frozen=True):
@@ -37,3 +37,4 @@ class GoToPose(Request[tuple[GoalStarted, ...]], frozen=True):
     robot: Name | None = None
     """Only the joints of this robot; of all robots, if left out."""
     speed: SpeedScale = 0.5
+    collision: CollisionRule = "ignore"

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence, Set
 from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Generic, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar
 
 import msgspec
 from msgspec import Meta
@@ -49,6 +49,10 @@ class Request(
         """Return the files on the robot's machine that it names to be read."""
         return ()
 
+    def as_done(self) -> Request[Any]:
+        """Return the request that repeats what it did, without what was checked."""
+        return self
+
 
 class ArmRequest(Request[Response], Generic[Response], frozen=True, kw_only=True):
     """The field of every request to an arm or its control box."""
@@ -86,6 +90,9 @@ Coordinate = Annotated[float, Meta(ge=-1000.0, le=1000.0)]
 """[m]"""
 
 Place = tuple[Coordinate, Coordinate, Coordinate]
+
+CollisionRule = Literal["refuse", "ignore"]
+"""Whether a motion is refused if an arm would collide on its way, or not looked at."""
 
 JointPositions = Annotated[dict[str, float], Meta(max_length=1000)]
 """Joint → position [rad | m]."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from threading import Lock
 from typing import TYPE_CHECKING, final
 
@@ -18,7 +17,8 @@ from tool0.description.grasp_frames import pad_links
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.scene import SceneObject
 from tool0.description.scene_state import ObjectState
-from tool0.description.transform import Transform, from_quaternion, to_transform
+from tool0.description.surroundings import HeldObject
+from tool0.description.transform import from_quaternion, to_transform
 from tool0.errors import ControlError, ModelError, PenetrationError
 from tool0.protocol.objects import Collision
 from tool0.protocol.state import Snapshot
@@ -92,12 +92,27 @@ class CollisionFinder:
                     [a + share * (b - a) for a, b in zip(start, end, strict=True)]
                 )
                 for load in held.values():
-                    load.follow(finder)
+                    _carry(finder, load)
                 for pair, depth in finder.depths().items():
                     least = TOUCH + max(0.0, before.get(pair, 0.0))
                     if depth > least and not moving.isdisjoint(pair):
                         _note(found, _robot_first(pair, moving), depth, share)
         return tuple(found.values())
+
+    def held(self, state: Snapshot) -> tuple[HeldObject, ...]:
+        """Return what the grippers hold: movable objects that both fingers touch.
+
+        Raises:
+            ModelError: If MuJoCo does not support an object.
+        """
+        if not any(item.mass is not None for item in state.scene):
+            return ()
+        with self._lock:
+            finder = self._finder = self._fitting(self._finder, state.scene)
+            for item, at in zip(state.scene, state.objects, strict=True):
+                finder.put_object(item, at)
+            finder.put_joints(state.position)
+            return tuple(self._held(finder, state, finder.depths()).values())
 
     def require_pose(
         self,
@@ -205,7 +220,7 @@ class CollisionFinder:
 
     def _held(
         self, finder: OverlapFinder, state: Snapshot, depths: Mapping[Pair, float]
-    ) -> dict[str, _Load]:
+    ) -> dict[str, HeldObject]:
         """Return the movable objects that both fingers of a gripper touch, by name."""
         movable = {
             item.name: (item, at)
@@ -221,25 +236,15 @@ class CollisionFinder:
                     base = self._model.joint(gripper.joint).parent
                     T_base_root = finder.link_pose(base).inverse()
                     T_root_item = from_quaternion(at.position, at.quat_wxyz)
-                    held[name] = _Load(item, base, T_base_root @ T_root_item)
+                    held[name] = HeldObject(item, base, T_base_root @ T_root_item)
         return held
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class _Load:
-    """An object in a gripper."""
-
-    item: SceneObject
-    base: str
-    """The gripper's link that carries the fingers."""
-    T_base_item: Transform
-
-    def follow(self, finder: OverlapFinder) -> None:
-        """Put the object where the gripper carries it."""
-        pose = finder.link_pose(self.base) @ self.T_base_item
-        at = ObjectState(self.item.name, pose.position, pose.quat_wxyz)
-        finder.put_object(self.item, at)
+def _carry(finder: OverlapFinder, load: HeldObject) -> None:
+    """Put a held object where the gripper carries it."""
+    pose = finder.link_pose(load.link) @ load.T_link_item
+    at = ObjectState(load.item.name, pose.position, pose.quat_wxyz)
+    finder.put_object(load.item, at)
 
 
 def _fingers(model: RobotModel, gripper: ParallelGripper) -> tuple[frozenset[str], ...]:

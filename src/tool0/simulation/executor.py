@@ -32,6 +32,7 @@ from tool0.protocol.controllers import KIND_OF, Role, why_not_driven
 from tool0.protocol.goals import Goal
 from tool0.simulation.core import Core
 from tool0.simulation.paths import motion_plan, trajectory_points
+from tool0.simulation.supervision.plan_watch import PlanWatch
 from tool0.simulation.supervision.supervision import Supervision
 
 if TYPE_CHECKING:
@@ -51,6 +52,7 @@ class Executor:
         self.supervision = Supervision(core)
         self.when_goal_starts: Callable[[Goal], None] = lambda goal: None
         self._manager = core.manager
+        self._plan_watches: list[PlanWatch] = []
 
     # ---- goals of trajectory controllers --------------------------------------------
 
@@ -79,6 +81,36 @@ class Executor:
         trajectory = self._follower(controller)
         trajectory.command(goal, self.core.time)
         self._note_command(controller, goal.joint_names, bounds)
+
+    def follow_together(
+        self, goals: Mapping[str, TrajectoryGoal], may_touch: frozenset[str]
+    ) -> tuple[Goal, ...]:
+        """Start goals of several controllers at one instant, or none of them.
+
+        They stop at a contact that is not there now, but for those with ``may_touch``.
+        """
+        followers = {name: self._follower(name) for name in goals}
+        accepted = []
+        try:
+            for name, goal in goals.items():
+                accepted.append(followers[name].follow(goal, self.core.time))
+        except ControlError:
+            for each in accepted:
+                self.cancel(each)
+            raise
+        for name, goal in goals.items():
+            self._note_command(name, goal.joint_names)
+        started = tuple(map(self._started, accepted))
+        model = self.core.model
+        links = frozenset(
+            link
+            for goal in goals.values()
+            for joint in goal.joint_names or ()
+            for link in model.links_from(model.joint(joint).child)
+        )
+        contacts = self.core.engine.world.contacts()
+        self._plan_watches.append(PlanWatch(started, links, may_touch, contacts))
+        return started
 
     def scale_trajectory(self, controller: str, factor: float) -> None:
         """Scale the speed of a controller's trajectories by ``factor``."""
@@ -338,6 +370,19 @@ class Executor:
             self.core.sync_from_kernel()
             stop = arm.stop_protectively if is_beyond_limits else arm.fail
             stop(reason, self.core.state)
+        if self._plan_watches:
+            self._watch_plans()
+
+    def _watch_plans(self) -> None:
+        """Stop planned motions that touch what they should not."""
+        contacts = self.core.engine.world.contacts()
+        for watch in self._plan_watches:
+            if not watch.is_over and (reason := watch.unexpected(contacts)):
+                self.core.sync_from_kernel()
+                watch.fail(reason)
+                for goal in watch.goals:
+                    self.cancel(goal)
+        self._plan_watches = [one for one in self._plan_watches if not one.is_over]
 
     # ---- what they have in common ---------------------------------------------------
 

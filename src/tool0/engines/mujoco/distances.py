@@ -6,7 +6,9 @@ engine, and in any thread.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import itertools
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, final
 
@@ -17,31 +19,13 @@ from tool0.description.bodies import moving_bodies
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.scene_state import ObjectState
-from tool0.description.transform import Transform
+from tool0.description.surroundings import HeldObject, Plane
 from tool0.engines.mujoco.library import address_of, mujoco_library
 from tool0.engines.mujoco.model import build_spec
 from tool0.engines.mujoco.objects import add_shapes, compile_with_scene
 from tool0.engines.mujoco.world import geom_owners
 from tool0.errors import ModelError
 from tool0.hardware.shape_memory import FloatArray, ShapeMemory
-
-
-class HeldObject(NamedTuple):
-    """An object that moves with a link."""
-
-    item: SceneObject
-    link: str
-    T_link_item: Transform
-
-
-class Plane(NamedTuple):
-    """A plane that nothing may pass, from above."""
-
-    name: str
-    point: tuple[float, float, float]
-    """[m], in the robot's root."""
-    normal: tuple[float, float, float]
-    """To where the robot is."""
 
 
 @final
@@ -64,7 +48,7 @@ class DistanceModel:
         robot: RobotModel,
         ground: float | None,
         *,
-        objects: Sequence[tuple[SceneObject, ObjectState]] = (),
+        objects: Sequence[SceneObject] = (),
         held: Sequence[HeldObject] = (),
         planes: Sequence[Plane] = (),
     ) -> None:
@@ -73,7 +57,7 @@ class DistanceModel:
         Args:
             robot: Its links.
             ground: Height of the ground in the robot's root [m]; None without.
-            objects: What stands around the robot, and where.
+            objects: What stands around the robot; ``place`` says where.
             held: What it carries.
             planes: Bounds of the space.
 
@@ -81,7 +65,11 @@ class DistanceModel:
             ModelError: If MuJoCo does not support a shape.
         """
         spec = build_spec(robot, dt=0.001, ground=ground)
-        places = {name: (body, frame) for body in moving_bodies(robot) for name, frame in body.links}
+        places = {
+            name: (body, frame)
+            for body in moving_bodies(robot)
+            for name, frame in body.links
+        }
         for load in held:
             body, frame = places[load.link]
             handle = spec.body(body.joint.child)
@@ -97,11 +85,8 @@ class DistanceModel:
                 type=mujoco.mjtGeom.mjGEOM_PLANE,
                 size=[0.0, 0.0, 0.05],
             )
-        still = tuple(replace(item, mass=None) for item, _ in objects)
+        still = tuple(replace(item, mass=None) for item in objects)
         self.model, _ = compile_with_scene(spec, robot, Scene(still), {})
-        for item, state in objects:
-            body = self.model.body(item.name)
-            body.pos[:], body.quat[:] = state.position, state.quat_wxyz
         self.data = mujoco.MjData(self.model)
         joints = robot.movable_joints
         self._addresses = {
@@ -113,11 +98,41 @@ class DistanceModel:
             for k in range(self.model.ngeom)
         )
 
+    def place(self, states: Iterable[ObjectState]) -> None:
+        """Put the objects somewhere."""
+        for state in states:
+            body = self.model.body(state.name)
+            body.pos[:], body.quat[:] = state.position, state.quat_wxyz
+
     def put(self, positions: Mapping[str, float]) -> None:
         """Put joints at positions [rad | m]."""
         for name, position in positions.items():
             self.data.qpos[self._addresses[name]] = position
         mujoco.mj_kinematics(self.model, self.data)
+
+    def overlapping(
+        self, links: Collection[str], positions: Mapping[str, float]
+    ) -> frozenset[frozenset[str]]:
+        """Return the pairs of links that overlap at positions of joints [rad | m]."""
+        before = self.data.qpos.copy()
+        self.put(positions)
+        mine = [shape for shape in self.shapes if shape.owner in links]
+        found = frozenset(
+            frozenset((one.owner, two.owner))
+            for one, two in itertools.combinations(mine, 2)
+            if one.owner != two.owner and self._is_overlap(one.geom, two.geom)
+        )
+        self.data.qpos[:] = before
+        mujoco.mj_kinematics(self.model, self.data)
+        return found
+
+    def _is_overlap(self, one: int, two: int) -> bool:
+        model, data = self.model, self.data
+        apart = np.linalg.norm(data.geom_xpos[one] - data.geom_xpos[two])
+        if apart > model.geom_rbound[one] + model.geom_rbound[two]:
+            return False
+        ends = np.empty(6)
+        return bool(mujoco.mj_geomDistance(model, data, one, two, 1e-6, ends) < 0.0)
 
     def addresses(self, joints: Sequence[str]) -> Any:
         """Return where the positions of joints are, shape (n,)."""
@@ -138,7 +153,7 @@ class DistanceModel:
         return found.reshape(3, 3)
 
     def joints_above(self, body: int) -> Iterator[tuple[str, float]]:
-        """Yield the joints that move a body, from it on, and how far a body's origin is.
+        """Yield the joints that move a body, from it on, and how far its origin is.
 
         The second is the largest distance of the body's origin from the joint's axis
         that any position of the joints between allows [m].
@@ -158,7 +173,7 @@ class DistanceModel:
         return bool(self.model.joint(joint).type[0] == mujoco.mjtJoint.mjJNT_SLIDE)
 
     def extent(self, shape: Shape) -> float:
-        """Return the largest distance of a shape's points from its body's origin [m]."""
+        """Return the largest distance of its points from its body's origin [m]."""
         offset = float(np.linalg.norm(self.model.geom_pos[shape.geom]))
         return offset + float(self.model.geom_rbound[shape.geom])
 
@@ -166,9 +181,10 @@ class DistanceModel:
         """Return whether a shape is a plane, the ground included."""
         return bool(self.model.geom_type[shape.geom] == mujoco.mjtGeom.mjGEOM_PLANE)
 
-    def radius(self, shape: Shape) -> float:
-        """Return the radius of the sphere around a shape [m]."""
-        return float(self.model.geom_rbound[shape.geom])
+    def size(self, shape: Shape) -> float:
+        """Return the radius of the sphere around a shape [m]; infinite for planes."""
+        radius = float(self.model.geom_rbound[shape.geom])
+        return math.inf if self.is_plane(shape) else radius
 
     def is_parallel(self, axis: FloatArray, plane: Shape) -> bool:
         """Return whether an axis in the world is a plane's normal."""

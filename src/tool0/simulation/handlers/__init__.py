@@ -7,6 +7,7 @@ from tool0.simulation.handlers import gripper as gripper
 from tool0.simulation.handlers import hardware as hardware
 from tool0.simulation.handlers import motion as motion
 from tool0.simulation.handlers import objects as objects
+from tool0.simulation.handlers import planning as planning
 from tool0.simulation.handlers import program as program
 from tool0.simulation.handlers import sensors as sensors
 from tool0.simulation.handlers import state as state

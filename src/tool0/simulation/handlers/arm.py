@@ -21,10 +21,11 @@ from tool0.protocol.arm import (
     ReadToolPose,
     SolveInverseKinematics,
 )
-from tool0.protocol.controllers import Role, why_not_driven
 from tool0.protocol.goals import GoalStarted
 from tool0.protocol.motion import MoveJoints
 from tool0.protocol.trajectories import FollowTrajectory
+from tool0.simulation.handlers.commanded import standing, trajectory_controller
+from tool0.simulation.handlers.motion_checks import motion_plans
 from tool0.simulation.handlers.table import answer, handles
 from tool0.simulation.paths import trajectory_points
 from tool0.simulation.simulation import Simulation
@@ -32,6 +33,7 @@ from tool0.simulation.simulation import Simulation
 if TYPE_CHECKING:
     from tool0.kinematics.chain import ArmChain, Array
     from tool0.kinematics.inverse import InverseKinematics
+    from tool0.motion.path import Path
 
 
 _AFTER_ANY_MOTION = 1e6
@@ -88,42 +90,65 @@ def _solve(
 
     chain = simulation.arm(request.arm)
     names = chain.joint_names
-    standing = _commanded(simulation, chain)
-    reference = np.array([standing[name] for name in names])
+    positions = standing(simulation, request.arm)
+    reference = np.array([positions[name] for name in names])
     for joint, position in request.near.items():
         if joint not in names:
             raise ControlError(
                 f"near: '{joint}' is not a joint of the arm: {', '.join(names)}"
             )
         reference[names.index(joint)] = position
-    T_base_tool = _in_base(simulation, chain, request, standing)
+    T_base_tool = _in_base(simulation, chain, request, positions)
     T_base_tip = T_base_tool @ np.linalg.inv(_tool(simulation, chain, request))
     return _kinematics(chain).solutions(T_base_tip, reference, request.branch)
 
 
 @handles(MoveTo)
 def _move_to(simulation: Simulation, request: MoveTo) -> GoalStarted:
-    controller = _controller(simulation, simulation.arm(request.arm))
+    controller = trajectory_controller(simulation, simulation.arm(request.arm))
     positions = dict(_solve(simulation, request)[0].positions)
-    motion = MoveJoints(positions=positions, speed=request.speed, controller=controller)
+    motion = MoveJoints(
+        positions=positions,
+        speed=request.speed,
+        controller=controller,
+        collision=request.collision,
+    )
     (started,) = answer(simulation, motion)
     return started
 
 
 @handles(MoveLinear)
 def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
+    SPEED.require_plausible(request.speed, "speed")
+    chain = simulation.arm(request.arm)
+    controller = trajectory_controller(simulation, chain)
+    resting = _at_rest(simulation, controller)
+    positions = {**simulation.snapshot.positions, **resting}
+    path = line_of(simulation, request, positions)
+    if request.collision == "refuse":
+        motion_plans(simulation).require_free_path(path, positions)
+    if _at_rest(simulation, controller) != resting:
+        raise ControlError("the arm was moved while its line was planned")
+    trajectory = FollowTrajectory(
+        controller=controller,
+        points=tuple(trajectory_points(path.beside(resting))),
+        joint_names=tuple(resting),
+    )
+    return answer(simulation, trajectory)
+
+
+def line_of(
+    simulation: Simulation, request: MoveLinear, positions: Mapping[str, float]
+) -> Path:
+    """Return the straight motion of a tool, from ``positions`` of all joints."""
     import numpy as np
 
     from tool0.motion.linear import plan_line
 
-    SPEED.require_plausible(request.speed, "speed")
     chain, model = simulation.arm(request.arm), simulation.description.model
-    controller = _controller(simulation, chain)
-    standing = _at_rest(simulation, controller)
-    positions = {**simulation.snapshot.positions, **standing}
-    path = plan_line(
+    return plan_line(
         _kinematics(chain),
-        np.array([standing[name] for name in chain.joint_names]),
+        np.array([positions[name] for name in chain.joint_names]),
         _in_base(simulation, chain, request, positions),
         _tool(simulation, chain, request),
         T_root_base=link_poses(model, positions)[chain.base].matrix,
@@ -131,14 +156,6 @@ def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
         acceleration=request.acceleration,
         angular_speed=request.angular_speed,
     )
-    if _at_rest(simulation, controller) != standing:
-        raise ControlError("the arm was moved while its line was planned")
-    trajectory = FollowTrajectory(
-        controller=controller,
-        points=tuple(trajectory_points(path.beside(standing))),
-        joint_names=tuple(standing),
-    )
-    return answer(simulation, trajectory)
 
 
 def _kinematics(chain: ArmChain) -> InverseKinematics:
@@ -146,34 +163,6 @@ def _kinematics(chain: ArmChain) -> InverseKinematics:
     from tool0.kinematics.inverse import InverseKinematics
 
     return InverseKinematics(chain)
-
-
-def _controller(simulation: Simulation, chain: ArmChain) -> str:
-    """Return the running trajectory controller of the arm's joints."""
-    for status in simulation.snapshot.controllers:
-        if (
-            status.is_running
-            and status.role is Role.TRAJECTORY
-            and status.joints.issuperset(chain.joint_names)
-        ):
-            return status.name
-    statuses = simulation.snapshot.controllers
-    raise ControlError(why_not_driven(statuses, chain.joint_names))
-
-
-def _commanded(simulation: Simulation, chain: ArmChain) -> Mapping[str, float]:
-    """Return the positions of all joints: the arm's as commanded, if they are."""
-    measured, executor = simulation.snapshot.positions, simulation.executor
-    try:
-        name = _controller(simulation, chain)
-        state = simulation.loop.call(
-            lambda: executor.trajectory_controller(name).setpoint().state(),
-            publishes=False,
-        )
-    except ControlError:
-        return measured
-    commanded = zip(state.joint_names, state.desired.positions, strict=True)
-    return {**measured, **dict(commanded)}
 
 
 def _at_rest(simulation: Simulation, name: str) -> Mapping[str, float]:

@@ -50,6 +50,7 @@ from tool0.protocol.trajectories import (
     JointsMotion,
     ScaleTrajectory,
 )
+from tool0.simulation.handlers.motion_checks import require_free
 from tool0.simulation.handlers.table import answer, handles
 from tool0.simulation.simulation import Simulation
 
@@ -118,7 +119,14 @@ def _import_planner(simulation: Simulation, request: Request[Any]) -> None:
     import_planner()
 
 
-@handles(MoveJoints, in_tick=True, prepare=_import_planner)
+def _prepare_move(simulation: Simulation, request: MoveJoints) -> None:
+    """Do what takes long; raise CollisionError if the motion is to be refused."""
+    _import_planner(simulation, request)
+    if request.collision == "refuse":
+        require_free(simulation, request.positions)
+
+
+@handles(MoveJoints, in_tick=True, prepare=_prepare_move)
 def _move(
     simulation: Simulation, request: MoveJoints, prepared: None
 ) -> tuple[GoalStarted, ...]:
@@ -190,7 +198,12 @@ handles(DeletePose)(lambda sim, request: sim.poses.delete(request.name))
 @handles(GoToPose)
 def _go(simulation: Simulation, request: GoToPose) -> tuple[GoalStarted, ...]:
     positions = simulation.poses.goal(request.name, request.robot)
-    return answer(simulation, MoveJoints(positions=positions, speed=request.speed))
+    return answer(
+        simulation,
+        MoveJoints(
+            positions=positions, speed=request.speed, collision=request.collision
+        ),
+    )
 
 
 # ---- the controllers themselves -----------------------------------------------------

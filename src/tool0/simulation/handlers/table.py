@@ -163,7 +163,7 @@ def _execute(
     """Call a handler between two ticks, and note in the journal what it changes."""
     if not entry.changes:
         return entry.handler(simulation, request, *prepared)
-    note = simulation.journal.begin(request)
+    note = simulation.journal.begin(request.as_done())
     try:
         response = entry.handler(simulation, request, *prepared)
     except Exception as error:

@@ -27,6 +27,7 @@ class Request(Generic[Response]):
 ErrorKind = Literal[
     "ClaimError",
     "CollectError",
+    "CollisionError",
     "ConfigError",
     "ControlError",
     "DescriptionError",
@@ -41,6 +42,7 @@ ErrorKind = Literal[
     "NoSuchPartError",
     "NotOfferedError",
     "PenetrationError",
+    "PlanningError",
     "ProgramError",
     "RecordingError",
     "RenderError",

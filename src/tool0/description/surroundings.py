@@ -1,0 +1,44 @@
+"""What a motion could collide with, at one moment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+from tool0.description.scene import SceneObject
+from tool0.description.scene_state import ObjectState
+from tool0.description.transform import Transform, Vector3
+
+
+class HeldObject(NamedTuple):
+    """An object that moves with a link."""
+
+    item: SceneObject
+    link: str
+    """The gripper's link that carries the fingers."""
+    T_link_item: Transform
+
+
+class Plane(NamedTuple):
+    """A plane that nothing may pass."""
+
+    name: str
+    point: Vector3
+    """[m], in the robot's root."""
+    normal: Vector3
+    """To where the robot is."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surroundings:
+    """Where everything is."""
+
+    positions: Mapping[str, float]
+    """Joint → position of all movable joints [rad | m]."""
+    objects: tuple[tuple[SceneObject, ObjectState], ...] = ()
+    """What stands around the robot, and where."""
+    held: tuple[HeldObject, ...] = ()
+    """What moves with a gripper."""
+    planes: tuple[Plane, ...] = ()

@@ -1,0 +1,537 @@
+"""Collision-free motions of a simulation: checked, planned, kept for execution.
+
+Everything is computed from snapshots, in the caller's thread, so that the tick does not
+wait.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from threading import Lock
+from typing import TYPE_CHECKING, Final, final
+
+import numpy as np
+
+from tool0.description.forward_kinematics import link_poses
+from tool0.description.model import Joint
+from tool0.description.scene import SceneObject
+from tool0.description.scene_state import ObjectState
+from tool0.description.shapes import Box
+from tool0.description.surroundings import Plane, Surroundings
+from tool0.description.transform import (
+    Pose,
+    as_matrix,
+    to_transform,
+)
+from tool0.errors import CollisionError, ConfigError, ControlError, UnreachableError
+from tool0.kernel.clearance import Cancelled
+from tool0.kinematics.chain import ArmChain, Array, fixed_transform
+from tool0.kinematics.inverse import InverseKinematics
+from tool0.motion.path import Path
+from tool0.motion.waypoints import SmoothWay, time_way
+from tool0.planning.planner import (
+    FreeMotion,
+    SearchOptions,
+    check_way,
+    plan_free_motion,
+    windings,
+)
+from tool0.planning.world import CollisionWorld, PlanningGroup, Rules, UprightTool
+from tool0.protocol.planning import (
+    Checked,
+    CheckMotion,
+    KeepOut,
+    Plan,
+    PlanMotion,
+    PlanTarget,
+)
+from tool0.simulation.simulation import Simulation
+
+if TYPE_CHECKING:
+    from tool0.protocol.state import Snapshot
+
+PRESSING: Final = 0.002
+"""Depth up to which a motion that nobody planned may press on something [m]: its
+controller stops it, or not."""
+MOST_PLANS: Final = 100
+"""Plans that are kept; the oldest are forgotten."""
+MOVED: Final = 1e-3
+"""By how much joints and objects may move between planning and executing [rad | m]."""
+_FREE_TURNS: Final = 24
+"""Angles about a free axis that are tried."""
+_ROWS: Final = 200
+"""Poses of a plan at which its clearance is measured."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeptPlan:
+    """A plan, and what it was made for."""
+
+    plan: Plan
+    may_touch: frozenset[str]
+    start: Mapping[str, float]
+    """Joint → commanded position [rad]."""
+    objects: Mapping[str, ObjectState]
+    arms: tuple[str, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Moving:
+    """The arms of a motion, and where they are."""
+
+    chains: tuple[ArmChain, ...]
+    joints: tuple[Joint, ...]
+    """Of all arms, each from base to tip, with the limits that apply."""
+    positions: Mapping[str, float]
+    """Of all joints, commanded where they are commanded [rad | m]."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(joint.name for joint in self.joints)
+
+    @property
+    def start(self) -> Array:
+        return np.array([self.positions[name] for name in self.names])
+
+
+@final
+class MotionPlans:
+    """Checks and plans motions of one simulation.  Any thread may use it."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._lock = Lock()
+        self._world: CollisionWorld | None = None
+        self._searches: set[Cancelled] = set()
+        self._plans: dict[int, KeptPlan] = {}
+        self._count = itertools.count(1)
+
+    def close(self) -> None:
+        self.cancel()
+
+    # ---- requests -------------------------------------------------------------------
+
+    def plan(self, request: PlanMotion, positions: Mapping[str, float]) -> Plan:
+        """Plan a motion from the commanded ``positions`` [rad | m]; see ``PlanMotion``.
+
+        Raises:
+            CollisionError: If start or target are in collision.
+            PlanningError: If no way is found.
+            UnreachableError: If no posture reaches a pose.
+        """
+        moving = self._moving(request.targets, positions, request.joint_ranges)
+        goals = _combined(
+            [
+                self._goals(chain, target, moving)
+                for chain, target in zip(moving.chains, request.targets, strict=True)
+            ]
+        )
+        rules = Rules(
+            clearance=request.clearance,
+            may_touch=frozenset(request.may_touch),
+            upright=self._upright(request, moving),
+        )
+        snapshot = self._simulation.snapshot
+        with self._searching() as cancelled:
+            group = self._group(moving, snapshot, rules, request.keep_out)
+            found = plan_free_motion(
+                group,
+                moving.joints,
+                moving.start,
+                goals,
+                options=SearchOptions(
+                    speed=request.speed, timeout=request.timeout, seed=request.seed
+                ),
+                cancelled=cancelled,
+            )
+            plan = _described(next(self._count), found, group)
+        self._plans[plan.number] = KeptPlan(
+            plan=plan,
+            may_touch=rules.may_touch,
+            start={name: positions[name] for name in moving.names},
+            objects={state.name: state for state in snapshot.objects},
+            arms=tuple(chain.tip for chain in moving.chains),
+        )
+        for number in list(self._plans)[:-MOST_PLANS]:
+            del self._plans[number]
+        return plan
+
+    def cancel(self) -> None:
+        """End the searches in progress."""
+        for search in tuple(self._searches):
+            search.set()
+
+    def arms_of(self, number: int) -> tuple[str, ...]:
+        """Return the flanges of the arms that a plan moves; ControlError if unknown."""
+        kept = self._plans.get(number)
+        if kept is None:
+            raise ControlError(f"there is no plan {number}, or it is too old")
+        return kept.arms
+
+    def to_execute(self, number: int, positions: Mapping[str, float]) -> KeptPlan:
+        """Return a plan that can be executed now, from commanded ``positions``.
+
+        Raises:
+            ControlError: If it is unknown, or the start or the scene has changed.
+        """
+        self.arms_of(number)
+        kept = self._plans[number]
+        for name, planned in kept.start.items():
+            if not abs(off := positions[name] - planned) <= MOVED:
+                raise ControlError(
+                    f"plan {number} starts elsewhere: joint '{name}' has moved by "
+                    f"{off:.4g} rad since; plan again"
+                )
+        now = {state.name: state for state in self._simulation.snapshot.objects}
+        for name in kept.objects.keys() ^ now.keys():
+            what = "removed" if name in kept.objects else "added"
+            raise ControlError(
+                f"the scene has changed since plan {number} was made: object '{name}' "
+                f"was {what}; plan again"
+            )
+        for name, state in now.items():
+            before = kept.objects[name]
+            moved = math.dist(state.position, before.position)
+            turned = 2.0 * math.acos(min(1.0, abs(_dot(state, before))))
+            if moved > MOVED or turned > 10.0 * MOVED:
+                raise ControlError(
+                    f"the scene has changed since plan {number} was made: object "
+                    f"'{name}' has moved by {1e3 * moved:.1f} mm and turned by "
+                    f"{math.degrees(turned):.1f} degrees; plan again"
+                )
+        return kept
+
+    def check(
+        self,
+        request: CheckMotion,
+        positions: Mapping[str, float],
+        line: Path | None,
+    ) -> Checked:
+        """Return whether a motion would be free; ``line``: the tool's, if it is one."""
+        moving = self._moving((request.target,), positions, {})
+        path = line
+        if path is None:
+            (chain,) = moving.chains
+            goals = self._goals(chain, request.target, moving)
+            nearest = np.abs(goals - moving.start).max(axis=1).argmin()
+            path = _straight(moving, goals[nearest])
+        rules = Rules(
+            clearance=request.clearance, may_touch=frozenset(request.may_touch)
+        )
+        return self._checked(moving, path, rules, request.keep_out)
+
+    def require_free(
+        self, targets: Mapping[str, float], positions: Mapping[str, float]
+    ) -> None:
+        """Raise CollisionError if the straight way of arms' joints would collide.
+
+        Args:
+            targets: Joint → position [rad | m]; those of no arm are not looked at.
+            positions: Commanded positions of all joints.
+        """
+        chains = [
+            chain
+            for chain in self._simulation.arms.values()
+            if not targets.keys().isdisjoint(chain.joint_names)
+        ]
+        moving = _Moving(
+            chains=tuple(chains),
+            joints=tuple(joint for chain in chains for joint in chain.joints),
+            positions=positions,
+        )
+        end = np.array([targets.get(name, positions[name]) for name in moving.names])
+        if chains and np.abs(end - moving.start).max() > 0.0:
+            self.require_free_path(_straight(moving, end), positions)
+
+    def require_free_path(self, path: Path, positions: Mapping[str, float]) -> None:
+        """Raise CollisionError if arms would collide on a path of their joints."""
+        names = set(path.joint_names)
+        chains = tuple(
+            chain
+            for chain in self._simulation.arms.values()
+            if not names.isdisjoint(chain.joint_names)
+        )
+        joints = tuple(joint for chain in chains for joint in chain.joints)
+        moving = _Moving(chains=chains, joints=joints, positions=positions)
+        found = self._checked(moving, path, Rules(clearance=-PRESSING), ())
+        if not found.is_free:
+            raise CollisionError(
+                f"the motion would collide after {found.time:.2f} s, at "
+                f"{found.part:.0%} of its way: {found.reason}; plan a way around, or "
+                "move with collision='ignore'"
+            )
+
+    # ---- parts ----------------------------------------------------------------------
+
+    def _checked(
+        self,
+        moving: _Moving,
+        path: Path,
+        rules: Rules,
+        keep_out: Sequence[KeepOut],
+    ) -> Checked:
+        columns = [path.joint_names.index(name) for name in moving.names]
+        poses = path.positions[:, columns]
+        with self._lock:
+            snapshot = self._simulation.snapshot
+            group = self._group(moving, snapshot, rules, keep_out)
+            found = check_way(group, poses)
+        if found is None:
+            return Checked(is_free=True)
+        row, part, reason = found
+        way = np.concatenate(
+            [np.zeros(1), np.cumsum(np.abs(np.diff(poses, axis=0)).max(axis=1))]
+        )
+        here = way[row] + part * (way[row + 1] - way[row])
+        return Checked(
+            is_free=False,
+            reason=reason,
+            part=float(here / way[-1]) if way[-1] > 0.0 else 0.0,
+            time=float(np.interp(here, way, path.times)),
+        )
+
+    def _moving(
+        self,
+        targets: Sequence[PlanTarget],
+        positions: Mapping[str, float],
+        ranges: Mapping[str, tuple[float, float]],
+    ) -> _Moving:
+        chains = tuple(self._simulation.arm(target.arm) for target in targets)
+        if len({chain.tip for chain in chains}) < len(chains):
+            raise ControlError("two targets are for one arm")
+        joints = [joint for chain in chains for joint in chain.joints]
+        names = {joint.name for joint in joints}
+        for name in ranges.keys() - names:
+            raise ControlError(
+                f"joint_ranges: '{name}' is not a joint that moves: "
+                f"{', '.join(sorted(names))}"
+            )
+        return _Moving(
+            chains=chains,
+            joints=tuple(_within(joint, ranges.get(joint.name)) for joint in joints),
+            positions=positions,
+        )
+
+    def _goals(self, chain: ArmChain, target: PlanTarget, moving: _Moving) -> Array:
+        """Return all positions of an arm's joints that are at a target, (n, 6)."""
+        if (target.pose is None) == (not target.positions):
+            raise ControlError("a target needs either joint positions or a pose")
+        numbers = [moving.names.index(name) for name in chain.joint_names]
+        joints = [moving.joints[k] for k in numbers]
+        start = moving.start[numbers]
+        if target.pose is None:
+            return _joint_goal(joints, start, target.positions)[None]
+        kinematics = InverseKinematics(chain.with_joints(joints))
+        found = []
+        T_base_tool = self._in_base(chain, target, moving.positions)
+        T_tool_tip = np.linalg.inv(self._tool(chain, target))
+        for turn in _turns(target.free_axis):
+            T_base_tip = T_base_tool @ turn @ T_tool_tip
+            found += [
+                windings(q, joints, start)
+                for q in kinematics.postures(T_base_tip, start)
+            ]
+        goals = np.concatenate([np.empty((0, len(joints))), *found])
+        if not len(goals):
+            # the reason in words
+            kinematics.solutions(T_base_tool @ T_tool_tip, start)
+            raise UnreachableError("no posture of the target is within the limits")
+        return goals
+
+    def _tool(self, chain: ArmChain, target: PlanTarget) -> Array:
+        """Return the tool's pose in the flange, shape (4, 4)."""
+        T = np.eye(4) if target.tool is None else as_matrix(target.tool)
+        if target.tip is None or target.tip == chain.tip:
+            return T
+        model = self._simulation.description.model
+        return np.asarray(fixed_transform(model, chain.tip, target.tip).matrix @ T)
+
+    def _in_base(
+        self, chain: ArmChain, target: PlanTarget, positions: Mapping[str, float]
+    ) -> Array:
+        """Return a target's pose in the link that carries the arm, shape (4, 4)."""
+        assert target.pose is not None
+        model = self._simulation.description.model
+        found = link_poses(model, positions)
+        T = as_matrix(target.pose)
+        if target.relative_to is not None:
+            T = found[model.link(target.relative_to).name].matrix @ T
+        return np.asarray(found[chain.base].inverse().matrix @ T)
+
+    def _upright(self, request: PlanMotion, moving: _Moving) -> UprightTool | None:
+        wanted = request.upright
+        if wanted is None:
+            return None
+        if not math.hypot(*wanted.axis) > 0.0:
+            raise ControlError("upright: the axis must not be zero")
+        link = moving.chains[0].tip if wanted.tip is None else wanted.tip
+        name = self._simulation.description.model.link(link).name
+        return UprightTool(name, wanted.axis, wanted.tilt)
+
+    def _group(
+        self,
+        moving: _Moving,
+        snapshot: Snapshot,
+        rules: Rules,
+        keep_out: Sequence[KeepOut],
+    ) -> PlanningGroup:
+        """Return what looks at motions; only with the lock."""
+        simulation = self._simulation
+        model = simulation.description.model
+        if self._world is None:
+            usual = model.joint_by_name.keys() & simulation.poses.start().keys()
+            start = simulation.poses.start()
+            self._world = CollisionWorld(
+                model, simulation.ground, {name: start[name] for name in usual}
+            )
+        held = simulation.collisions.held(snapshot)
+        carried = {load.item.name for load in held}
+        around = [
+            (item, state)
+            for item, state in zip(snapshot.scene, snapshot.objects, strict=True)
+            if item.name not in carried
+        ]
+        boxes, planes = _bounds(keep_out)
+        return self._world.group(
+            moving.names,
+            Surroundings(
+                positions={**snapshot.positions, **moving.positions},
+                objects=(*around, *boxes),
+                held=held,
+                planes=planes,
+            ),
+            rules,
+        )
+
+    @contextmanager
+    def _searching(self) -> Iterator[Cancelled]:
+        """Hold the lock for a search that can be cancelled, also while it waits."""
+        cancelled = Cancelled()
+        self._searches.add(cancelled)
+        try:
+            with self._lock:
+                yield cancelled
+        finally:
+            self._searches.discard(cancelled)
+
+
+def _joint_goal(
+    joints: Sequence[Joint], start: Array, positions: Mapping[str, float]
+) -> Array:
+    names = [joint.name for joint in joints]
+    for name, position in positions.items():
+        if name not in names:
+            raise ControlError(
+                f"'{name}' is not a joint of the arm: {', '.join(names)}"
+            )
+        limits = joints[names.index(name)].limits
+        if not limits.lower - MOVED <= position <= limits.upper + MOVED:
+            raise UnreachableError(
+                f"joint '{name}' cannot be at {position:.4g} rad: its limits are "
+                f"[{limits.lower:.4g}, {limits.upper:.4g}]"
+            )
+    given = zip(names, start, strict=True)
+    return np.array([positions.get(name, here) for name, here in given])
+
+
+def _combined(goals: Sequence[Array]) -> Array:
+    """Return the goals of several arms together: some of all combinations."""
+    if len(goals) == 1:
+        return goals[0]
+    most = max(2, int(512 ** (1.0 / len(goals))))
+    rows = [each[:most] for each in goals]
+    return np.array([np.concatenate(each) for each in itertools.product(*rows)])
+
+
+def _within(joint: Joint, wanted: tuple[float, float] | None) -> Joint:
+    """Return a joint with narrower limits [rad | m]."""
+    if wanted is None:
+        return joint
+    lower = max(wanted[0], joint.limits.lower)
+    upper = min(wanted[1], joint.limits.upper)
+    if not lower < upper:
+        raise ControlError(
+            f"joint_ranges: [{wanted[0]:g}, {wanted[1]:g}] leaves joint '{joint.name}' "
+            f"nothing of [{joint.limits.lower:.4g}, {joint.limits.upper:.4g}]"
+        )
+    return replace(joint, limits=replace(joint.limits, lower=lower, upper=upper))
+
+
+def _turns(axis: str | None) -> list[Array]:
+    """Return the turns about an axis of the tool that are tried, shape (4, 4) each."""
+    if axis is None:
+        return [np.eye(4)]
+    turns = []
+    for angle in np.linspace(0.0, 2.0 * math.pi, _FREE_TURNS, endpoint=False).tolist():
+        rpy = tuple(angle if name == axis else 0.0 for name in "xyz")
+        turns.append(to_transform(Pose(rpy=rpy)).matrix)  # type: ignore[arg-type]
+    return turns
+
+
+def _bounds(
+    keep_out: Sequence[KeepOut],
+) -> tuple[list[tuple[SceneObject, ObjectState]], tuple[Plane, ...]]:
+    boxes, planes = [], []
+    for number, item in enumerate(keep_out, 1):
+        name = f"{item.name}#{number}" if len(keep_out) > 1 else item.name
+        if (item.size is None) == (item.normal is None):
+            raise ConfigError(f"'{item.name}' needs either a size or a normal")
+        if item.size is not None:
+            box = SceneObject(
+                name=name,
+                geometry=Box(size=item.size),
+                pose=Pose(xyz=item.xyz, rpy=item.rpy),
+                mass=None,
+            )
+            T = to_transform(box.pose)
+            boxes.append((box, ObjectState(name, T.position, T.quat_wxyz)))
+        elif item.normal is not None:
+            if not math.hypot(*item.normal) > 0.0:
+                raise ConfigError(f"'{item.name}': the normal must not be zero")
+            planes.append(Plane(name, item.xyz, item.normal))
+    return boxes, tuple(planes)
+
+
+def _straight(moving: _Moving, end: Array) -> Path:
+    """Return a motion straight in joint space, at half of the speed."""
+    if not np.abs(end - moving.start).max() > 0.0:
+        end = end + 1e-9  # a path needs a length
+    way = SmoothWay(np.array([moving.start, end]), [])
+    return time_way(moving.joints, way, speed=0.5)
+
+
+def _described(number: int, found: FreeMotion, group: PlanningGroup) -> Plan:
+    path = found.path
+    times = np.linspace(0.0, path.duration, _ROWS)
+    clearance, nearest = group.clearance(path.at(times).positions)
+    accelerations = path.accelerations
+    assert accelerations is not None
+    return Plan(
+        number=number,
+        joint_names=path.joint_names,
+        times=tuple(path.times.tolist()),
+        positions=_rows(path.positions),
+        velocities=_rows(path.velocities),
+        accelerations=_rows(accelerations),
+        waypoints=_rows(found.waypoints),
+        clearance=clearance,
+        nearest=nearest,
+        is_direct=found.is_direct,
+        samples=found.samples,
+        poses=found.poses,
+        planning_time=found.planning_time,
+    )
+
+
+def _rows(values: Array) -> tuple[tuple[float, ...], ...]:
+    return tuple(map(tuple, values.tolist()))
+
+
+def _dot(one: ObjectState, other: ObjectState) -> float:
+    return sum(a * b for a, b in zip(one.quat_wxyz, other.quat_wxyz, strict=True))
