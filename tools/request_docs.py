@@ -30,6 +30,7 @@ TITLES = {
     "gripper": "Gripper",
     "arm": "Arm",
     "arm_motion": "Arm: paths and streams of a program that has taken it",
+    "planning": "Collision-free motions",
     "objects": "Objects and contacts",
     "programs": "Programs of steps: check, run, save, export",
     "control_box": "Control box: pins, payload, program, power and stops",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 TYPE_CHECKING = False  # typing takes longer to import than this module
 if TYPE_CHECKING:
-    from tool0.api.arm import Arm
+    from tool0.api.arm import Arm, PlanOptions
     from tool0.api.arm_motion import ArmMotion
     from tool0.api.bringup import bringup
     from tool0.api.connect import connect
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from tool0.errors import (
         ClaimError,
         CollectError,
+        CollisionError,
         ConfigError,
         ControlError,
         DescriptionError,
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
         NoSuchPartError,
         NotOfferedError,
         PenetrationError,
+        PlanningError,
         ProgramError,
         RecordingError,
         RenderError,
@@ -89,6 +91,7 @@ if TYPE_CHECKING:
     from tool0.protocol.goals import GoalResult, GoalStatus, GripperResult, Tolerance
     from tool0.protocol.gripper import GraspState
     from tool0.protocol.objects import Collision
+    from tool0.protocol.planning import Checked, KeepOut, Plan, PlanTarget, Upright
     from tool0.protocol.program import (
         CommentStep,
         GripperStep,
@@ -144,9 +147,11 @@ __all__ = [
     "Cell",
     "CellRobot",
     "CheckReport",
+    "Checked",
     "ClaimError",
     "CollectError",
     "Collision",
+    "CollisionError",
     "CommentStep",
     "ConfigError",
     "Contact",
@@ -184,6 +189,7 @@ __all__ = [
     "JointSetpoint",
     "JointValues",
     "JointsMotion",
+    "KeepOut",
     "LimitsError",
     "LoopStep",
     "ModelError",
@@ -201,6 +207,10 @@ __all__ = [
     "PickOptions",
     "PickReport",
     "PlaceObjectStep",
+    "Plan",
+    "PlanOptions",
+    "PlanTarget",
+    "PlanningError",
     "Pose",
     "Program",
     "ProgramCheck",
@@ -247,6 +257,7 @@ __all__ = [
     "TransportError",
     "UnreachableError",
     "UntilStep",
+    "Upright",
     "UrArm",
     "UrController",
     "UrOptions",
@@ -280,9 +291,11 @@ _HOMES = {
     "Cell": "tool0.description.config",
     "CellRobot": "tool0.description.config",
     "CheckReport": "tool0.lint.check",
+    "Checked": "tool0.protocol.planning",
     "ClaimError": "tool0.errors",
     "CollectError": "tool0.errors",
     "Collision": "tool0.protocol.objects",
+    "CollisionError": "tool0.errors",
     "CommentStep": "tool0.protocol.program",
     "ConfigError": "tool0.errors",
     "Contact": "tool0.description.scene_state",
@@ -320,6 +333,7 @@ _HOMES = {
     "JointSetpoint": "tool0.protocol.state",
     "JointValues": "tool0.api.robot",
     "JointsMotion": "tool0.protocol.trajectories",
+    "KeepOut": "tool0.protocol.planning",
     "LimitsError": "tool0.errors",
     "LoopStep": "tool0.protocol.program",
     "ModelError": "tool0.errors",
@@ -337,6 +351,10 @@ _HOMES = {
     "PickOptions": "tool0.cli.demos.hand",
     "PickReport": "tool0.cli.demos.report",
     "PlaceObjectStep": "tool0.protocol.program",
+    "Plan": "tool0.protocol.planning",
+    "PlanOptions": "tool0.api.arm",
+    "PlanTarget": "tool0.protocol.planning",
+    "PlanningError": "tool0.errors",
     "Pose": "tool0.description.transform",
     "Program": "tool0.protocol.program",
     "ProgramCheck": "tool0.protocol.programs",
@@ -383,6 +401,7 @@ _HOMES = {
     "TransportError": "tool0.errors",
     "UnreachableError": "tool0.errors",
     "UntilStep": "tool0.protocol.program",
+    "Upright": "tool0.protocol.planning",
     "UrArm": "tool0.ur.options",
     "UrController": "tool0.ur.process",
     "UrOptions": "tool0.ur.options",

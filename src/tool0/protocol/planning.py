@@ -92,6 +92,7 @@ class Plan(Struct, frozen=True, kw_only=True):
     number: int
     """By which it is executed."""
     joint_names: tuple[str, ...]
+    """Of each arm, from base to tip."""
     times: tuple[float, ...]
     """Of the knots [s]; the first is 0."""
     positions: Rows

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final, final
 import numpy as np
 
 from tool0.description.forward_kinematics import link_poses
-from tool0.description.model import Joint
+from tool0.description.model import Joint, JointType
 from tool0.description.scene import SceneObject
 from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Box
@@ -246,6 +246,12 @@ class MotionPlans:
             positions=positions,
         )
         end = np.array([targets.get(name, positions[name]) for name in moving.names])
+        if any(
+            not joint.limits.lower <= q <= joint.limits.upper
+            for joint, q in zip(moving.joints, end, strict=True)
+            if joint.type is not JointType.CONTINUOUS
+        ):
+            return  # the controller refuses it, and says more
         if chains and np.abs(end - moving.start).max() > 0.0:
             self.require_free_path(_straight(moving, end), positions)
 

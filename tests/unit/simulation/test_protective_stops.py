@@ -52,7 +52,7 @@ def reason(robot: tool0.Robot) -> str:
 
 def test_a_contact_with_too_much_force_stops_the_arm(robot: tool0.Robot) -> None:
     robot.arm.control_box.set_safety_limits(enabled=True)
-    goal = robot.arm.move_linear(IN_TABLE, speed=0.1)
+    goal = robot.arm.move_linear(IN_TABLE, speed=0.1, collision="ignore")
     robot.run(0.3)
     assert not reason(robot)
     goal.wait(5.0)
@@ -69,13 +69,13 @@ def test_a_contact_with_too_much_force_stops_the_arm(robot: tool0.Robot) -> None
 
 def test_the_force_limit_can_be_set(robot: tool0.Robot) -> None:
     robot.arm.control_box.set_safety_limits(enabled=True, force=30.0)
-    robot.arm.move_linear(IN_TABLE, speed=0.1).wait(5.0)
+    robot.arm.move_linear(IN_TABLE, speed=0.1, collision="ignore").wait(5.0)
     assert "more than 30 N" in reason(robot)
 
 
 @pytest.mark.slow
 def test_nothing_stops_by_itself_unless_enabled(robot: tool0.Robot) -> None:
-    robot.arm.move_linear(IN_TABLE, speed=0.25)
+    robot.arm.move_linear(IN_TABLE, speed=0.25, collision="ignore")
     robot.run(1.0)
     robot.apply_wrench("upper_arm_link", torque=STRONG)
     robot.run(0.5)
