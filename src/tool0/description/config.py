@@ -39,11 +39,11 @@ UNSET: Final = Unset.UNSET
 
 _OF_SEVERAL: Final = ("robot", "cell", "robots")
 """The options that name robots in another way than by an arm and a gripper."""
-_NOT_XACRO: Final = (*_OF_SEVERAL, "namespaces", "args", "relax_inertia")
+_NOT_XACRO: Final = (*_OF_SEVERAL, "namespaces", "args", "relax_inertia", "srdf")
 """The fields that are no arguments of the xacro file."""
 _OF_EACH: Final = ("ros2_control",)
 """The options that also apply to a cell, to each of its robots, and to your file."""
-_OF_ALL: Final = ("prefix", "tf_prefix", *_OF_SEVERAL)
+_OF_ALL: Final = ("prefix", "tf_prefix", "srdf", *_OF_SEVERAL)
 """The options that a robot of a cell does not have."""
 _ROBOT_NAME: Final = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?", re.ASCII)
 
@@ -53,8 +53,8 @@ _ROBOT_NAME: Final = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?", re.ASCII)
 class DescriptionConfig:
     """The robot: an arm and a gripper of the catalogue, a cell of them, or your file.
 
-    Each field except ``robot``, ``cell``, ``robots``, ``namespaces``, ``args`` and
-    ``relax_inertia`` is the argument of the same name in
+    Each field except ``robot``, ``cell``, ``robots``, ``namespaces``, ``args``,
+    ``relax_inertia`` and ``srdf`` is the argument of the same name in
     ``tool0_description/urdf/ur_robotiq.urdf.xacro``.
     A field that is not given (None) leaves the argument at its default.  Relative paths
     count from the working directory.
@@ -89,6 +89,8 @@ class DescriptionConfig:
     relax_inertia: bool = False
     """Replace the inertias of your own file that no body has, with a warning, instead
     of refusing the robot."""
+    srdf: File | None = None
+    """SRDF file whose `<disable_collisions>` planned motions need not keep apart."""
     mount_xyz: Sequence[Metres] | None = None
     """Position of the gripper in tool0 [m]."""
     mount_rpy: Sequence[Radians] | None = None

@@ -32,6 +32,7 @@ from tool0.description.packages import (
 )
 from tool0.description.relaxed_inertia import require_inertias
 from tool0.description.robot import CatalogueRobot, RobotDescription
+from tool0.description.srdf import read_disabled_collisions
 from tool0.description.urdf import read_model
 from tool0.description.xml_source import parse_file
 from tool0.errors import DescriptionError
@@ -79,6 +80,14 @@ def load_description(
         ModelError: If the parameters are physically impossible.
         ConfigError: If a cell is wrong.
     """
+    description = _loaded(config, spawn_z)
+    if config.srdf is None:
+        return description
+    pairs = read_disabled_collisions(expanded(config.srdf), description.model)
+    return replace(description, disabled_collisions=pairs)
+
+
+def _loaded(config: DescriptionConfig, spawn_z: float) -> RobotDescription:
     if config.robot is not None:
         return load_robot(
             config.robot,

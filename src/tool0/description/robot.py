@@ -56,6 +56,8 @@ class RobotDescription:
     """The xacro or URDF file that it was read from."""
     robots: tuple[CatalogueRobot, ...] = ()
     """Its arms and grippers of the catalogue; none for your own file."""
+    disabled_collisions: frozenset[frozenset[str]] = frozenset()
+    """Pairs of links that planned motions need not keep apart, of an SRDF."""
     cell: Cell | None = None
     """The cell of its ``robots``; None for a single one, or in another process."""
     tf_prefix: str = ""

@@ -7,6 +7,7 @@ wait.
 from __future__ import annotations
 
 import itertools
+import logging
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -27,7 +28,14 @@ from tool0.description.transform import (
     as_matrix,
     to_transform,
 )
-from tool0.errors import CollisionError, ConfigError, ControlError, UnreachableError
+from tool0.errors import (
+    CollisionError,
+    ConfigError,
+    ControlError,
+    ModelError,
+    PlanningError,
+    UnreachableError,
+)
 from tool0.kernel.clearance import Cancelled
 from tool0.kinematics.chain import ArmChain, Array, fixed_transform
 from tool0.kinematics.inverse import InverseKinematics
@@ -53,6 +61,8 @@ from tool0.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
     from tool0.protocol.state import Snapshot
+
+logger = logging.getLogger(__name__)
 
 PRESSING: Final = 0.002
 """Depth up to which a motion that nobody planned may press on something [m]: its
@@ -111,6 +121,8 @@ class MotionPlans:
         self._searches: set[Cancelled] = set()
         self._plans: dict[int, KeptPlan] = {}
         self._count = itertools.count(1)
+        self._unchecked = ""
+        """Why motions are not checked, as it was logged."""
 
     def close(self) -> None:
         self.cancel()
@@ -256,7 +268,11 @@ class MotionPlans:
             self.require_free_path(_straight(moving, end), positions)
 
     def require_free_path(self, path: Path, positions: Mapping[str, float]) -> None:
-        """Raise CollisionError if arms would collide on a path of their joints."""
+        """Raise CollisionError if arms would collide on a path of their joints.
+
+        A robot whose shapes MuJoCo cannot read is not looked at, and a warning says so
+        once; nor is any without a compiled kernel.
+        """
         names = set(path.joint_names)
         chains = tuple(
             chain
@@ -265,7 +281,13 @@ class MotionPlans:
         )
         joints = tuple(joint for chain in chains for joint in chain.joints)
         moving = _Moving(chains=chains, joints=joints, positions=positions)
-        found = self._checked(moving, path, Rules(clearance=-PRESSING), ())
+        try:
+            found = self._checked(moving, path, Rules(clearance=-PRESSING), ())
+        except (ModelError, PlanningError) as error:
+            if self._unchecked != str(error):
+                self._unchecked = str(error)
+                logger.warning("motions are not checked for collisions: %s", error)
+            return
         if not found.is_free:
             raise CollisionError(
                 f"the motion would collide after {found.time:.2f} s, at "
@@ -394,7 +416,10 @@ class MotionPlans:
             usual = model.joint_by_name.keys() & simulation.poses.start().keys()
             start = simulation.poses.start()
             self._world = CollisionWorld(
-                model, simulation.ground, {name: start[name] for name in usual}
+                model,
+                simulation.ground,
+                {name: start[name] for name in usual},
+                simulation.description.disabled_collisions,
             )
         held = simulation.collisions.held(snapshot)
         carried = {load.item.name for load in held}

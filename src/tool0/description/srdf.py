@@ -1,0 +1,37 @@
+"""The pairs of links of an SRDF that motions need not keep apart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tool0.description.model import RobotModel
+from tool0.description.xml_source import children, locate, parse_file, required
+from tool0.errors import DescriptionError, did_you_mean
+
+
+def read_disabled_collisions(
+    file: Path, model: RobotModel
+) -> frozenset[frozenset[str]]:
+    """Return the pairs of links in ``<disable_collisions>``.
+
+    Groups, states and all other elements are not read.
+
+    Raises:
+        DescriptionError: If it is no SRDF, or names a link that the robot lacks, with
+            file and line.
+    """
+    root = parse_file(file).documentElement
+    if root is None or root.tagName != "robot":
+        raise DescriptionError(f"'{file}' is no SRDF: it has no <robot>", locate(root))
+    pairs = set()
+    for element in children(root, "disable_collisions"):
+        names = [required(element, attribute) for attribute in ("link1", "link2")]
+        for name in names:
+            if name not in model.link_by_name:
+                hint = did_you_mean(name, set(model.link_by_name))
+                raise DescriptionError(
+                    f"<disable_collisions>: the robot has no link '{name}'{hint}",
+                    locate(element),
+                )
+        pairs.add(frozenset(names))
+    return frozenset(pairs)
