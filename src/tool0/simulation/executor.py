@@ -83,11 +83,16 @@ class Executor:
         self._note_command(controller, goal.joint_names, bounds)
 
     def follow_together(
-        self, goals: Mapping[str, TrajectoryGoal], may_touch: frozenset[str]
+        self,
+        goals: Mapping[str, TrajectoryGoal],
+        *,
+        may_touch: frozenset[str],
+        carried: frozenset[str],
     ) -> tuple[Goal, ...]:
         """Start goals of several controllers at one instant, or none of them.
 
-        They stop at a contact that is not there now, but for those with ``may_touch``.
+        They stop at a contact of what they move, and of the objects ``carried``, that
+        is not there now, but for those with ``may_touch``.
         """
         followers = {name: self._follower(name) for name in goals}
         accepted = []
@@ -109,7 +114,14 @@ class Executor:
             for link in model.links_from(model.joint(joint).child)
         )
         contacts = self.core.engine.world.contacts()
-        self._plan_watches.append(PlanWatch(started, links, may_touch, contacts))
+        watch = PlanWatch(
+            started,
+            links=links,
+            carried=carried,
+            may_touch=may_touch,
+            contacts=contacts,
+        )
+        self._plan_watches.append(watch)
         return started
 
     def scale_trajectory(self, controller: str, factor: float) -> None:

@@ -87,6 +87,8 @@ class KeptPlan:
     start: Mapping[str, float]
     """Joint → commanded position [rad]."""
     objects: Mapping[str, ObjectState]
+    carried: frozenset[str]
+    """The objects that grippers held."""
     arms: tuple[str, ...]
 
 
@@ -168,6 +170,7 @@ class MotionPlans:
             may_touch=rules.may_touch,
             start={name: positions[name] for name in moving.names},
             objects={state.name: state for state in snapshot.objects},
+            carried=self._carried(snapshot),
             arms=tuple(chain.tip for chain in moving.chains),
         )
         for number in list(self._plans)[:-MOST_PLANS]:
@@ -206,6 +209,13 @@ class MotionPlans:
             raise ControlError(
                 f"the scene has changed since plan {number} was made: object '{name}' "
                 f"was {what}; plan again"
+            )
+        carried = self._carried(self._simulation.snapshot)
+        if carried != kept.carried:
+            names = ", ".join(sorted(carried)) or "nothing"
+            raise ControlError(
+                f"since plan {number} was made, another object is held: {names}; plan "
+                "again"
             )
         for name, state in now.items():
             before = kept.objects[name]
@@ -391,6 +401,11 @@ class MotionPlans:
         if target.relative_to is not None:
             T = found[model.link(target.relative_to).name].matrix @ T
         return np.asarray(found[chain.base].inverse().matrix @ T)
+
+    def _carried(self, snapshot: Snapshot) -> frozenset[str]:
+        """Return the names of the objects that grippers hold."""
+        held = self._simulation.collisions.held(snapshot)
+        return frozenset(load.item.name for load in held)
 
     def _upright(self, request: PlanMotion, moving: _Moving) -> UprightTool | None:
         wanted = request.upright

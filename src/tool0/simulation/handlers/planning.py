@@ -35,6 +35,8 @@ class StartPlan(Request[tuple[GoalStarted, ...]], frozen=True):
     motions: tuple[tuple[Name, tuple[str, ...], Points], ...]
     """For each controller: its name, the joints, and the points."""
     may_touch: tuple[str, ...] = ()
+    carried: tuple[str, ...] = ()
+    """Objects that move with the arms."""
 
 
 @handles(PlanMotion)
@@ -96,7 +98,11 @@ def _execute(simulation: Simulation, request: ExecutePlan) -> tuple[GoalStarted,
         motions.append((controller, chain.joint_names, points))
     return answer(
         simulation,
-        StartPlan(motions=tuple(motions), may_touch=tuple(sorted(kept.may_touch))),
+        StartPlan(
+            motions=tuple(motions),
+            may_touch=tuple(sorted(kept.may_touch)),
+            carried=tuple(sorted(kept.carried)),
+        ),
     )
 
 
@@ -107,6 +113,7 @@ def _start(simulation: Simulation, request: StartPlan) -> tuple[GoalStarted, ...
             controller: TrajectoryGoal(points=points, joint_names=joints)
             for controller, joints, points in request.motions
         },
-        frozenset(request.may_touch),
+        may_touch=frozenset(request.may_touch),
+        carried=frozenset(request.carried),
     )
     return tuple(started(simulation, goal) for goal in goals)

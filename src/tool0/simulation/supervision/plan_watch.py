@@ -17,7 +17,9 @@ class PlanWatch:
     def __init__(
         self,
         goals: Sequence[Goal],
+        *,
         links: frozenset[str],
+        carried: frozenset[str],
         may_touch: frozenset[str],
         contacts: Collection[Contact],
     ) -> None:
@@ -26,11 +28,12 @@ class PlanWatch:
         Args:
             goals: Of the controllers that follow it.
             links: All that their joints move.
+            carried: Objects that move with these: they may touch each other.
             may_touch: Links and objects whose contacts do not count.
             contacts: Those at the start, which do not count either.
         """
         self.goals = tuple(goals)
-        self._links, self._may_touch = links, may_touch
+        self._links, self._carried, self._may_touch = links, carried, may_touch
         self._known = frozenset(map(_pair, contacts))
 
     @property
@@ -40,14 +43,16 @@ class PlanWatch:
 
     def unexpected(self, contacts: Collection[Contact]) -> str:
         """Return what touches and should not; empty if nothing does."""
-        found = [
-            (contact.first, contact.second)
-            for contact in contacts
-            if not _pair(contact).isdisjoint(self._links)
-            and _pair(contact) not in self._known
-            and _pair(contact).isdisjoint(self._may_touch)
-        ]
-        return contacts_text(found[:1])
+        for contact in contacts:
+            pair = _pair(contact)
+            is_ours = not pair.isdisjoint(self._links | self._carried)
+            is_allowed = pair in self._known or not pair.isdisjoint(self._may_touch)
+            is_grip = not pair.isdisjoint(self._carried) and pair <= (
+                self._links | self._carried
+            )
+            if is_ours and not is_allowed and not is_grip:
+                return contacts_text([(contact.first, contact.second)])
+        return ""
 
     def fail(self, reason: str) -> None:
         """Let the goals end as aborted, with a reason, when they are cancelled."""
