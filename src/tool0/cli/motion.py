@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
-from tool0.cli import INTERRUPTED
+from tool0.cli import GOAL_FAILED, INTERRUPTED, OK
 from tool0.cli.connection import (
     DEFAULT,
     Bringup,
@@ -19,7 +19,7 @@ from tool0.cli.connection import (
     wait_for_goal,
 )
 from tool0.cli.parameters import AsJson, Option, joint_values
-from tool0.cli.text import grasp_text, print_json
+from tool0.cli.text import counted, grasp_text, print_json
 from tool0.description.model import FLANGE, JointType
 from tool0.description.transform import Pose
 from tool0.description.units import (
@@ -30,11 +30,19 @@ from tool0.description.units import (
     Radians,
     read_number,
 )
-from tool0.errors import ConfigError, GoalTimeoutError
+from tool0.errors import (
+    CollisionError,
+    ConfigError,
+    GoalTimeoutError,
+    PlanningError,
+)
+from tool0.protocol.request import CollisionRule
 
 if TYPE_CHECKING:
+    from tool0.api.arm import Arm
     from tool0.api.controller import GoalHandle
     from tool0.api.robot import Robot
+    from tool0.protocol.planning import Checked, Plan
 
 ToolPose = Annotated[
     tuple[Metres, Metres, Metres, Radians, Radians, Radians],
@@ -56,6 +64,10 @@ def move(
     speed: float | None = None,
     tip: str | None = None,
     relative_to: str | None = None,
+    check: bool = False,
+    plan: bool = False,
+    clearance: Metres | None = None,
+    collision: CollisionRule | None = None,
     robot: str | None = None,
     timeout: float | None = None,
     as_json: AsJson = False,
@@ -63,7 +75,8 @@ def move(
 ) -> int:
     """Move joints, or the tool to a pose, and wait until the motion has ended.
 
-    Give either --joints or --pose.  Ctrl-C stops the robot.
+    Give either --joints or --pose.  A motion of an arm that would collide is refused;
+    --plan goes around.  Ctrl-C stops the robot.
 
     Args:
         joints: Target positions [rad | m]; other joints stay where they are.
@@ -73,49 +86,78 @@ def move(
             joints.
         pose: Target pose of the tool [m, rad].
         linear: Move the tool along a straight line.
-        speed: Speed of a motion with --pose: a fraction of the joints' velocity limits,
-            0.01 to 1; with --linear, the speed of the tool [m/s].
+        speed: Speed of a motion with --pose or --plan: a fraction of the joints'
+            velocity limits, 0.01 to 1; with --linear, the speed of the tool [m/s].
         tip: Link that moves to --pose; tool0 if not given.
         relative_to: Link in whose frame --pose is given; the root if not given.
+        check: Move nothing: print whether the motion would be free, and exit with 1 if
+            it would not; with --plan, whether there is a way around.
+        plan: Plan a way around obstacles, with whatever posture reaches the target
+            first, and move.
+        clearance: Smallest distance between bodies [m], with --plan (5mm if not given)
+            or --check (0 if not given).
+        collision: What to do if an arm would collide on the way: 'refuse' if not given,
+            or 'ignore'.
         robot: Which robot of a cell moves to --pose; with --joints, whose joints they
             are, so that you leave out their prefix.
         timeout: Cancel the motion after this wall time [s].
         as_json: Print one JSON object.
     """
-    of_pose: dict[str, Any] = {  # values of two types
-        "speed": speed,
-        "tip": tip,
-        "relative_to": relative_to,
-    }
     if (pose is None) == (not joints):
         raise ConfigError("give either --joints or --pose")
+    of_pose = {"tip": tip, "relative_to": relative_to}
     if pose is None:
         _refuse("--pose", {**of_pose, "linear": linear or None})
-        duration = 2.0 if duration is None else duration
-        outcome = _move_joints(
-            joints,
-            duration,
-            controller=controller,
-            robot=robot,
-            timeout=timeout,
-            bringup=bringup,
-        )
-        return _finish(outcome, as_json=as_json)
-    _refuse("--joints", {"duration": duration, "controller": controller})
-    given = {name: value for name, value in of_pose.items() if value is not None}
-    x, y, z, roll, pitch, yaw = pose
-    target = Pose(xyz=(x, y, z), rpy=(roll, pitch, yaw))
+        if not plan:
+            _refuse("--pose or --plan", {"speed": speed})
+    else:
+        _refuse("--joints", {"duration": duration, "controller": controller})
+    if not (check or plan):
+        _refuse("--check or --plan", {"clearance": clearance})
+    elif collision is not None:
+        raise ConfigError("--collision is of a motion without --check and --plan")
+    if plan and (linear or duration is not None or controller is not None):
+        raise ConfigError("--plan has no --linear, --duration or --controller")
     with bringup.connect() as connected:
-        arm = chosen_robot(connected, robot)
-        move = arm.move_linear if linear else arm.move_to
-        outcome = wait_for_goal(connected, partial(move, target, **given), timeout)
+        target: Pose | dict[str, float]
+        start: Callable[[], GoalHandle]
+        if pose is None:
+            target = _joint_targets(joints, connected, robot)
+        else:
+            x, y, z, roll, pitch, yaw = pose
+            target = Pose(xyz=(x, y, z), rpy=(roll, pitch, yaw))
+        if check or plan:
+            arm = _arm_of(target, connected, robot)
+            apart = _given(clearance=clearance, **of_pose)
+            if not plan:
+                checked = arm.check(target, linear=linear, **apart)
+                return _show_check(checked, as_json=as_json)
+            search = partial(arm.plan, target, **apart, **_given(speed=speed))
+            if check:
+                return _show_way(search, as_json=as_json)
+            found = search()
+            if not as_json:
+                print(_way_text(found), flush=True)
+            start = partial(arm.execute, found)
+            outcome = wait_for_goal(connected, start, timeout)
+            return _finish(outcome, as_json=as_json, plan=found)
+        rule: CollisionRule = collision or "refuse"
+        if isinstance(target, Pose):
+            arm = chosen_robot(connected, robot)
+            move = arm.move_linear if linear else arm.move_to
+            options = _given(speed=speed, **of_pose)
+            start = partial(move, target, collision=rule, **options)
+        else:
+            start = _joint_motion(connected, target, duration, controller, rule)
+        outcome = wait_for_goal(connected, start, timeout)
     return _finish(outcome, as_json=as_json)
 
 
-def _finish(outcome: Outcome, *, as_json: bool) -> int:
+def _finish(outcome: Outcome, *, as_json: bool, plan: Plan | None = None) -> int:
     """Print an outcome; return the exit status."""
     if as_json:
-        print_json(outcome.as_json())
+        way = {} if plan is None else {"plan": _way_json(plan)}
+        print_json({**outcome.as_json(), **way})
     else:
         print(outcome)
     return outcome.status
@@ -128,33 +170,110 @@ def _refuse(other: str, options: Mapping[str, object]) -> None:
             raise ConfigError(f"--{name.replace('_', '-')} needs {other}")
 
 
-def _move_joints(
-    joints: tuple[str, ...],
-    duration: float,
-    *,
+def _given(**options: object) -> dict[str, Any]:
+    """Return the options that were given: values of several types."""
+    return {name: value for name, value in options.items() if value is not None}
+
+
+def _joint_targets(
+    joints: tuple[str, ...], connected: Robot, robot: str | None
+) -> dict[str, float]:
+    """Return ``--joints`` [rad | m], with the prefix of ``--robot``."""
+    given, units = joint_values(joints)
+    prefix = ""
+    if robot is not None:
+        prefix = chosen_robot(connected, robot).tip.removesuffix(FLANGE)
+    _check_units({prefix + name: unit for name, unit in units.items()}, connected)
+    return {prefix + name: value for name, value in given.items()}
+
+
+def _joint_motion(
+    connected: Robot,
+    positions: Mapping[str, float],
+    duration: float | None,
     controller: str | None,
-    robot: str | None,
-    timeout: float | None,
-    bringup: Bringup,
-) -> Outcome:
-    given, given_units = joint_values(joints)
+    collision: CollisionRule,
+) -> Callable[[], GoalHandle]:
+    """Return what starts a motion of joints."""
+    duration = 2.0 if duration is None else duration
     if not 0.0 < duration < math.inf:
         raise ConfigError(f"--duration must be above 0 s, got {duration}")
-    with bringup.connect() as connected:
-        prefix = ""
-        if robot is not None:
-            prefix = chosen_robot(connected, robot).tip.removesuffix(FLANGE)
-        positions = {prefix + name: value for name, value in given.items()}
-        units = {prefix + name: unit for name, unit in given_units.items()}
-        _check_units(units, connected)
 
-        def start() -> GoalHandle:
-            if controller is not None:
-                handle = connected.controller(controller)
-                return handle.move(positions, duration=duration)
-            return connected.move_joints(positions, duration=duration)[0]
+    def start() -> GoalHandle:
+        if controller is not None:
+            handle = connected.controller(controller)
+            return handle.move(positions, duration=duration, collision=collision)
+        return connected.move_joints(positions, duration=duration, collision=collision)[
+            0
+        ]
 
-        return wait_for_goal(connected, start, timeout)
+    return start
+
+
+# ---- collisions ----------------------------------------------------------------------
+
+
+def _arm_of(
+    target: Pose | Mapping[str, float], connected: Robot, robot: str | None
+) -> Arm:
+    """Return the arm that goes to a target: by ``--robot``, or by its joints."""
+    if robot is None and not isinstance(target, Pose):
+        for arm in connected.arms.values():
+            if not target.keys().isdisjoint(arm.joint_names):
+                return arm
+    return chosen_robot(connected, robot)
+
+
+def _show_check(found: Checked, *, as_json: bool) -> int:
+    """Print whether a motion is free; return the exit status."""
+    from msgspec import to_builtins
+
+    if as_json:
+        print_json(to_builtins(found))
+    elif found.is_free:
+        print("free")
+    else:
+        print(f"not free: at {found.part:.0%} of the way, {found.reason}")
+    return OK if found.is_free else GOAL_FAILED
+
+
+def _show_way(search: Callable[[], Plan], *, as_json: bool) -> int:
+    """Print whether there is a way around; return the exit status."""
+    plan, reason = None, ""
+    try:
+        plan = search()
+    except (CollisionError, PlanningError) as error:
+        reason = str(error)
+    if as_json:
+        way = {"reason": reason} if plan is None else {"plan": _way_json(plan)}
+        print_json({"is_free": plan is not None, **way})
+    else:
+        print(f"not free: {reason}" if plan is None else _way_text(plan))
+    return GOAL_FAILED if plan is None else OK
+
+
+def _way_json(plan: Plan) -> dict[str, object]:
+    return {
+        "duration": plan.duration,
+        "clearance": plan.clearance,
+        "nearest": plan.nearest,
+        "is_direct": plan.is_direct,
+        "waypoints": len(plan.waypoints),
+        "planning_time": plan.planning_time,
+    }
+
+
+def _way_text(plan: Plan) -> str:
+    """Return a line about a plan."""
+    turns = len(plan.waypoints) - 2
+    way = "straight" if turns == 0 else f"around by {counted(turns, 'waypoint')}"
+    apart = "nothing within 1 m"
+    if plan.nearest:
+        apart = f"{1e3 * plan.clearance:.1f} mm apart: {plan.nearest}"
+    return (
+        f"{way}, {plan.duration:.2f} s; {apart}; planned in "
+        f"{1e3 * plan.planning_time:.0f} ms"
+    )
 
 
 def _check_units(units: Mapping[str, Quantity], robot: Robot) -> None:

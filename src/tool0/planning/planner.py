@@ -211,6 +211,8 @@ def _direct(
     """Return the straight way to the nearest goal, if it is free."""
     for k in numbers[:2]:
         way = np.array([start, goals[k]])
+        if not np.abs(way[1] - way[0]).max() > 0.0:
+            way[1] += _SAME  # a motion needs a length
         if group.clearances.along(way) is None:
             return way
     return None

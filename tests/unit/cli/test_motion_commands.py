@@ -127,14 +127,101 @@ def test_move_takes_the_tool_to_a_pose(
 
 def test_a_goal_that_fails_exits_with_1(robot: tool0.Robot, capsys: Capture) -> None:
     robot.scene.add("wall", Box(size=(0.6, 0.1, 0.8)), xyz=(0.6, 0.35, 0.3))
-    assert run("move --joints shoulder_pan_joint=1.2 --duration 6") == GOAL_FAILED
+    line = "move --joints shoulder_pan_joint=1.2 --duration 6 --collision ignore"
+    assert run(line) == GOAL_FAILED
     failure = r"ABORTED \(-4\): .*shoulder_pan_joint.*'wall'"
     assert re.match(failure, capsys.readouterr().out)
+
+
+def add_wall(robot: tool0.Robot) -> None:
+    """Add what is in the way when the arm turns to the left, but not above it."""
+    robot.scene.add("wall", Box(size=(0.6, 0.05, 0.5)), xyz=(0.6, 0.35, 0.15))
+
+
+TO_THE_LEFT = "move --joints shoulder_pan_joint=1.2"
+
+
+def test_a_motion_that_would_collide_is_refused_with_the_bodies(
+    robot: tool0.Robot, refused: Callable[[str], str]
+) -> None:
+    add_wall(robot)
+    robot.run(0.1)
+    assert re.search(r"would collide after .* s, .*'wall'", refused(TO_THE_LEFT))
+
+
+def test_a_check_says_whether_a_motion_is_free(
+    robot: tool0.Robot, capsys: Capture
+) -> None:
+    setpoints = robot.snapshot.setpoints()
+    assert run(f"{TO_THE_LEFT} --check") == OK
+    assert capsys.readouterr().out == "free\n"
+    add_wall(robot)
+    assert run(f"{TO_THE_LEFT} --check") == GOAL_FAILED
+    blocked = r"not free: at \d+% of the way, '\w+' would be \d.* mm in 'wall'\n"
+    assert re.fullmatch(blocked, capsys.readouterr().out)
+    assert run(f"{TO_THE_LEFT} --check --json") == GOAL_FAILED
+    found = json.loads(capsys.readouterr().out)
+    assert not found["is_free"]
+    assert 0.0 < found["part"] < 1.0
+    assert "'wall'" in found["reason"]
+    assert robot.snapshot.setpoints() == setpoints
+
+
+def test_a_check_of_a_line_and_with_a_clearance(
+    robot: tool0.Robot, capsys: Capture
+) -> None:
+    x, y, z = robot.arm.pose().position
+    roll, pitch, yaw = to_pose(robot.arm.pose()).rpy
+    line = f"move --pose {x} {y + 0.05} {z} {roll} {pitch} {yaw} --linear --check"
+    robot.scene.add("wall", Box(size=(0.6, 0.05, 0.5)), xyz=(0.6, y + 0.2, 0.25))
+    assert run(line) == OK
+    assert capsys.readouterr().out == "free\n"
+    assert run(f"{line} --clearance 100mm") == GOAL_FAILED
+    assert "nearer than 100.0 mm" in capsys.readouterr().out
+
+
+def test_a_plan_goes_around(robot: tool0.Robot, capsys: Capture) -> None:
+    add_wall(robot)
+    setpoints = robot.snapshot.setpoints()
+    assert run(f"{TO_THE_LEFT} --plan --check") == OK
+    text = r"around by \d waypoints?, \d.* s; \d.* mm apart: .* planned in \d+ ms\n"
+    assert re.fullmatch(text, capsys.readouterr().out)
+    assert robot.snapshot.setpoints() == setpoints
+    assert run(f"{TO_THE_LEFT} --plan --check --clearance 400mm") == GOAL_FAILED
+    assert "nearer than 400.0 mm" in capsys.readouterr().out
+    assert run(f"{TO_THE_LEFT} --plan --json") == OK
+    found = json.loads(capsys.readouterr().out)
+    assert found["status"] == "SUCCEEDED"
+    assert not found["plan"]["is_direct"]
+    assert found["plan"]["clearance"] >= 0.005
+    pan = robot.joint_state.position["shoulder_pan_joint"]
+    assert pan == pytest.approx(1.2, abs=0.03)
+    assert not any("wall" in (c.first, c.second) for c in robot.contacts())
+
+
+def test_a_target_in_an_obstacle_is_named(
+    robot: tool0.Robot, capsys: Capture, refused: Callable[[str], str]
+) -> None:
+    line = "move --pose 0.3 -0.5 0.2 180deg 0 0 --plan"
+    robot.scene.add("block", Box(size=(0.2, 0.2, 0.3)), xyz=(0.3, -0.5, 0.15))
+    assert run(f"{line} --check") == GOAL_FAILED
+    said = capsys.readouterr().out
+    assert said.startswith("not free: no posture of the target is free")
+    assert "'block'" in said
+    assert run(f"{line} --check --json") == GOAL_FAILED
+    assert not json.loads(capsys.readouterr().out)["is_free"]
+    assert "no posture of the target is free" in refused(line)
 
 
 @pytest.mark.parametrize(
     ("line", "named"),
     [
+        ("move --joints elbow_joint=1 --speed 0.5", "--speed needs --pose or --plan"),
+        ("move --joints elbow_joint=1 --clearance 5mm", "--check or --plan"),
+        ("move --joints elbow_joint=1 --plan --duration 3", "--plan has no"),
+        ("move --pose 0.4 0 0.3 180deg 0 0 --plan --linear", "--plan has no"),
+        ("move --joints elbow_joint=1 --check --collision ignore", "--collision"),
+        ("move --joints finger_joint=0.1 --check", "'finger_joint' is not a joint of"),
         ("move --joints elbow=1", "'elbow_joint'"),
         ("move --joints elbow_joint", "'elbow_joint'"),
         ("move --joints elbow_joint=nan", "elbow_joint='nan'"),
