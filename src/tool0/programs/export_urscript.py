@@ -13,7 +13,12 @@ from tool0.description.transform_arrays import matrix_of, rotation_vector
 from tool0.errors import ProgramError
 from tool0.kinematics.chain import Array, fixed_transform
 from tool0.motion.moves import Move
-from tool0.programs.planning import moves_from, problems_text, static_problems
+from tool0.programs.planning import (
+    is_planned,
+    moves_from,
+    problems_text,
+    static_problems,
+)
 from tool0.programs.robot_context import RobotContext
 from tool0.protocol.program import (
     CommentStep,
@@ -37,9 +42,15 @@ def urscript_text(context: RobotContext) -> str:
     Objects are not placed: the script says where it leaves that out.
 
     Raises:
-        ProgramError: If a step is impossible.
+        ProgramError: If a step is impossible, or goes around obstacles.
     """
     steps = dict(walk(context.program.steps))
+    for path, step in steps.items():
+        if is_planned(step):
+            raise ProgramError(
+                f"step {path_text(path)}: URScript cannot plan around obstacles: "
+                "replace 'plan' by moves through waypoints, or export to Python"
+            )
     problems = [
         problem
         for problem in static_problems(context)
@@ -66,6 +77,8 @@ class _Writer:
         program = self._context.program
         name = re.sub(r"\W", "_", program.name, flags=re.ASCII)
         yield f"# {_one_line(program.name)}: exported by tool0"
+        if program.collision == "refuse":
+            yield "# the controller does not check moves for collisions"
         yield f"def program_{name}():"
         yield f"  set_tcp({_pose(self._context.T_tip_tool)})"
         if any(isinstance(step, GripperStep) for _, step in walk(program.steps)):

@@ -2,19 +2,28 @@
 
 Moves that follow each other are one path, with their blends; comments between them do
 not count.  A move until contact may end anywhere on its way: both ends are planned
-from.  A loop is planned until its postures repeat.
+from.  A loop is planned until its postures repeat.  The way around obstacles is planned
+with the scene as it is, and once more when the step begins.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple, final
+from typing import Final, NamedTuple, TypeGuard, final
 
 import numpy as np
 
 from tool0.description.units import SPEED, require_plausible_angles
-from tool0.errors import ConfigError, ControlError, ModelError, did_you_mean
+from tool0.errors import (
+    CollisionError,
+    ConfigError,
+    ControlError,
+    ModelError,
+    PlanningError,
+    UnreachableError,
+    did_you_mean,
+)
 from tool0.kinematics.chain import Array
 from tool0.motion.moves import Move, MoveError, MovePlan
 from tool0.programs.robot_context import RobotContext
@@ -57,13 +66,18 @@ class NumberedMove(NamedTuple):
     step: MoveStep
 
 
+def is_planned(step: Step) -> TypeGuard[MoveJointStep]:
+    """Return whether a step goes around obstacles, on a path of its own."""
+    return isinstance(step, MoveJointStep) and step.plan
+
+
 def moves_from(
     steps: Sequence[Step], first: int, parents: StepPath
 ) -> list[NumberedMove]:
     """Return the moves that are one path, from the step with index ``first`` on."""
     found = []
     for number, step in enumerate(steps[first:], first + 1):
-        if isinstance(step, MoveStep):
+        if isinstance(step, MoveStep) and not is_planned(step):
             found.append(NumberedMove((*parents, number), step))
         elif not isinstance(step, CommentStep):
             break
@@ -83,6 +97,10 @@ class ProgramPath:
         """Return whether it begins with a step, at ``q`` [rad]."""
         start = self.plan.path.positions[0]
         return self.steps[0] == step and bool(np.abs(start - q).max() < _SAME)
+
+
+class _UnknownEndError(Exception):
+    """Where a step ends can only be known when it begins."""
 
 
 class StepError(Exception):
@@ -128,6 +146,8 @@ def plan_program(context: RobotContext, start: Sequence[float]) -> ProgramPlan:
         planning.follow(program.steps, (), [np.array(start, dtype=np.float64)])
     except StepError as error:
         problems.append(error.problem)
+    except _UnknownEndError:
+        pass  # the rest is planned when it begins; there is a warning
     return ProgramPlan(
         program=program,
         paths=tuple(planning.paths),
@@ -150,6 +170,26 @@ def plan_search(
     """Return all the way of a move until contact; StepError if it is impossible."""
     move = context.search(step, np.array(start, dtype=np.float64))
     return _planned(context, (path,), [move], start)
+
+
+def plan_way(
+    context: RobotContext, path: StepPath, step: MoveJointStep, start: Sequence[float]
+) -> ProgramPath:
+    """Return the way around obstacles from rest at ``start`` [rad].
+
+    Raises:
+        StepError: If the target is out of reach.
+        CollisionError: If the start or the target is in collision.
+        PlanningError: If no way is found.
+    """
+    try:
+        way = context.way(step, start)
+    except UnreachableError as error:
+        raise StepError(ProgramProblem(step=path, text=str(error))) from None
+    plan = MovePlan(
+        path=way, begins=(0.0,), zones=(way.duration,), warnings=(), tail=None
+    )
+    return ProgramPath(steps=(path,), plan=plan)
 
 
 def _planned(
@@ -186,7 +226,27 @@ def static_problems(context: RobotContext) -> list[ProgramProblem]:
             _check(context, path, step)
         except _REFUSALS as error:
             found.append(ProgramProblem(step=path, text=str(error)))
-    return found
+    return [*found, *_blends_into_ways(context.program.steps)]
+
+
+def _blends_into_ways(
+    steps: Sequence[Step], parents: StepPath = ()
+) -> Iterator[ProgramProblem]:
+    """Yield a problem for each blend before a step that is planned from rest."""
+    blended: StepPath | None = None
+    for number, step in enumerate(steps, 1):
+        path = (*parents, number)
+        if isinstance(step, LoopStep):
+            yield from _blends_into_ways(step.steps, path)
+        if is_planned(step) and blended is not None:
+            text = (
+                f"step {path_text(path)} is planned from where this one rests: its "
+                "'blend' must be 0"
+            )
+            yield ProgramProblem(step=blended, text=text)
+        if not isinstance(step, CommentStep):
+            is_blended = isinstance(step, MoveStep) and step.blend > 0.0
+            blended = path if is_blended else None
 
 
 def _check(context: RobotContext, path: StepPath, step: Step) -> None:
@@ -194,6 +254,8 @@ def _check(context: RobotContext, path: StepPath, step: Step) -> None:
     if len(path) > MOST_NESTED + 1:
         raise ControlError(f"more than {MOST_NESTED} loops are within each other here")
     match step:
+        case MoveJointStep(plan=True, blend=blend) if blend > 0.0:
+            raise ControlError("a planned move ends at rest: its 'blend' must be 0")
         case MoveJointStep():
             context.move(step)
         case MoveLinearStep():
@@ -240,12 +302,14 @@ class _Planning:
             if not starts:
                 self._warn(path, "is never reached: the loop before it is endless")
                 return []
-            if isinstance(step, MoveStep):
+            if is_planned(step):
+                starts = self._ways(path, step, starts)
+            elif isinstance(step, MoveStep):
                 moves = moves_from(steps, index, parents)
                 starts = _distinct(self._path(moves, q).plan.end for q in starts)
                 index = moves[-1].path[-1]
                 continue
-            if isinstance(step, UntilStep):
+            elif isinstance(step, UntilStep):
                 ends = [self._search(path, step, q).plan.end for q in starts]
                 starts = _distinct([*ends, *starts])
             elif isinstance(step, LoopStep):
@@ -271,6 +335,27 @@ class _Planning:
         if known is not None:
             return known
         return self._add(plan_path(self.context, moves, q.tolist()))
+
+    def _ways(
+        self, path: StepPath, step: MoveJointStep, starts: Sequence[Array]
+    ) -> list[Array]:
+        """Return where ways around end, in the scene as it is now."""
+        ends = []
+        for q in starts:
+            known = next((item for item in self.paths if item.is_from(path, q)), None)
+            try:
+                way = known or self._add(plan_way(self.context, path, step, q.tolist()))
+            except (CollisionError, PlanningError) as error:
+                self._warn(
+                    path,
+                    f"no way as the scene is now: {error}; it is planned again when "
+                    "the step begins, and what follows is not checked before",
+                )
+            else:
+                ends.append(way.plan.end)
+        if not ends:
+            raise _UnknownEndError
+        return _distinct(ends)
 
     def _search(self, path: StepPath, step: UntilStep, q: Array) -> ProgramPath:
         known = next((item for item in self.paths if item.is_from(path, q)), None)

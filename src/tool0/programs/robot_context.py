@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
+from typing import Any, Protocol, final
 
 import numpy as np
 
@@ -13,19 +13,40 @@ from tool0.description.drive_limits import DriveLimits
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import FLANGE, Joint, ParallelGripper, RobotModel
 from tool0.description.transform import Pose, to_transform
+from tool0.description.transform_arrays import matrix_of
 from tool0.errors import ControlError, did_you_mean
 from tool0.kinematics.chain import ArmChain, Array, fixed_transform
 from tool0.kinematics.inverse import InverseKinematics
 from tool0.motion.moves import Move, pose_numbers
+from tool0.motion.path import Path
 from tool0.motion.planner import MovePlanner
+from tool0.protocol.planning import PlanTarget
 from tool0.protocol.program import (
     GripperStep,
+    MoveJointStep,
     MoveLinearStep,
     MoveStep,
     Program,
     ToolPose,
     UntilStep,
 )
+
+
+class FindWay(Protocol):
+    """Plans around obstacles."""
+
+    def __call__(
+        self, target: PlanTarget, start: Sequence[float], joints: Sequence[Joint]
+    ) -> Path:
+        """Return a collision-free motion of the arm from ``start`` [rad].
+
+        The ``joints`` have the limits that apply.
+
+        Raises:
+            CollisionError: If the start or the target is in collision.
+            PlanningError: If no way is found.
+            UnreachableError: If no posture reaches the target.
+        """
 
 
 @final
@@ -44,6 +65,7 @@ class RobotContext:
     """Present position of every joint of the robot [rad | m]."""
     find_pose: Callable[[str], Mapping[str, float]]
     """Returns the positions of a named pose, or raises ControlError."""
+    find_way: FindWay
     gripper: str | None
     """The name of the gripper that the arm uses, if it has one."""
     geometry: ParallelGripper | None
@@ -120,6 +142,34 @@ class RobotContext:
             v=step.speed,
             r=step.blend,
         )
+
+    def way(self, step: MoveJointStep, start: Sequence[float]) -> Path:
+        """Return the way around obstacles of a planned step, as ``FindWay``."""
+        move = self.move(step)
+        pose: Any = None  # rows
+        if move.pose is not None:
+            pose = tuple(map(tuple, matrix_of(move.pose).tolist()))
+        tool: Any = tuple(map(tuple, self.T_tip_tool.tolist()))
+        target = PlanTarget(
+            arm=self.arm,
+            positions={}
+            if move.q is None
+            else dict(zip(self.joint_names, move.q, strict=True)),
+            pose=pose,
+            tool=tool,
+        )
+        joints = [
+            replace(
+                joint,
+                limits=replace(
+                    joint.limits,
+                    velocity=min(step.speed, joint.limits.velocity),
+                    acceleration=min(step.acceleration, joint.limits.acceleration),
+                ),
+            )
+            for joint in self.joints
+        ]
+        return self.find_way(target, start, joints)
 
     def search(self, step: UntilStep, start: Array) -> Move:
         """Return the longest move of a search that starts at ``start`` [rad]."""

@@ -22,6 +22,8 @@ _LONGEST = 80
 def step_text(step: Step) -> str:
     """Return a step in a few words."""
     match step:
+        case MoveJointStep(plan=True):
+            return f"go around to {_target(step)}"
         case MoveJointStep():
             return f"move joints to {_target(step)}"
         case MoveLinearStep():

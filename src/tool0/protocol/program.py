@@ -13,6 +13,7 @@ from msgspec import Meta, Struct, field
 
 from tool0.description.units import Metres, MetresPerSecond, Radians
 from tool0.errors import ControlError
+from tool0.protocol.request import CollisionRule
 
 Name = Annotated[str, Meta(min_length=1, max_length=200)]
 Text = Annotated[str, Meta(max_length=1000)]
@@ -82,6 +83,10 @@ class MoveJointStep(_Move, frozen=True, kw_only=True, tag="move_joint"):
     """Speed of the joint that turns most [rad/s]."""
     acceleration: Acceleration = 1.4
     """Acceleration of the joint that turns most [rad/s²]."""
+    plan: bool = False
+    """Go around obstacles, from rest to rest and without a blend, to any posture that
+    reaches the target.  The way is planned when the step begins; speed and acceleration
+    are limits of each joint."""
 
 
 class MoveLinearStep(_Move, frozen=True, kw_only=True, tag="move_linear"):
@@ -204,6 +209,9 @@ class Program(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The one that the arm carries, if left out."""
     tool: ToolPose = field(default_factory=lambda: ToolPose(xyz=(0.0, 0.0, 0.0)))
     """The tool in the flange: targets, speeds and blends are those of its origin."""
+    collision: CollisionRule = "ignore"
+    """With ``refuse``, the program fails before a move on which the arm would collide;
+    ``until`` is not looked at."""
     steps: tuple[Step, ...] = ()
     """Executed one after the other."""
 

@@ -32,7 +32,7 @@ from tool0.protocol.controllers import KIND_OF, Role, why_not_driven
 from tool0.protocol.goals import Goal
 from tool0.simulation.core import Core
 from tool0.simulation.paths import motion_plan, trajectory_points
-from tool0.simulation.supervision.plan_watch import PlanWatch
+from tool0.simulation.supervision.plan_watch import PlanWatch, watch_contacts
 from tool0.simulation.supervision.supervision import Supervision
 
 if TYPE_CHECKING:
@@ -106,22 +106,14 @@ class Executor:
         for name, goal in goals.items():
             self._note_command(name, goal.joint_names)
         started = tuple(map(self._started, accepted))
-        model = self.core.model
-        links = frozenset(
-            link
-            for goal in goals.values()
-            for joint in goal.joint_names or ()
-            for link in model.links_from(model.joint(joint).child)
-        )
-        contacts = self.core.engine.world.contacts()
-        watch = PlanWatch(
-            started,
-            links=links,
+        watch = watch_contacts(
+            self.core.model,
+            [joint for goal in goals.values() for joint in goal.joint_names or ()],
+            self.core.engine.world.contacts(),
             carried=carried,
             may_touch=may_touch,
-            contacts=contacts,
         )
-        self._plan_watches.append(watch)
+        self._plan_watches.append(PlanWatch(started, watch))
         return started
 
     def scale_trajectory(self, controller: str, factor: float) -> None:
@@ -389,7 +381,8 @@ class Executor:
         """Stop planned motions that touch what they should not."""
         contacts = self.core.engine.world.contacts()
         for watch in self._plan_watches:
-            if not watch.is_over and (reason := watch.unexpected(contacts)):
+            reason = watch.contacts.unexpected(contacts)
+            if reason and not watch.is_over:
                 self.core.sync_from_kernel()
                 watch.fail(reason)
                 for goal in watch.goals:

@@ -140,42 +140,42 @@ class MotionPlans:
             UnreachableError: If no posture reaches a pose.
         """
         moving = self._moving(request.targets, positions, request.joint_ranges)
-        goals = _combined(
-            [
-                self._goals(chain, target, moving)
-                for chain, target in zip(moving.chains, request.targets, strict=True)
-            ]
-        )
-        rules = Rules(
-            clearance=request.clearance,
-            may_touch=frozenset(request.may_touch),
-            upright=self._upright(request, moving),
-        )
         snapshot = self._simulation.snapshot
-        with self._searching() as cancelled:
-            group = self._group(moving, snapshot, rules, request.keep_out)
-            found = plan_free_motion(
-                group,
-                moving.joints,
-                moving.start,
-                goals,
-                options=SearchOptions(
-                    speed=request.speed, timeout=request.timeout, seed=request.seed
-                ),
-                cancelled=cancelled,
-            )
+        with self._found(request, moving, snapshot) as (found, group):
             plan = _described(next(self._count), found, group)
         self._plans[plan.number] = KeptPlan(
             plan=plan,
-            may_touch=rules.may_touch,
+            may_touch=frozenset(request.may_touch),
             start={name: positions[name] for name in moving.names},
             objects={state.name: state for state in snapshot.objects},
-            carried=self._carried(snapshot),
+            carried=self.carried(snapshot),
             arms=tuple(chain.tip for chain in moving.chains),
         )
         for number in list(self._plans)[:-MOST_PLANS]:
             del self._plans[number]
         return plan
+
+    def way_around(
+        self,
+        target: PlanTarget,
+        positions: Mapping[str, float],
+        joints: Sequence[Joint],
+    ) -> Path:
+        """Return a collision-free motion of one arm that is not kept.
+
+        Args:
+            target: Where to.
+            positions: Commanded positions of all joints [rad | m].
+            joints: Of the arm from base to flange, with the limits that apply.
+
+        Raises:
+            Tool0Error: As ``plan``.
+        """
+        chain = self._simulation.arm(target.arm)
+        moving = _Moving(chains=(chain,), joints=tuple(joints), positions=positions)
+        request = PlanMotion(targets=(target,), speed=1.0)
+        with self._found(request, moving, self._simulation.snapshot) as (found, _):
+            return found.path
 
     def cancel(self) -> None:
         """End the searches in progress."""
@@ -210,7 +210,7 @@ class MotionPlans:
                 f"the scene has changed since plan {number} was made: object '{name}' "
                 f"was {what}; plan again"
             )
-        carried = self._carried(self._simulation.snapshot)
+        carried = self.carried(self._simulation.snapshot)
         if carried != kept.carried:
             names = ", ".join(sorted(carried)) or "nothing"
             raise ControlError(
@@ -283,16 +283,8 @@ class MotionPlans:
         A robot whose shapes MuJoCo cannot read is not looked at, and a warning says so
         once; nor is any without a compiled kernel.
         """
-        names = set(path.joint_names)
-        chains = tuple(
-            chain
-            for chain in self._simulation.arms.values()
-            if not names.isdisjoint(chain.joint_names)
-        )
-        joints = tuple(joint for chain in chains for joint in chain.joints)
-        moving = _Moving(chains=chains, joints=joints, positions=positions)
         try:
-            found = self._checked(moving, path, Rules(clearance=-PRESSING), ())
+            found = self.check_path(path, positions)
         except (ModelError, PlanningError) as error:
             if self._unchecked != str(error):
                 self._unchecked = str(error)
@@ -305,7 +297,54 @@ class MotionPlans:
                 "move with collision='ignore'"
             )
 
+    def check_path(self, path: Path, positions: Mapping[str, float]) -> Checked:
+        """Return whether arms would collide on a path of their joints.
+
+        Raises:
+            ModelError: If MuJoCo does not support a shape.
+            PlanningError: If there is no compiled kernel.
+        """
+        names = set(path.joint_names)
+        chains = tuple(
+            chain
+            for chain in self._simulation.arms.values()
+            if not names.isdisjoint(chain.joint_names)
+        )
+        joints = tuple(joint for chain in chains for joint in chain.joints)
+        moving = _Moving(chains=chains, joints=joints, positions=positions)
+        return self._checked(moving, path, Rules(clearance=-PRESSING), ())
+
     # ---- parts ----------------------------------------------------------------------
+
+    @contextmanager
+    def _found(
+        self, request: PlanMotion, moving: _Moving, snapshot: Snapshot
+    ) -> Iterator[tuple[FreeMotion, PlanningGroup]]:
+        """Plan; what looks at motions is valid within the context."""
+        goals = _combined(
+            [
+                self._goals(chain, target, moving)
+                for chain, target in zip(moving.chains, request.targets, strict=True)
+            ]
+        )
+        rules = Rules(
+            clearance=request.clearance,
+            may_touch=frozenset(request.may_touch),
+            upright=self._upright(request, moving),
+        )
+        with self._searching() as cancelled:
+            group = self._group(moving, snapshot, rules, request.keep_out)
+            found = plan_free_motion(
+                group,
+                moving.joints,
+                moving.start,
+                goals,
+                options=SearchOptions(
+                    speed=request.speed, timeout=request.timeout, seed=request.seed
+                ),
+                cancelled=cancelled,
+            )
+            yield found, group
 
     def _checked(
         self,
@@ -402,7 +441,7 @@ class MotionPlans:
             T = found[model.link(target.relative_to).name].matrix @ T
         return np.asarray(found[chain.base].inverse().matrix @ T)
 
-    def _carried(self, snapshot: Snapshot) -> frozenset[str]:
+    def carried(self, snapshot: Snapshot) -> frozenset[str]:
         """Return the names of the objects that grippers hold."""
         held = self._simulation.collisions.held(snapshot)
         return frozenset(load.item.name for load in held)

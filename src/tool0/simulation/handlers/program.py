@@ -27,13 +27,19 @@ from tool0.protocol.programs import (
     StepRun,
     StopRun,
 )
+from tool0.simulation.handlers.motion_checks import motion_plans
 from tool0.simulation.handlers.table import answer, handles
 from tool0.simulation.loop import POLL_PERIOD
 from tool0.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from tool0.description.model import Joint
+    from tool0.motion.path import Path
     from tool0.programs.planning import ProgramPlan
     from tool0.programs.robot_context import RobotContext
+    from tool0.protocol.planning import PlanTarget
     from tool0.simulation.handlers.program_run import ProgramExecution
 
 _LONGEST_RETURN = 2.0
@@ -49,6 +55,14 @@ def _context(simulation: Simulation, program: Program) -> RobotContext:
     chain = simulation.arm(program.arm)
     arm = next(name for name, known in simulation.arms.items() if known is chain)
     gripper = program.gripper or gripper_of(model, arm)
+
+    def find_way(
+        target: PlanTarget, start: Sequence[float], joints: Sequence[Joint]
+    ) -> Path:
+        names = (joint.name for joint in joints)
+        now = {**simulation.snapshot.positions, **dict(zip(names, start, strict=True))}
+        return motion_plans(simulation).way_around(target, now, joints)
+
     return RobotContext(
         program=program,
         model=model,
@@ -57,6 +71,7 @@ def _context(simulation: Simulation, program: Program) -> RobotContext:
         joints=simulation.core.arms.find(arm).motion.spec.joint_models,
         positions=snapshot.positions,
         find_pose=lambda name: simulation.poses.find(name).positions,
+        find_way=find_way,
         gripper=gripper,
         geometry=None if gripper is None else simulation.gripper(gripper),
         objects=tuple(item.name for item in snapshot.scene),

@@ -15,9 +15,11 @@ from tool0.programs.planning import (
     NumberedMove,
     ProgramPath,
     ProgramPlan,
+    is_planned,
     moves_from,
     plan_path,
     plan_search,
+    plan_way,
 )
 from tool0.protocol.arm_motion import StopArm, path_request
 from tool0.protocol.control_box import PauseProgram, SetIO
@@ -29,6 +31,7 @@ from tool0.protocol.program import (
     CommentStep,
     GripperStep,
     LoopStep,
+    MoveJointStep,
     MoveStep,
     PlaceObjectStep,
     SetOutputStep,
@@ -36,16 +39,20 @@ from tool0.protocol.program import (
     StepPath,
     UntilStep,
     WaitStep,
+    path_text,
 )
 from tool0.protocol.programs import RunState
 from tool0.protocol.request import Request, Response
 from tool0.sensing.grasp import GraspDetector
+from tool0.simulation.handlers.motion_checks import motion_plans
 from tool0.simulation.handlers.program_touch import Touch
 from tool0.simulation.handlers.table import answer
 from tool0.simulation.simulation import Simulation
+from tool0.simulation.supervision.plan_watch import ContactWatch, watch_contacts
 
 if TYPE_CHECKING:
     from tool0.control.arm.motion import ArmMotionController
+    from tool0.description.scene_state import Contact
     from tool0.programs.robot_context import RobotContext
 
 T = TypeVar("T")
@@ -99,7 +106,7 @@ class ProgramSteps:
         index = 0
         while index < len(steps):
             step, path = steps[index], (*parents, index + 1)
-            if isinstance(step, MoveStep):
+            if isinstance(step, MoveStep) and not is_planned(step):
                 moves = moves_from(steps, index, parents)
                 yield from self._moves(moves)
                 index = moves[-1].path[-1]
@@ -113,6 +120,8 @@ class ProgramSteps:
 
     def _step(self, path: StepPath, step: Step) -> StepCoroutine[None]:
         match step:
+            case MoveJointStep():
+                yield from self._way(path, step)
             case GripperStep():
                 yield from self._grip(step)
             case WaitStep():
@@ -152,6 +161,7 @@ class ProgramSteps:
                 yield from self._gate(moves[done].path)
             rest = moves[done : done + 1] if self.is_stepping else moves[done:]
             path = yield from self._path(rest)
+            yield from self._require_free(path)
             n_moves = yield from self._follow(path)
             has_begun = n_moves < len(rest)
             done += n_moves
@@ -164,11 +174,43 @@ class ProgramSteps:
         found = yield from self._planned(lambda: plan_path(self._context, moves, q))
         return found
 
-    def _follow(self, path: ProgramPath) -> StepCoroutine[int]:
+    def _way(self, path: StepPath, step: MoveJointStep) -> StepCoroutine[None]:
+        """Plan around obstacles, and move; an unexpected contact ends the program."""
+        q = self._setpoint
+        found = yield from self._planned(lambda: plan_way(self._context, path, step, q))
+        watch = watch_contacts(
+            self._context.model,
+            self._context.joint_names,
+            self._contacts,
+            carried=motion_plans(self._simulation).carried(self.snapshot),
+        )
+        yield from self._follow(found, watch)
+
+    def _require_free(self, path: ProgramPath) -> StepCoroutine[None]:
+        """End the program if it is to refuse a path on which the arm would collide."""
+        if self._plan.program.collision == "ignore" or path.plan.duration == 0.0:
+            return
+        names, q = self._context.joint_names, self._setpoint
+        now = {**self.snapshot.positions, **dict(zip(names, q, strict=True))}
+        plans = motion_plans(self._simulation)
+        found = yield from self._planned(lambda: plans.check_path(path.plan.path, now))
+        if not found.is_free:
+            step = path.steps[path.plan.move_at(found.time)]
+            raise EndedError(
+                "failed",
+                f"the arm would collide on the way of step {path_text(step)}: "
+                f"{found.reason}",
+            )
+
+    def _follow(
+        self, path: ProgramPath, watch: ContactWatch | None = None
+    ) -> StepCoroutine[int]:
         """Follow a path; return how many of its moves are done."""
         yield from self._start_path(path)
         plan, n_moves = path.plan, len(path.steps)
         while not self.is_done:
+            if watch is not None and (reason := watch.unexpected(self._contacts)):
+                raise EndedError("failed", reason)
             move = plan.move_at(self._path_time)
             self._when_begun(path.steps[move])
             if self.is_stepping and n_moves > 1 and not self.is_paused:
@@ -303,6 +345,10 @@ class ProgramSteps:
     def is_paused(self) -> bool:
         """Whether the program is paused."""
         return self.box.program is ProgramState.PAUSED
+
+    @property
+    def _contacts(self) -> tuple[Contact, ...]:
+        return self._simulation.core.engine.world.contacts()
 
     @property
     def _motion(self) -> ArmMotionController:
