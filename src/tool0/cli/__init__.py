@@ -20,7 +20,10 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "log": ("recording", "print what happened in a recording"),
     "export": ("recording", "write a recording as a table, a video or a data set"),
     "replay": ("replay", "show a recording in a web page, or simulate it again"),
-    "demo": ("demo", "run a complete task: pick a cube, or hand it over"),
+    "demo": (
+        "demo",
+        "run a complete task: pick a cube, from a shelf too, or hand it over",
+    ),
     "collect": ("collect", "collect episodes of a task, with processes or Ray"),
     "describe": (
         "describe",

@@ -129,7 +129,26 @@ def handover(
     )
 
 
-demo = {"pick": pick, "handover": handover}
+def shelf(
+    arguments: DemoArguments = DemoArguments(),
+    description: DescriptionConfig = DescriptionConfig(),
+    panel: PanelOptions = PanelOptions(),
+) -> int:
+    """Pick a cube from a shelf, and place it in a bin behind a wall.
+
+    The ways are planned around everything, also with the cube in the gripper; friction
+    alone holds it.  The arm must reach as far as a UR5.  Status 1 if that fails;
+    otherwise as `demo pick`.
+    """
+    _check_files(arguments)
+    from tool0.cli.demos.setup import shelf_demo
+
+    return _run(
+        shelf_demo(arguments.cube, arguments.options, description), arguments, panel
+    )
+
+
+demo = {"pick": pick, "handover": handover, "shelf": shelf}
 
 
 def _check_files(arguments: DemoArguments) -> None:

@@ -11,7 +11,13 @@ from tool0.cli.demos.monitor import GraspMonitor
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.grasp_frames import grasp_frame
 from tool0.description.transform import Transform, Vector3
-from tool0.errors import ConfigError, ModelError, Tool0Error
+from tool0.errors import (
+    CollisionError,
+    ConfigError,
+    ModelError,
+    PlanningError,
+    Tool0Error,
+)
 from tool0.protocol.goals import GoalResult, GoalStatus
 from tool0.protocol.request import SLOWEST
 
@@ -115,6 +121,23 @@ class Hand:
         """Start to move ``tool``, fixed in the flange, to a pose in the root."""
         return self.arm.move_to(pose, tool=tool, speed=self.options.speed)
 
+    def go_around(self, grasps: Sequence[Grasp]) -> Grasp:
+        """Go around obstacles to one of the grasps, and return it.
+
+        It is the one that moves the joints least, of those to which there is a way.
+        """
+        refused: Tool0Error | None = None
+        for grasp in self._by_distance(grasps):
+            tool, speed = self.tool_for(grasp.width), self.options.speed
+            try:
+                plan = self.arm.plan(grasp.pose, tool=tool, speed=speed)
+            except (CollisionError, PlanningError) as error:
+                refused = refused or error
+                continue
+            self.finish(self.arm.execute(plan))
+            return grasp
+        raise TaskFailure(f"there is no way: {refused}")
+
     def move_linear(self, pose: Transform, tool: Transform) -> None:
         """Move ``tool`` to a pose along a straight line."""
         speed = self.options.linear_speed
@@ -143,16 +166,22 @@ class Hand:
             grasps: The poses in which it may be put down, wherever they are.
             height: Of the middle of the pads above the floor of the bin [m].
         """
-        monitor, lift = self._monitor, self.options.lift
-        monitor.begin("carrying")
+        self._monitor.begin("carrying")
         x, y, bottom = into.center
-        place = self.nearest((x, y, bottom + height + lift), grasps)
-        tool, above = self.tool_for(place.width), place.pose
-        down = replace(above, position=(x, y, bottom + height))
-        self.move_to(above, tool)
+        place = self.nearest((x, y, bottom + height + self.options.lift), grasps)
+        self.move_to(place.pose, self.tool_for(place.width))
+        self.release(into, place, height)
+
+    def release(self, into: Bin, place: Grasp, height: float) -> None:
+        """Release the object in a bin from ``place`` above it, and leave.
+
+        ``height`` is as for ``put``.
+        """
+        monitor, tool, above = self._monitor, self.tool_for(place.width), place.pose
+        x, y, bottom = into.center
         self.check_hold()
         monitor.begin("lowering")
-        self.move_linear(down, tool)
+        self.move_linear(replace(above, position=(x, y, bottom + height)), tool)
         self.check_hold()
         monitor.begin("letting go")
         monitor.stop_slip()
@@ -165,22 +194,27 @@ class Hand:
 
     def nearest(self, position: Vector3, grasps: Sequence[Grasp]) -> Grasp:
         """Return the grasp, moved to ``position``, that moves the joints least."""
-        best: tuple[float, Grasp] | None = None
+        moved = [
+            replace(grasp, pose=replace(grasp.pose, position=position))
+            for grasp in grasps
+        ]
+        return self._by_distance(moved)[0]
+
+    def _by_distance(self, grasps: Sequence[Grasp]) -> list[Grasp]:
+        """Return the grasps that can be reached, by how far the joints move."""
+        found: list[tuple[float, Grasp]] = []
         refused: Tool0Error | None = None
         for grasp in grasps:
-            pose = replace(grasp.pose, position=position)
+            tool = self.tool_for(grasp.width)
             try:
-                solutions = self.arm.inverse_kinematics(
-                    pose, tool=self.tool_for(grasp.width)
-                )
+                solutions = self.arm.inverse_kinematics(grasp.pose, tool=tool)
             except ModelError as error:
                 refused = error
                 continue
-            if best is None or solutions[0].distance < best[0]:
-                best = solutions[0].distance, replace(grasp, pose=pose)
-        if best is None:
+            found.append((solutions[0].distance, grasp))
+        if not found:
             raise TaskFailure(f"it cannot be reached: {refused}")
-        return best[1]
+        return [grasp for _, grasp in sorted(found, key=lambda each: each[0])]
 
     def tool_for(self, width: float) -> Transform:
         """Return the frame between the pads at an opening [m], in the flange."""

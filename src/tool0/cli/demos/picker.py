@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Protocol, final
 
 from tool0.api.grasps import (
     CLEARANCE,
@@ -137,8 +137,18 @@ def pick_and_place(
         return measured(robot, picker, monitor, task)
 
 
+class Picking(Protocol):
+    """Picks an object, and measures how it holds it."""
+
+    hand: Hand
+    width: float | None
+    """Width of the gripped object, from the gripper's joint [m]."""
+    force: float | None
+    """Force of a pad on the object when it is lifted [N]."""
+
+
 def measured(
-    robot: Robot, picker: Picker, monitor: GraspMonitor, task: Callable[[], None]
+    robot: Robot, picker: Picking, monitor: GraspMonitor, task: Callable[[], None]
 ) -> PickReport:
     """Perform a task with an object, and return the measurements of ``monitor``.
 

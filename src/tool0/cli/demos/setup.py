@@ -13,6 +13,12 @@ from tool0.cli.demos.hand import PickOptions
 from tool0.cli.demos.handover import GIVER, TAKER, HandoverCell, hand_over
 from tool0.cli.demos.picker import pick_and_place
 from tool0.cli.demos.report import PickReport
+from tool0.cli.demos.shelf import (
+    SMALLEST_SCALE,
+    pick_from_shelf,
+    random_poses,
+    shelf_scene,
+)
 from tool0.cli.demos.trials import DemoReport, run_trials
 from tool0.description.cell_file import parse_robots
 from tool0.description.config import DescriptionConfig
@@ -97,6 +103,30 @@ def pick_demo(cube: Cube, options: PickOptions, description: DescriptionConfig) 
         scene=cube.scene_of(table),
         poses=lambda robot, seed: table.random_poses(robot, cube.edge, seed),
         task=lambda robot, into, on_snapshot: pick_and_place(
+            robot, ITEM, into, options, on_snapshot
+        ),
+    )
+
+
+def shelf_demo(
+    cube: Cube, options: PickOptions, description: DescriptionConfig
+) -> Demo:
+    """Return the picks from a shelf, around obstacles.
+
+    Raises:
+        ConfigError: If the arm is too short.
+    """
+    if (scale := _scale(description)) < SMALLEST_SCALE:
+        raise ConfigError(
+            f"the arm reaches {scale:.0%} as far as a UR5, which is too short for the "
+            "shelf"
+        )
+    scene = shelf_scene(edge=cube.edge, mass=cube.mass, friction=cube.friction)
+    return Demo(
+        description=description,
+        scene=scene,
+        poses=lambda robot, seed: random_poses(scene, cube.edge, seed),
+        task=lambda robot, into, on_snapshot: pick_from_shelf(
             robot, ITEM, into, options, on_snapshot
         ),
     )

@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, final
 from tool0.cli.demos.monitor import GraspMonitor
 from tool0.cli.demos.report import PickReport
 from tool0.description.transform import Pose, to_transform
+from tool0.errors import CollisionError, PlanningError
 from tool0.protocol.state import Snapshot
 
 if TYPE_CHECKING:
+    from tool0.api.controller import GoalHandle
     from tool0.api.robot import Robot
 
 RETURN_TIMEOUT = 20.0
@@ -131,7 +133,20 @@ def _go_back(robot: Robot, home: Mapping[str, float], monitor: GraspMonitor) -> 
     monitor.until(
         lambda: all(goal.result is not None for goal in opened), RETURN_TIMEOUT
     )
-    moves = robot.move_joints(home)
+    moves = _start_back(robot, home)
     monitor.until(
         lambda: all(move.result is not None for move in moves), RETURN_TIMEOUT
     )
+
+
+def _start_back(robot: Robot, home: Mapping[str, float]) -> tuple[GoalHandle, ...]:
+    """Start to move the arms ``home``: straight, around obstacles, or by force."""
+    with contextlib.suppress(CollisionError):
+        return robot.move_joints(home)
+    targets = [
+        arm.target({name: home[name] for name in arm.joint_names})
+        for arm in robot.arms.values()
+    ]
+    with contextlib.suppress(CollisionError, PlanningError):
+        return robot.execute(robot.plan(targets))
+    return robot.move_joints(home, collision="ignore")

@@ -1,0 +1,201 @@
+"""Pick an object from a shelf, and place it in a bin behind a wall: with plans."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import random
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final, final
+
+from tool0.api.grasps import (
+    Bin,
+    Grasp,
+    find_grasps,
+    finger_reach,
+    grasps_from_above,
+    half_height,
+)
+from tool0.api.table import ITEM
+from tool0.cli.demos.hand import Hand, PickOptions
+from tool0.cli.demos.monitor import GraspMonitor
+from tool0.cli.demos.picker import DROP, measured
+from tool0.cli.demos.report import PickReport
+from tool0.description.scene import Scene, SceneObject
+from tool0.description.scene_file import load_scene
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose, Transform, Vector3, to_transform
+from tool0.protocol.state import Snapshot
+
+if TYPE_CHECKING:
+    from tool0.api.robot import Robot
+
+SMALLEST_SCALE: Final = 0.95
+"""Of the arms that reach both the shelf and the bin."""
+BOARD: Final = "shelf.board"
+"""What the object stands on."""
+INTO_SHELF: Final = (0.0, 1.0, 0.0)
+"""Direction in the root."""
+RAISED: Final = 0.02
+"""Height at which the object leaves the shelf, above its board [m]."""
+OUTSIDE: Final = 0.06
+"""Distance of the middle of the pads from the shelf, before and after the grasp [m]."""
+_BESIDE: Final = 0.12
+"""Distance of an object's centre from the sides of the shelf [m]."""
+_DEPTHS: Final = (0.05, 0.12)
+"""Of random poses, from the edge of the board [m]."""
+_TURN: Final = 0.3
+"""Largest turn of random poses, to either side [rad]."""
+_FACING: Final = math.cos(math.radians(46.0))
+
+
+def shelf_scene(*, edge: float, mass: float, friction: float) -> Scene:
+    """Return the scene with a cube of ``edge`` [m] and ``mass`` [kg] on the board."""
+    scene = load_scene("shelf")
+    item = next(item for item in scene.objects if item.name == ITEM)
+    x, y, _ = item.pose.xyz
+    _, (_, _, top) = _board(scene.objects)
+    cube = replace(
+        item,
+        geometry=Box(size=(edge, edge, edge)),
+        pose=Pose(xyz=(x, y, top + edge / 2.0)),
+        mass=mass,
+        friction=friction,
+    )
+    return replace(
+        scene,
+        objects=tuple(cube if each is item else each for each in scene.objects),
+    )
+
+
+def random_poses(scene: Scene, edge: float, seed: int) -> Iterator[Pose]:
+    """Yield poses of a cube on the board without end; the same ones for a seed."""
+    rng = random.Random(seed)
+    low, high = _board(scene.objects)
+    while True:
+        x = rng.uniform(low[0] + _BESIDE, high[0] - _BESIDE)
+        y = low[1] + rng.uniform(*_DEPTHS)
+        yaw = rng.uniform(-_TURN, _TURN)
+        yield Pose(xyz=(x, y, high[2] + edge / 2.0), rpy=(0.0, 0.0, yaw))
+
+
+def pick_from_shelf(
+    robot: Robot,
+    item: str,
+    into: Bin,
+    options: PickOptions,
+    on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
+) -> PickReport:
+    """Pick an object from the shelf, place it in a bin, and report.
+
+    The ways to the shelf and to the bin are planned around everything, the second one
+    with the object in the gripper.
+
+    Args:
+        robot: With one arm and one gripper, in the scene ``shelf``.
+        item: The name of an upright box, cylinder or sphere.
+        into: Where it goes.
+        options: Force and speeds.
+        on_snapshot: Called with each snapshot, for recording.
+
+    Raises:
+        ControlError: If there is no such object, or it cannot be gripped at all.
+        EngineError: If the physics fails.
+    """
+    with contextlib.closing(GraspMonitor(robot, item, on_snapshot)) as monitor:
+        picker = ShelfPicker(robot, item, options, monitor)
+
+        def task() -> None:
+            picker.take()
+            picker.put(into)
+
+        return measured(robot, picker, monitor, task)
+
+
+@final
+class ShelfPicker:
+    """Does one pick from the front, with one arm and its gripper."""
+
+    def __init__(
+        self, robot: Robot, item: str, options: PickOptions, monitor: GraspMonitor
+    ) -> None:
+        """Find the grasps of the object where it is now.
+
+        Raises:
+            ControlError: If there is no such object, or it cannot be gripped.
+        """
+        self.hand = Hand(robot, options, monitor)
+        self._monitor = monitor
+        geometry = self.hand.gripper.geometry
+        thing, pose = robot.scene[item], monitor.pose()
+        self._grasps = _from_front(find_grasps(thing, pose, geometry.max_opening))
+        (_, self._front, _), _ = _board(robot.scene.objects)
+        reach = finger_reach(robot.description.model, geometry)
+        self._below = max(half_height(thing, pose), reach)
+        self.width: float | None = None
+        self.force: float | None = None
+
+    def take(self) -> None:
+        """Go to the shelf, grip the object, and take it out, or raise TaskFailure."""
+        hand, monitor = self.hand, self._monitor
+        monitor.begin("approaching")
+        opening = hand.open()
+        before = hand.go_around([self._before(grasp) for grasp in self._grasps])
+        hand.finish(opening)
+        tool = hand.tool_for(before.width)
+        x, y, z = self._grasps[0].pose.position
+        monitor.begin("reaching in")
+        hand.move_linear(replace(before.pose, position=(x, y, z)), tool)
+        monitor.begin("gripping")
+        hand.grip()
+        self.width, self.force = hand.gripper.state.width, monitor.pad_force()
+        monitor.start_slip(hand.gripper)
+        monitor.begin("taking out")
+        hand.move_linear(replace(before.pose, position=(x, y, z + RAISED)), tool)
+        x, y, z = before.pose.position
+        hand.move_linear(replace(before.pose, position=(x, y, z + RAISED)), tool)
+        hand.check_hold()
+
+    def put(self, into: Bin) -> None:
+        """Carry the object to a bin and release it, or raise TaskFailure."""
+        hand, height = self.hand, self._below + DROP
+        x, y, bottom = into.center
+        above = (x, y, bottom + height + hand.options.lift)
+        self._monitor.begin("carrying")
+        place = hand.go_around(grasps_from_above(above, self._grasps[0].width))
+        hand.release(into, place, height)
+
+    def _before(self, grasp: Grasp) -> Grasp:
+        """Return a grasp, moved back out of the shelf."""
+        pose = grasp.pose
+        ahead = _axis(pose, 2)
+        x, y, z = pose.position
+        back = (y - (self._front - OUTSIDE)) / ahead[1]
+        moved = (x - back * ahead[0], y - back * ahead[1], z - back * ahead[2])
+        return replace(grasp, pose=replace(pose, position=moved))
+
+
+def _from_front(grasps: Sequence[Grasp]) -> list[Grasp]:
+    """Return grasps from above, tilted about the line between the pads to the front."""
+    found = []
+    for grasp in grasps:
+        for turn in (-math.pi / 2.0, math.pi / 2.0):
+            pose = grasp.pose @ to_transform(Pose(rpy=(0.0, turn, 0.0)))
+            ahead = _axis(pose, 2)
+            if sum(a * b for a, b in zip(ahead, INTO_SHELF, strict=True)) > _FACING:
+                found.append(replace(grasp, pose=pose))
+    return found
+
+
+def _axis(pose: Transform, k: int) -> Vector3:
+    x, y, z = (row[k] for row in pose.rotation)
+    return x, y, z
+
+
+def _board(objects: Iterable[SceneObject]) -> tuple[Vector3, Vector3]:
+    """Return the lowest and the highest corner of the board [m]."""
+    board = next(item for item in objects if item.name == BOARD)
+    assert isinstance(board.geometry, Box)  # in the scene file
+    (x, y, z), (dx, dy, dz) = board.pose.xyz, board.geometry.size
+    return (x - dx / 2, y - dy / 2, z - dz / 2), (x + dx / 2, y + dy / 2, z + dz / 2)
