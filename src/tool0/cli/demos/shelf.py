@@ -43,7 +43,7 @@ OUTSIDE: Final = 0.06
 """Distance of the middle of the pads from the shelf, before and after the grasp [m]."""
 _BESIDE: Final = 0.12
 """Distance of an object's centre from the sides of the shelf [m]."""
-_DEPTHS: Final = (0.05, 0.12)
+_DEPTHS: Final = (0.04, 0.08)
 """Of random poses, from the edge of the board [m]."""
 _TURN: Final = 0.3
 """Largest turn of random poses, to either side [rad]."""
