@@ -31,12 +31,14 @@ with tool0.bringup(scene="shelf", realtime=False) as robot:
     except tool0.CollisionError as error:
         print("refused:", error)
 
-    # The way around, with the cube, 10 mm from everything and upright within 120 deg.
+    # The way around, with the cube, 10 mm from everything, and not where a person is.
     plan = arm.plan(
         above_bin,
         tool=between_pads,
         clearance=0.01,
-        upright=tool0.Upright(tilt=math.radians(120)),
+        keep_out=(
+            tool0.KeepOut(name="person", xyz=(1.0, 0.0, 0.5), size=(0.4, 1.0, 1.4)),
+        ),
         seed=1,
     )
     print(f"{len(plan.waypoints) - 2} corners, {plan.duration:.1f} s")

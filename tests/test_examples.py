@@ -161,6 +161,16 @@ PRINTED = {
         "then: stop",
     ],
     "27_cartesian_impedance": [r"at most [1-6]\d mm off the circle"],
+    "28_plan_around": [
+        "holding_inside",
+        r"free: False; '\w+' would be .* mm in 'wall'",
+        r"refused: the motion would collide after .* in 'wall'; .*",
+        r"\d+ corners, \d\.\d s",
+        r"least: \d.* mm, .* and .*",
+        SUCCEEDED,
+        "in the bin: True",
+        SUCCEEDED,
+    ],
 }
 """Example → what some of its lines are, in this order."""
 WITHOUT_VIDEO = """

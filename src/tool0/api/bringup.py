@@ -73,7 +73,7 @@ def bringup(
             with them the controllers of ROS 2 (docs/ros2.md).
         engine: The physics engine: "mujoco", or "gazebo" (docs/gazebo.md).
         scene: The objects around the robot: a value, a YAML file, or a built-in scene
-            (``table_and_bin``, ``table_and_cubes``).
+            (``table_and_bin``, ``table_and_cubes``, ``shelf``).
         controllers_file: YAML of ros_control or ros2_control, one file or several;
             later ones override.
         controllers: Names of the controllers to load and start.

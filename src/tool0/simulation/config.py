@@ -56,7 +56,7 @@ class SimulationConfig:
     outstretched arm must clear the ground.  A pedestal fills the gap."""
     scene: Scene | File | None = None
     """The objects around the robot: a YAML file, or a built-in scene (table_and_bin,
-    table_and_cubes)."""
+    table_and_cubes, shelf)."""
     cameras: tuple[Camera, ...] = ()
     """Further cameras; one with the name of another replaces it (docs/camera.md)."""
     grasp_assist: bool = False

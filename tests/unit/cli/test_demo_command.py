@@ -123,6 +123,24 @@ def test_a_handover_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert printed[-1].startswith("1 of 1 in the bin")
 
 
+def test_a_pick_from_a_shelf_goes_around_the_wall(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    line = ["demo", "shelf", "--headless", "--n", "2", "--json"]
+    assert main(line) == OK
+    first, second = json.loads(capsys.readouterr().out)["picks"]
+    assert first["start"] == pytest.approx([0.37, 0.54, 0.2225], abs=1e-3)
+    assert second["start"] != pytest.approx(first["start"], abs=1e-3)
+    assert list(first["phases"])[:2] == ["approaching", "reaching in"]
+
+
+def test_an_arm_that_is_too_short_for_the_shelf_is_refused(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["demo", "shelf", "--headless", "--arm", "ur3e"]) == FAILED
+    assert "too short for the shelf" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [

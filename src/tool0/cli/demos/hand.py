@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
@@ -114,8 +114,11 @@ class Hand:
             )
 
     def move_to(self, pose: Transform, tool: Transform) -> None:
-        """Move ``tool``, fixed in the flange, to a pose in the root."""
-        self.finish(self.start(pose, tool))
+        """Move ``tool``, fixed in the flange, to a pose in the root.
+
+        Around obstacles, if something is in the way.
+        """
+        self.finish(self._or_around(lambda: self.start(pose, tool), pose, tool))
 
     def start(self, pose: Transform, tool: Transform) -> GoalHandle:
         """Start to move ``tool``, fixed in the flange, to a pose in the root."""
@@ -139,9 +142,26 @@ class Hand:
         raise TaskFailure(f"there is no way: {refused}")
 
     def move_linear(self, pose: Transform, tool: Transform) -> None:
-        """Move ``tool`` to a pose along a straight line."""
-        speed = self.options.linear_speed
-        self.finish(self.arm.move_linear(pose, tool=tool, speed=speed))
+        """Move ``tool`` to a pose along a straight line, if nothing is in the way."""
+
+        def start() -> GoalHandle:
+            speed = self.options.linear_speed
+            return self.arm.move_linear(pose, tool=tool, speed=speed)
+
+        self.finish(self._or_around(start, pose, tool))
+
+    def _or_around(
+        self, start: Callable[[], GoalHandle], pose: Transform, tool: Transform
+    ) -> GoalHandle:
+        """Start a motion, or another one to the pose if it would collide."""
+        try:
+            return start()
+        except CollisionError as refused:
+            try:
+                plan = self.arm.plan(pose, tool=tool, speed=self.options.speed)
+            except (CollisionError, PlanningError):
+                raise refused from None
+            return self.arm.execute(plan)
 
     def move_home(self) -> None:
         """Move the joints to where they were at first."""

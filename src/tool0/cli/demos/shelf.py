@@ -43,10 +43,12 @@ OUTSIDE: Final = 0.06
 """Distance of the middle of the pads from the shelf, before and after the grasp [m]."""
 _BESIDE: Final = 0.12
 """Distance of an object's centre from the sides of the shelf [m]."""
-_DEPTHS: Final = (0.04, 0.08)
+_DEPTHS: Final = (0.04, 0.09)
 """Of random poses, from the edge of the board [m]."""
 _TURN: Final = 0.3
 """Largest turn of random poses, to either side [rad]."""
+_TILT: Final = math.radians(70.0)
+"""Of the gripper from above: it looks down a little, to clear the edge of the board."""
 _FACING: Final = math.cos(math.radians(46.0))
 
 
@@ -180,7 +182,7 @@ def _from_front(grasps: Sequence[Grasp]) -> list[Grasp]:
     """Return grasps from above, tilted about the line between the pads to the front."""
     found = []
     for grasp in grasps:
-        for turn in (-math.pi / 2.0, math.pi / 2.0):
+        for turn in (-_TILT, _TILT):
             pose = grasp.pose @ to_transform(Pose(rpy=(0.0, turn, 0.0)))
             ahead = _axis(pose, 2)
             if sum(a * b for a, b in zip(ahead, INTO_SHELF, strict=True)) > _FACING:
