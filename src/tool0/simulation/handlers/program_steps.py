@@ -196,10 +196,11 @@ class ProgramSteps:
         found = yield from self._planned(lambda: plans.check_path(path.plan.path, now))
         if not found.is_free:
             step = path.steps[path.plan.move_at(found.time)]
+            way = f"the way of step {path_text(step)}"
+            if step == path.steps[0]:
+                way = "its way"
             raise EndedError(
-                "failed",
-                f"the arm would collide on the way of step {path_text(step)}: "
-                f"{found.reason}",
+                "failed", f"the arm would collide on {way}: {found.reason}"
             )
 
     def _follow(

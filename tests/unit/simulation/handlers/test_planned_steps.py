@@ -102,6 +102,25 @@ def test_it_carries_what_the_gripper_holds(robot: tool0.Robot) -> None:
     assert cube == pytest.approx((0.4, -0.15, 0.15), abs=0.02)
 
 
+def test_planned_steps_are_stepped_and_paused(robot: tool0.Robot) -> None:
+    run = robot.run_program(program(around(LEFT), around(RIGHT)), paused=True)
+    wait = robot.channel.wait_until
+    assert wait(lambda: run.status.state == "paused", TIMEOUT)
+    run.step()
+    assert wait(lambda: run.status.step == (2,), TIMEOUT)
+    assert wait(lambda: run.status.state == "paused", TIMEOUT)
+    assert robot.arm.pose().position == pytest.approx(LEFT.xyz, abs=2e-3)
+    run.resume()
+    robot.run(0.5)
+    run.pause()
+    robot.run(0.5)
+    assert run.status.state == "paused"
+    assert max(map(abs, robot.joint_state.velocity.values())) < 0.01
+    run.resume()
+    assert run.wait(TIMEOUT).state == "succeeded"
+    assert robot.arm.pose().position == pytest.approx(RIGHT.xyz, abs=2e-3)
+
+
 def test_a_contact_that_is_not_expected_ends_the_program(robot: tool0.Robot) -> None:
     run = robot.run_program(program(around(LEFT), around(RIGHT, speed=1.0)))
     assert robot.channel.wait_until(lambda: run.status.step == (2,), TIMEOUT)
@@ -182,7 +201,7 @@ def test_a_program_refuses_a_move_that_would_collide(robot: tool0.Robot) -> None
     assert robot.programs.check(program(*steps)).problems == ()
     end = robot.run_program(program(*steps, collision="refuse")).wait(TIMEOUT)
     assert end.state == "failed"
-    assert "the arm would collide on the way of step 3: " in end.error
+    assert "step 2: the arm would collide on the way of step 3: " in end.error
     assert "'wall'" in end.error
     robot.run(0.2)
     assert robot.arm.pose().position == pytest.approx(LEFT.xyz, abs=2e-3)
