@@ -23,6 +23,8 @@ import numpy as np
 from tool0.errors import Tool0Error
 
 SCALE = int(os.environ.get("TOOL0_FUZZ", "1"))
+SEED = int(os.environ.get("TOOL0_FUZZ_SEED", "0"))
+"""Of the tests that can begin elsewhere: another one tries other cases."""
 LONG = 20.0
 """Longest time of one case on a busy machine [wall s]."""
 
@@ -184,25 +186,25 @@ class Trial:
         """Carry a case out; ``said`` describes it."""
         self.n_tried += 1
         try:
-            with limited(), self._without_logged(said):
+            with limited(), self.noting_logged(said):
                 case()
         except Tool0Error as error:
             if not str(error).strip():
-                self._note(error, said)
+                self.note(error, said)
         except Exception as error:
-            self._note(error, said)
+            self.note(error, said)
         else:
             self.n_accepted += 1
 
     @contextmanager
-    def _without_logged(self, said: str) -> Iterator[None]:
+    def noting_logged(self, said: str) -> Iterator[None]:
         """Note exceptions that are only logged, of any thread."""
         trial = self
 
         class Handler(logging.Handler):
             def emit(self, record: logging.LogRecord) -> None:
                 if record.exc_info and isinstance(record.exc_info[1], Exception):
-                    trial._note(record.exc_info[1], f"logged: {said}")
+                    trial.note(record.exc_info[1], f"logged: {said}")
 
         handler = Handler()
         logging.getLogger("tool0").addHandler(handler)
@@ -211,11 +213,14 @@ class Trial:
         finally:
             logging.getLogger("tool0").removeHandler(handler)
 
-    def _note(self, error: Exception, said: str) -> None:
+    def note(self, error: BaseException, said: str) -> None:
+        """Note an exception that is no answer."""
         frames = traceback.extract_tb(error.__traceback__)
         ours = [frame for frame in frames if "/src/tool0/" in frame.filename]
-        place = (ours or frames)[-1]
-        where = f"{place.filename}:{place.lineno}: {type(error).__name__}"
+        where = f"{type(error).__name__} {error!s:.60}"
+        if frames:
+            place = (ours or frames)[-1]
+            where = f"{place.filename}:{place.lineno}: {type(error).__name__}"
         self._failures.setdefault(where, f"{error!s:.300}\n    {said:.600}")
 
     def check(self) -> None:

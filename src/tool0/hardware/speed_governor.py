@@ -21,7 +21,7 @@ SWEEPS: Final = 20
 """Most sweeps over all joints."""
 TOLERANCE: Final = 1e-6
 """Excess of speed that ends the sweeps [rad/s | m/s]."""
-LARGEST_TURN: Final = 0.25
+LARGEST_TURN: Final = 0.1
 """Motion of a joint for which a mobility is used [rad | m]."""
 
 

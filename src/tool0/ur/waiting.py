@@ -16,7 +16,7 @@ async def within(action: Coroutine[Any, Any, T], timeout: float | None) -> T | N
     asyncio.wait_for drops a cancellation that comes together with the result.
     """
     task = asyncio.ensure_future(action)
-    task.add_done_callback(_seen)
+    task.add_done_callback(seen)
     try:
         await asyncio.wait({task}, timeout=timeout)
     finally:
@@ -25,7 +25,7 @@ async def within(action: Coroutine[Any, Any, T], timeout: float | None) -> T | N
     return task.result() if task.done() else None
 
 
-def _seen(task: asyncio.Task[Any]) -> None:
+def seen(task: asyncio.Future[Any]) -> None:
     """Take the error of an action that nobody waits for any more."""
     if not task.cancelled():
         task.exception()

@@ -35,6 +35,9 @@ ARRIVED: Final = 0.01
 """Distance of every joint from the end of a path that has arrived [rad].  Measured with
 a UR3e, UR5e and UR30: 1.6 mrad when a path ends, and up to 0.1 rad with a payload that
 is declared as 0 or the rated one and is not."""
+STEEPEST: Final = 1000.0
+"""Deceleration of the leading joint that keeps a joint from leaving its range [rad/s²],
+at most: as much as requests accept."""
 SETTLING: Final = 1.0
 """Time that the joints may take to arrive [s]: in the same measurements, 17 mrad were
 left after half of it, and the servos' integrals decay by exp(-4 t)."""
@@ -307,7 +310,18 @@ class ArmMotionController:
             else:
                 splines.brake(deceleration)
             return
-        start = self.motion(now)
+        self._stop_from(self.motion(now), now, deceleration)
+
+    def _stop_from(self, start: ArmSetpoint, now: float, deceleration: float) -> None:
+        """Ramp down to rest; more steeply where a joint would leave its range."""
+        leading = max(map(abs, start.velocities))
+        joints = self.spec.joint_models
+        for joint, q, v in zip(joints, start.positions, start.velocities, strict=True):
+            left = joint.limits.upper - q if v > 0.0 else q - joint.limits.lower
+            way = 0.5 * leading * abs(v)  # with a deceleration of 1
+            if way > left * deceleration:
+                needed = way / left if left > way / STEEPEST else STEEPEST
+                deceleration = max(deceleration, needed)
         self._use(SplineMotion.stopping(start, now, deceleration), now)
 
     def stream_deceleration(self) -> float:
@@ -405,7 +419,7 @@ class ArmMotionController:
         self._state = state
         start, now = self._measured(), state.time
         self._compliance = self.torques = None
-        self._use(SplineMotion.stopping(start, now, deceleration), now)
+        self._stop_from(start, now, deceleration)
 
     def _start(self, mode: Mode, stream: StreamedMotion, now: float) -> None:
         self._leave_path(now)

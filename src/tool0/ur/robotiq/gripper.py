@@ -11,6 +11,7 @@ from typing import Any, Final, Protocol, TypeVar, final
 from tool0.description.model import ParallelGripper
 from tool0.errors import Tool0Error
 from tool0.protocol.control_box_state import ControlBoxState, RobotMode
+from tool0.protocol.goals import GoalStarted
 from tool0.protocol.gripper import GraspState, Grip, ReadGripper
 from tool0.protocol.request import Request
 from tool0.protocol.state import Snapshot
@@ -22,6 +23,7 @@ from tool0.ur.robotiq.registers import (
     ObjectStatus,
     StatusRegisters,
 )
+from tool0.ur.waiting import seen
 
 R = TypeVar("R")
 
@@ -99,6 +101,8 @@ class RobotiqGripper:
         self._goal: float | None = None
         """The requested opening [m]; None if somebody else has moved the fingers."""
         self._task: asyncio.Task[None] | None = None
+        self._asked: asyncio.Future[GoalStarted] | None = None
+        """The last motion that the bring-up was asked for."""
         self._changed = asyncio.Event()
         self._waits: list[tuple[Callable[[], bool], asyncio.Event]] = []
         link.when_updated.add(self._look_at_update)
@@ -335,15 +339,22 @@ class RobotiqGripper:
         self._tell()
 
     async def _grip(self, opening: float, *, speed: int, force: int) -> None:
-        """Start a motion of the fingers; speed and force are counts."""
-        await self._link.call(
-            Grip(
-                gripper=self.name,
-                opening=opening,
-                speed=self.counts.speed(speed),
-                force=self.counts.force(force),
-            )
+        """Start a motion of the fingers; speed and force are counts.
+
+        It waits for the answer to the motion before, also if that was replaced: however
+        fast commands arrive, nothing else of this process waits behind their motions.
+        """
+        if self._asked is not None:
+            await asyncio.wait({self._asked})
+        request = Grip(
+            gripper=self.name,
+            opening=opening,
+            speed=self.counts.speed(speed),
+            force=self.counts.force(force),
         )
+        self._asked = asked = asyncio.ensure_future(self._link.call(request))
+        asked.add_done_callback(seen)
+        await asyncio.shield(asked)
         await self._pass(POLL_PERIOD)
 
     async def _settle(self) -> GraspState:

@@ -19,6 +19,7 @@ from tool0.ur.urscript.sockets import Sockets
 from tool0.ur.urscript.values import Handle, Pose, Value
 from tool0.ur.urscript.watchdogs import Watchdogs
 from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
+from tool0.ur.waiting import seen
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
@@ -269,6 +270,7 @@ class Execution:
     async def abortable(self, motion: Awaitable[None]) -> None:
         """Execute a motion until its end, or until ``abort`` is called."""
         self._motion = task = asyncio.ensure_future(motion)
+        task.add_done_callback(seen)
         try:
             await asyncio.wait({task})
         finally:

@@ -47,6 +47,15 @@ def _gripper(thread: Thread) -> RobotiqGripper:
     return gripper
 
 
+async def _command(thread: Thread, command: Callable[[RobotiqGripper], object]) -> None:
+    """Give the gripper a command, which takes a control period.
+
+    So a loop of commands does not flood the bring-up with motions of the fingers.
+    """
+    command(_gripper(thread))
+    await thread.box.next_update()
+
+
 def _count_of(thread: Thread, millimetres: float) -> int:
     """Return the position of an opening."""
     counts = _gripper(thread).counts
@@ -54,14 +63,14 @@ def _count_of(thread: Thread, millimetres: float) -> int:
     return min(range(FULL + 1), key=lambda count: abs(counts.opening(count) - opening))
 
 
-def rq_reset(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
+async def rq_reset(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
     """Deactivate the gripper."""
-    _gripper(thread).reset()
+    await _command(thread, lambda gripper: gripper.reset())
 
 
-def rq_activate(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
+async def rq_activate(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
     """Start the activation."""
-    _gripper(thread).activate()
+    await _command(thread, lambda gripper: gripper.activate())
 
 
 async def rq_activate_and_wait(
@@ -71,14 +80,14 @@ async def rq_activate_and_wait(
     await _gripper(thread).activate_and_wait()
 
 
-def rq_open(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
+async def rq_open(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
     """Start to open."""
-    _gripper(thread).move(0)
+    await _command(thread, lambda gripper: gripper.move(0))
 
 
-def rq_close(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
+async def rq_close(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
     """Start to close."""
-    _gripper(thread).move(FULL)
+    await _command(thread, lambda gripper: gripper.move(FULL))
 
 
 async def rq_open_and_wait(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
@@ -91,9 +100,11 @@ async def rq_close_and_wait(thread: Thread, gripper_socket: AnyValue = _SOCKET) 
     await _gripper(thread).move_and_wait(FULL)
 
 
-def rq_move(thread: Thread, pos: Count, gripper_socket: AnyValue = _SOCKET) -> None:
+async def rq_move(
+    thread: Thread, pos: Count, gripper_socket: AnyValue = _SOCKET
+) -> None:
     """Start to move to a position: 0 open, 255 closed."""
-    _gripper(thread).move(pos)
+    await _command(thread, lambda gripper: gripper.move(pos))
 
 
 async def rq_move_and_wait(
@@ -103,9 +114,11 @@ async def rq_move_and_wait(
     await _gripper(thread).move_and_wait(pos)
 
 
-def rq_move_mm(thread: Thread, pos: Number, gripper_socket: AnyValue = _SOCKET) -> None:
+async def rq_move_mm(
+    thread: Thread, pos: Number, gripper_socket: AnyValue = _SOCKET
+) -> None:
     """Start to move to an opening [mm]."""
-    _gripper(thread).move(_count_of(thread, pos))
+    await _command(thread, lambda gripper: gripper.move(_count_of(thread, pos)))
 
 
 async def rq_move_and_wait_mm(
@@ -115,47 +128,49 @@ async def rq_move_and_wait_mm(
     await _gripper(thread).move_and_wait(_count_of(thread, pos))
 
 
-def rq_set_pos(thread: Thread, pos: Count, gripper_socket: AnyValue = _SOCKET) -> None:
+async def rq_set_pos(
+    thread: Thread, pos: Count, gripper_socket: AnyValue = _SOCKET
+) -> None:
     """Set the requested position."""
-    _gripper(thread).change(position=pos)
+    await _command(thread, lambda gripper: gripper.change(position=pos))
 
 
-def rq_set_speed(
+async def rq_set_speed(
     thread: Thread, speed: Count, gripper_socket: AnyValue = _SOCKET
 ) -> None:
     """Set the speed of later motions."""
-    _gripper(thread).change(speed=speed)
+    await _command(thread, lambda gripper: gripper.change(speed=speed))
 
 
-def rq_set_force(
+async def rq_set_force(
     thread: Thread, force: Count, gripper_socket: AnyValue = _SOCKET
 ) -> None:
     """Set the force of later motions."""
-    _gripper(thread).change(force=force)
+    await _command(thread, lambda gripper: gripper.change(force=force))
 
 
-def rq_set_speed_norm(
+async def rq_set_speed_norm(
     thread: Thread, speed: Percent, gripper_socket: AnyValue = _SOCKET
 ) -> None:
     """Set the speed of later motions [%]."""
-    _gripper(thread).change(speed=speed)
+    await _command(thread, lambda gripper: gripper.change(speed=speed))
 
 
-def rq_set_force_norm(
+async def rq_set_force_norm(
     thread: Thread, force: Percent, gripper_socket: AnyValue = _SOCKET
 ) -> None:
     """Set the force of later motions [%]."""
-    _gripper(thread).change(force=force)
+    await _command(thread, lambda gripper: gripper.change(force=force))
 
 
-def rq_go_to(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
+async def rq_go_to(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
     """Start to move to the requested position."""
-    _gripper(thread).change(go_to=True)
+    await _command(thread, lambda gripper: gripper.change(go_to=True))
 
 
-def rq_stop(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
+async def rq_stop(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
     """Stop the fingers."""
-    _gripper(thread).stop()
+    await _command(thread, lambda gripper: gripper.stop())
 
 
 async def rq_wait(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
