@@ -22,8 +22,8 @@ SWEEPS: Final = 20
 TOLERANCE: Final = 1e-6
 """Excess of speed that ends the sweeps [rad/s | m/s]."""
 LARGEST_TURN: Final = 0.1
-"""Motion of a joint for which a mobility is used [rad | m].  With one that is wrong by a
-third, the governor makes a joint oscillate about its largest speed."""
+"""Motion of a joint for which a mobility is used [rad | m].  One that is wrong by a
+third makes the governed joint oscillate about its largest speed."""
 
 
 class GovernedDrive(NamedTuple):
