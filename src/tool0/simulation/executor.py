@@ -32,7 +32,11 @@ from tool0.protocol.controllers import KIND_OF, Role, why_not_driven
 from tool0.protocol.goals import Goal
 from tool0.simulation.core import Core
 from tool0.simulation.paths import motion_plan, trajectory_points
-from tool0.simulation.supervision.plan_watch import PlanWatch, watch_contacts
+from tool0.simulation.supervision.plan_watch import (
+    ContactWatch,
+    PlanWatch,
+    links_moved_by,
+)
 from tool0.simulation.supervision.supervision import Supervision
 
 if TYPE_CHECKING:
@@ -106,9 +110,9 @@ class Executor:
         for name, goal in goals.items():
             self._note_command(name, goal.joint_names)
         started = tuple(map(self._started, accepted))
-        watch = watch_contacts(
-            self.core.model,
-            [joint for goal in goals.values() for joint in goal.joint_names or ()],
+        joints = [name for goal in goals.values() for name in goal.joint_names or ()]
+        watch = ContactWatch(
+            links_moved_by(self.core.model, joints),
             self.core.engine.world.contacts(),
             carried=carried,
             may_touch=may_touch,

@@ -48,7 +48,7 @@ from tool0.simulation.handlers.motion_checks import motion_plans
 from tool0.simulation.handlers.program_touch import Touch
 from tool0.simulation.handlers.table import answer
 from tool0.simulation.simulation import Simulation
-from tool0.simulation.supervision.plan_watch import ContactWatch, watch_contacts
+from tool0.simulation.supervision.plan_watch import ContactWatch, links_moved_by
 
 if TYPE_CHECKING:
     from tool0.control.arm.motion import ArmMotionController
@@ -178,9 +178,8 @@ class ProgramSteps:
         """Plan around obstacles, and move; an unexpected contact ends the program."""
         q = self._setpoint
         found = yield from self._planned(lambda: plan_way(self._context, path, step, q))
-        watch = watch_contacts(
-            self._context.model,
-            self._context.joint_names,
+        watch = ContactWatch(
+            links_moved_by(self._context.model, self._context.joint_names),
             self._contacts,
             carried=motion_plans(self._simulation).carried(self.snapshot),
         )

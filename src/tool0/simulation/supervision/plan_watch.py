@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import final
 
 from tool0.description.model import RobotModel
@@ -12,27 +12,41 @@ from tool0.protocol.goals import Goal, GoalResult, GoalStatus, Result
 
 
 @final
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ContactWatch:
     """Finds contacts that a planned motion does not expect."""
 
-    links: frozenset[str]
-    """All that the motion moves."""
-    carried: frozenset[str]
-    """Objects that move with these: they may touch each other."""
-    may_touch: frozenset[str]
-    """Links and objects whose contacts do not count."""
-    known: frozenset[frozenset[str]]
-    """The pairs of the contacts at the start, which do not count either."""
+    def __init__(
+        self,
+        links: frozenset[str],
+        contacts: Collection[Contact],
+        *,
+        carried: frozenset[str],
+        may_touch: frozenset[str] = frozenset(),
+    ) -> None:
+        """Watch a motion that begins now.
+
+        Args:
+            links: All that it moves.
+            contacts: Those at the start, which do not count; nor do those at the first
+                look, because an engine may record them only after the first request.
+            carried: Objects that move with the links: they may touch each other.
+            may_touch: Links and objects whose contacts do not count.
+        """
+        self._links, self._carried, self._may_touch = links, carried, may_touch
+        self._known = set(map(_pair, contacts))
+        self._has_looked = False
 
     def unexpected(self, contacts: Collection[Contact]) -> str:
         """Return what touches and should not, as a sentence; empty if nothing does."""
+        if not self._has_looked:
+            self._has_looked = True
+            self._known.update(map(_pair, contacts))
         for contact in contacts:
             pair = _pair(contact)
-            is_ours = not pair.isdisjoint(self.links | self.carried)
-            is_allowed = pair in self.known or not pair.isdisjoint(self.may_touch)
-            is_grip = not pair.isdisjoint(self.carried) and pair <= (
-                self.links | self.carried
+            is_ours = not pair.isdisjoint(self._links | self._carried)
+            is_allowed = pair in self._known or not pair.isdisjoint(self._may_touch)
+            is_grip = not pair.isdisjoint(self._carried) and pair <= (
+                self._links | self._carried
             )
             if is_ours and not is_allowed and not is_grip:
                 text = contacts_text([(contact.first, contact.second)])
@@ -66,31 +80,10 @@ class PlanWatch:
             goal.explain = explained
 
 
-def watch_contacts(
-    model: RobotModel,
-    joints: Iterable[str],
-    contacts: Collection[Contact],
-    *,
-    carried: frozenset[str],
-    may_touch: frozenset[str] = frozenset(),
-) -> ContactWatch:
-    """Return the watch of a motion of some joints that begins now.
-
-    Args:
-        model: The robot.
-        joints: Those that move.
-        contacts: Those at the start.
-        carried: Objects that grippers hold.
-        may_touch: Links and objects whose contacts do not count.
-    """
-    links = frozenset(
+def links_moved_by(model: RobotModel, joints: Iterable[str]) -> frozenset[str]:
+    """Return all links that some joints move."""
+    return frozenset(
         link for name in joints for link in model.links_from(model.joint(name).child)
-    )
-    return ContactWatch(
-        links=links,
-        carried=carried,
-        may_touch=may_touch,
-        known=frozenset(map(_pair, contacts)),
     )
 
 
