@@ -132,6 +132,7 @@ def handover(
 def shelf(
     arguments: DemoArguments = DemoArguments(),
     description: DescriptionConfig = DescriptionConfig(),
+    second: str | None = None,
     panel: PanelOptions = PanelOptions(),
 ) -> int:
     """Pick a cube from a shelf, and place it in a bin behind a wall.
@@ -139,12 +140,18 @@ def shelf(
     The ways are planned around everything, also with the cube in the gripper; friction
     alone holds it.  The arm must reach as far as a UR5.  Status 1 if that fails;
     otherwise as `demo pick`.
+
+    Args:
+        second: A second robot in the way, over the bin: ARM or ARM+GRIPPER.  It makes
+            room while the cube is carried; both motions are planned together.
     """
     _check_files(arguments)
     from tool0.cli.demos.setup import shelf_demo
 
     return _run(
-        shelf_demo(arguments.cube, arguments.options, description), arguments, panel
+        shelf_demo(arguments.cube, arguments.options, description, second),
+        arguments,
+        panel,
     )
 
 

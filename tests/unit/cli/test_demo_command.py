@@ -134,6 +134,15 @@ def test_a_pick_from_a_shelf_goes_around_the_wall(
     assert list(first["phases"])[:2] == ["approaching", "reaching in"]
 
 
+def test_a_second_arm_makes_room_while_the_cube_is_carried(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    line = ["demo", "shelf", "--headless", "--second", "ur3e", "--json"]
+    assert main(line) == OK
+    (pick,) = json.loads(capsys.readouterr().out)["picks"]
+    assert pick["success"]
+
+
 def test_an_arm_that_is_too_short_for_the_shelf_is_refused(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

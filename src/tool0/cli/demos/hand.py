@@ -19,6 +19,7 @@ from tool0.errors import (
     Tool0Error,
 )
 from tool0.protocol.goals import GoalResult, GoalStatus
+from tool0.protocol.planning import PlanTarget
 from tool0.protocol.request import SLOWEST
 
 if TYPE_CHECKING:
@@ -124,20 +125,24 @@ class Hand:
         """Start to move ``tool``, fixed in the flange, to a pose in the root."""
         return self.arm.move_to(pose, tool=tool, speed=self.options.speed)
 
-    def go_around(self, grasps: Sequence[Grasp]) -> Grasp:
+    def go_around(
+        self, grasps: Sequence[Grasp], others: Sequence[PlanTarget] = ()
+    ) -> Grasp:
         """Go around obstacles to one of the grasps, and return it.
 
         It is the one that moves the joints least, of those to which there is a way.
+        The ``others`` are the targets of arms that move meanwhile.
         """
         refused: Tool0Error | None = None
         for grasp in self._by_distance(grasps):
-            tool, speed = self.tool_for(grasp.width), self.options.speed
+            target = self.arm.target(grasp.pose, tool=self.tool_for(grasp.width))
             try:
-                plan = self.arm.plan(grasp.pose, tool=tool, speed=speed)
+                plan = self._robot.plan([target, *others], speed=self.options.speed)
             except (CollisionError, PlanningError) as error:
                 refused = refused or error
                 continue
-            self.finish(self.arm.execute(plan))
+            for goal in self._robot.execute(plan):
+                self.finish(goal)
             return grasp
         raise TaskFailure(f"there is no way: {refused}")
 

@@ -14,10 +14,12 @@ from tool0.cli.demos.handover import GIVER, TAKER, HandoverCell, hand_over
 from tool0.cli.demos.picker import pick_and_place
 from tool0.cli.demos.report import PickReport
 from tool0.cli.demos.shelf import (
+    HELPER,
     SMALLEST_SCALE,
     pick_from_shelf,
     random_poses,
     shelf_scene,
+    two_robots,
 )
 from tool0.cli.demos.trials import DemoReport, run_trials
 from tool0.description.cell_file import parse_robots
@@ -109,17 +111,25 @@ def pick_demo(cube: Cube, options: PickOptions, description: DescriptionConfig) 
 
 
 def shelf_demo(
-    cube: Cube, options: PickOptions, description: DescriptionConfig
+    cube: Cube,
+    options: PickOptions,
+    description: DescriptionConfig,
+    second: str | None,
 ) -> Demo:
-    """Return the picks from a shelf, around obstacles.
+    """Return the picks from a shelf, around obstacles; ``second`` is ARM+GRIPPER.
 
     Raises:
-        ConfigError: If the arm is too short.
+        ConfigError: If the arm is too short, or the second robot unknown.
     """
     if (scale := _scale(description)) < SMALLEST_SCALE:
         raise ConfigError(
             f"the arm reaches {scale:.0%} as far as a UR5, which is too short for the "
             "shelf"
+        )
+    if second is not None:
+        (helper,) = parse_robots([f"{HELPER}={second}"]).robots
+        description = DescriptionConfig(
+            cell=two_robots(description, helper.description)
         )
     scene = shelf_scene(edge=cube.edge, mass=cube.mass, friction=cube.friction)
     return Demo(

@@ -1,4 +1,7 @@
-"""Pick an object from a shelf, and place it in a bin behind a wall: with plans."""
+"""Pick an object from a shelf, and place it in a bin behind a wall: with plans.
+
+A second arm may work at the bin: it makes room while the object is carried.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +25,8 @@ from tool0.cli.demos.hand import Hand, PickOptions
 from tool0.cli.demos.monitor import GraspMonitor
 from tool0.cli.demos.picker import DROP, measured
 from tool0.cli.demos.report import PickReport
+from tool0.description.config import Cell, CellRobot, DescriptionConfig
+from tool0.description.model import FLANGE
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.scene_file import load_scene
 from tool0.description.shapes import Box
@@ -41,6 +46,12 @@ RAISED: Final = 0.02
 """Height at which the object leaves the shelf, above its board [m]."""
 OUTSIDE: Final = 0.06
 """Distance of the middle of the pads from the shelf, before and after the grasp [m]."""
+PICKER, HELPER = "picker", "helper"
+"""Names of the two robots."""
+HELPER_XYZ: Final = (1.05, -0.34, 0.0)
+"""Base of the second robot, in the root [m]; it faces the first one."""
+ASIDE: Final = {"shoulder_pan_joint": 1.6, "shoulder_lift_joint": -1.9}
+"""Where it makes room [rad]."""
 _BESIDE: Final = 0.12
 """Distance of an object's centre from the sides of the shelf [m]."""
 _DEPTHS: Final = (0.04, 0.09)
@@ -71,6 +82,19 @@ def shelf_scene(*, edge: float, mass: float, friction: float) -> Scene:
     )
 
 
+def two_robots(picker: DescriptionConfig, helper: DescriptionConfig) -> Cell:
+    """Return a robot at the shelf and a second one at the bin."""
+    turned = replace(helper, base_xyz=HELPER_XYZ, base_rpy=(0.0, 0.0, math.pi))
+    robots = ((PICKER, picker), (HELPER, turned))
+    return Cell(
+        name="shelf",
+        robots=tuple(
+            CellRobot(name=name, description=description)
+            for name, description in robots
+        ),
+    )
+
+
 def random_poses(scene: Scene, edge: float, seed: int) -> Iterator[Pose]:
     """Yield poses of a cube on the board without end; the same ones for a seed."""
     rng = random.Random(seed)
@@ -95,7 +119,8 @@ def pick_from_shelf(
     with the object in the gripper.
 
     Args:
-        robot: With one arm and one gripper, in the scene ``shelf``.
+        robot: With one arm and one gripper, or those of ``two_robots``, in the scene
+            ``shelf``.
         item: The name of an upright box, cylinder or sphere.
         into: Where it goes.
         options: Force and speeds.
@@ -127,7 +152,10 @@ class ShelfPicker:
         Raises:
             ControlError: If there is no such object, or it cannot be gripped.
         """
-        self.hand = Hand(robot, options, monitor)
+        helper = robot.arms.get(HELPER)
+        name = None if helper is None else PICKER
+        self.hand = Hand(robot, options, monitor, name)
+        self._helper = helper
         self._monitor = monitor
         geometry = self.hand.gripper.geometry
         thing, pose = robot.scene[item], monitor.pose()
@@ -165,7 +193,13 @@ class ShelfPicker:
         x, y, bottom = into.center
         above = (x, y, bottom + height + hand.options.lift)
         self._monitor.begin("carrying")
-        place = hand.go_around(grasps_from_above(above, self._grasps[0].width))
+        others = []
+        if (helper := self._helper) is not None:
+            prefix = helper.tip.removesuffix(FLANGE)
+            aside = {prefix + joint: value for joint, value in ASIDE.items()}
+            others.append(helper.target(aside))
+        grasps = grasps_from_above(above, self._grasps[0].width)
+        place = hand.go_around(grasps, others)
         hand.release(into, place, height)
 
     def _before(self, grasp: Grasp) -> Grasp:
