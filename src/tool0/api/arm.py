@@ -12,7 +12,7 @@ from tool0.api.controller import GoalHandle
 from tool0.api.sensors import ForceTorque
 from tool0.description.posture import Branch, Solution
 from tool0.description.transform import Pose, Transform
-from tool0.errors import ControlError
+from tool0.errors import ControlError, RequestError
 from tool0.protocol.arm import (
     ArmInfo,
     MoveLinear,
@@ -382,9 +382,14 @@ class Arm:
         motion: the goal is ABORTED then, with the bodies.
 
         Raises:
-            ControlError: If the arm or the scene has moved since the plan was made, if
-                no running JointTrajectoryController has its joints, or it refuses.
+            ControlError: If the plan is of another arm or of several, if the arm or the
+                scene has moved since it was made, if no running
+                JointTrajectoryController has its joints, or it refuses.
         """
+        if not isinstance(plan, Plan):
+            raise RequestError("execute", f"'plan': need a Plan, got {plan!r:.80}")
+        if set(plan.joint_names) != set(self.joint_names):
+            raise ControlError("the plan is of other arms: use robot.execute")
         (goal,) = self._channel.call(ExecutePlan(number=plan.number))
         return GoalHandle(goal, self._channel)
 

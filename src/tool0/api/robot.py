@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
@@ -35,7 +35,7 @@ from tool0.protocol.objects import (
     FindCollisions,
     ReadContacts,
 )
-from tool0.protocol.planning import CancelPlanning, ExecutePlan, PlanMotion
+from tool0.protocol.planning import CancelPlanning, ExecutePlan, Plan, PlanMotion
 from tool0.protocol.poses import DeletePose, GoToPose, ListPoses, SavePose
 from tool0.protocol.request import CollisionRule, checked_path, checked_value
 from tool0.protocol.robot import ReadInfo, ReadLinkPose, ReadSummary, SimulationInfo
@@ -68,7 +68,7 @@ if TYPE_CHECKING:
     from tool0.protocol.bus import Subscription
     from tool0.protocol.controllers import ControllerStatus
     from tool0.protocol.objects import Collision
-    from tool0.protocol.planning import Plan, PlanTarget
+    from tool0.protocol.planning import PlanTarget
     from tool0.protocol.program import Program
     from tool0.protocol.recordings import RecordingStatus
     from tool0.protocol.state import Snapshot
@@ -525,7 +525,7 @@ class Robot(AbstractContextManager["Robot"]):
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
 
     def plan(
-        self, targets: Iterable[PlanTarget], **options: Unpack[PlanOptions]
+        self, targets: Sequence[PlanTarget], **options: Unpack[PlanOptions]
     ) -> Plan:
         """Return a collision-free motion of several arms together; nothing moves.
 
@@ -536,13 +536,16 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             Tool0Error: As ``Arm.plan``.
         """
-        return self.channel.call(PlanMotion(targets=tuple(targets), **options))
+        request = PlanMotion(targets=targets, **options)  # type: ignore[arg-type]
+        return self.channel.call(request)
 
     def execute(self, plan: Plan) -> tuple[GoalHandle, ...]:
         """Follow a plan; return the goal of each controller.
 
         As ``Arm.execute``; a contact of one arm stops all.
         """
+        if not isinstance(plan, Plan):
+            raise RequestError("execute", f"'plan': need a Plan, got {plan!r:.80}")
         goals = self.channel.call(ExecutePlan(number=plan.number))
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
 

@@ -125,8 +125,6 @@ class Plan(Struct, frozen=True, kw_only=True):
 class PlanMotion(Request[Plan], frozen=True):
     """Plan a collision-free motion from the commanded posture; nothing moves."""
 
-    unchecked = ("targets",)
-
     targets: Annotated[tuple[PlanTarget, ...], Meta(min_length=1, max_length=4)]
     """One for each arm that moves: they move together."""
     speed: SpeedScale = 0.5
@@ -164,8 +162,6 @@ class ExecutePlan(Request[tuple[GoalStarted, ...]], frozen=True):
 
 class CheckMotion(Request[Checked], frozen=True):
     """Whether a motion of an arm would be free; nothing moves."""
-
-    unchecked = ("target",)
 
     target: PlanTarget
     linear: bool = False

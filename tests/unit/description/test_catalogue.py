@@ -397,7 +397,7 @@ def test_the_fields_are_the_arguments_of_the_xacro_file() -> None:
     without_tool0 = {  # workspace.md
         *("gripper_damping", "gripper_knuckle_inertia", "ros2_control_plugin"),
     }
-    own = {"robot", "cell", "robots", "namespaces", "args", "relax_inertia"}
+    own = {"robot", "cell", "robots", "namespaces", "args", "relax_inertia", "srdf"}
     assert names == {*declared, *own} - without_tool0
 
 
