@@ -33,7 +33,7 @@ from tool0.protocol.planning import (
     Upright,
 )
 from tool0.protocol.poses import GoToPose
-from tool0.protocol.request import CollisionRule, plain
+from tool0.protocol.request import CollisionRule, JointPositions, checked_value, plain
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -388,7 +388,8 @@ class Arm:
         """
         if not isinstance(plan, Plan):
             raise RequestError("execute", f"'plan': need a Plan, got {plan!r:.80}")
-        if set(plan.joint_names) != set(self.joint_names):
+        names = checked_value("execute", "plan", plan.joint_names, tuple[str, ...])
+        if set(names) != set(self.joint_names):
             raise ControlError("the plan is of other arms: use robot.execute")
         (goal,) = self._channel.call(ExecutePlan(number=plan.number))
         return GoalHandle(goal, self._channel)
@@ -399,8 +400,8 @@ class Arm:
         *,
         linear: bool = False,
         clearance: float = 0.0,
-        may_touch: Iterable[str] = (),
-        keep_out: Iterable[KeepOut] = (),
+        may_touch: Sequence[str] = (),
+        keep_out: Sequence[KeepOut] = (),
         tip: str | None = None,
         tool: AnyPose | None = None,
         relative_to: str | None = None,
@@ -425,8 +426,8 @@ class Arm:
                 target=self.target(target, tip=tip, tool=tool, relative_to=relative_to),
                 linear=linear,
                 clearance=clearance,
-                may_touch=tuple(may_touch),
-                keep_out=tuple(keep_out),
+                may_touch=may_touch,  # type: ignore[arg-type]  # any sequence
+                keep_out=keep_out,  # type: ignore[arg-type]
             )
         )
 
@@ -440,11 +441,15 @@ class Arm:
         free_axis: Literal["x", "y", "z"] | None = None,
     ) -> PlanTarget:
         """Return a target for ``Robot.plan``; the arguments are those of ``plan``."""
-        of_joints = isinstance(target, Mapping)
+        positions, pose = {}, None
+        if isinstance(target, Mapping):
+            positions = checked_value("target", "target", target, JointPositions)
+        else:
+            pose = _sendable(target)
         return PlanTarget(
             arm=self.name,
-            positions=dict(plain(target)) if isinstance(target, Mapping) else {},
-            pose=None if of_joints else _sendable(target),  # type: ignore[arg-type]
+            positions=positions,
+            pose=pose,
             tip=tip,
             tool=_sendable(tool),
             relative_to=relative_to,
