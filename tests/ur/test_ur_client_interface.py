@@ -313,7 +313,7 @@ def test_a_cb3_has_its_layout_and_rate():
         _, version = next(packets.messages())
         assert (version["major"], version["minor"], version["bugfix"]) == (3, 15, 8)
         state = next(packets.states())
-        assert (state["masterboard_size"], state["additional_size"]) == (74, 7)
+        assert (state["masterboard_size"], state["additional_size"]) == (75, 7)
         connection.close()
         connection = rig.connect(REALTIME)
         packets = Packets(connection)

@@ -26,7 +26,7 @@ _HEADER: Final = Struct(">iB")
 _MODE: Final = Struct(">Q7?BB3dB")
 _JOINT: Final = Struct(">3d4fB")
 _TOOL: Final = Struct(">BBddfBffB")
-_MASTERBOARD: Final = Struct(">IIBBddBBdd4fB??I?B")
+_MASTERBOARD: Final = Struct(">IIBBddBBdd4fB??I?BB")
 _CARTESIAN: Final = Struct(">12d")
 _KINEMATICS: Final = Struct(">6I24dI")
 _CONFIGURATION: Final = Struct(">12d12d5d24d4i")
@@ -205,8 +205,9 @@ def _masterboard(box: UrControlBox) -> bytes:
         0,
         False,  # no selector of the operational mode
         0,  # no enabling device
+        0,
     )
-    return _package(Package.MASTERBOARD, body + b"\0" if box.is_e_series else body)
+    return _package(Package.MASTERBOARD, body)
 
 
 def _cartesian(box: UrControlBox) -> bytes:

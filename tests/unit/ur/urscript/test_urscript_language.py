@@ -412,6 +412,21 @@ def test_a_thread_that_waits_in_a_critical_section_holds_nobody(wait: str) -> No
     assert run.texts[run.texts.index("read") :][:2] == ["read", "out"]
 
 
+def test_opening_a_socket_takes_a_control_period() -> None:
+    box = TimeBox()
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        run = run_in_time(
+            f"""
+            textmsg(socket_open("127.0.0.1", {port}, "first"))
+            textmsg(socket_open("127.0.0.1", {port}, "second"))
+            """,
+            box,
+        )
+    assert run.texts == ["True", "True"]
+    assert run.duration == pytest.approx(2.0 / box.rate)
+
+
 def test_structs_are_values_with_named_members() -> None:
     assert texts("""
     def changed(x):

@@ -45,8 +45,14 @@ PortNumber: TypeAlias = Annotated[int, Kind("a port", _port)]
 async def socket_open(
     thread: Thread, address: Text, port: PortNumber, socket_name: Text = DEFAULT
 ) -> bool:
-    """Connect to a server within 2 s; return whether it worked."""
-    return await thread.execution.sockets.open(address, port, socket_name)
+    """Connect to a server within 2 s; return whether it worked.
+
+    It takes a control period at least: servers that are opened one after another are
+    reached in that order, even where each accepts in a thread of its own.
+    """
+    is_open = await thread.execution.sockets.open(address, port, socket_name)
+    await thread.pacer.wait(1.0 / thread.box.rate)
+    return is_open
 
 
 async def socket_close(thread: Thread, socket_name: Text = DEFAULT) -> None:
