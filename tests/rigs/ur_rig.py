@@ -67,9 +67,13 @@ class DashboardLines:
 
     def ask(self, command: str) -> str:
         """Send a command; return the answer."""
+        self.send(command)
+        return self.read()
+
+    def send(self, command: str) -> None:
+        """Send a command; ``read`` returns the answer."""
         self._file.write(f"{command}\n")
         self._file.flush()
-        return self.read()
 
     def until(self, command: str, answer: str) -> None:
         """Ask again until the answer is this one."""

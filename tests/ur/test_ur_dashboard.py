@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import socket
+
 import pytest
 from ur_rig import ur_rig
 
@@ -36,6 +38,14 @@ def dashboard(rig):
     yield dashboard
     dashboard.ask("stop")
     dashboard.close()
+
+
+@pytest.fixture
+def external(dashboard):
+    """The URCap's program, loaded."""
+    name = "external_control.urp"
+    assert dashboard.ask(f"load {name}") == f"Loading program: {name}"
+    return dashboard
 
 
 def test_it_greets_and_ends(rig):
@@ -225,3 +235,32 @@ def test_a_cb3_has_its_own_commands():
         assert dashboard.ask("version") == "could not understand: 'version'"
         assert dashboard.ask("get robot model") == "UR5"
         dashboard.close()
+
+
+def test_a_driver_sends_its_program_when_it_is_played(rig, external):
+    """As UR's driver does: two parts, and the connection stays open."""
+    with socket.create_server((rig.host, 50002)) as server:
+        for text in ('textmsg("first")', 'textmsg("second")'):
+            server.settimeout(20.0)
+            external.send("play")
+            driver, _ = server.accept()
+            with driver:
+                assert driver.recv(100) == b"request_program\n"
+                driver.sendall(f"# HEADER_BEGIN\n{text}\n".encode())
+                driver.sendall(b"# HEADER_END\nwhile True:\n  sync()\nend\n")
+                assert external.read() == "Starting program"
+            external.until("programState", "PLAYING external_control.urp")
+            assert external.ask("stop") == "Stopped"
+            external.until("programState", "STOPPED external_control.urp")
+
+
+def test_a_driver_that_is_absent_or_sends_a_wrong_program_starts_nothing(rig, external):
+    assert external.ask("play") == "Failed to execute: play"
+    with socket.create_server((rig.host, 50002)) as server:
+        server.settimeout(20.0)
+        external.send("play")
+        driver, _ = server.accept()
+        with driver:
+            driver.sendall(b"movej(\n")
+            assert external.read() == "Failed to execute: play"
+    assert external.ask("running") == "Program running: false"

@@ -28,6 +28,7 @@ from tool0.protocol.control_box_state import SafetyMode
 from tool0.protocol.request import Request
 from tool0.ur.client_interface.robot_state import robot_model
 from tool0.ur.compiling import compiled
+from tool0.ur.external_control import request_program
 from tool0.ur.listening import REQUEST_COST, Peer, Port
 from tool0.ur.program_files import ProgramFile, ProgramFiles
 from tool0.ur.programs import RuntimeState
@@ -200,7 +201,8 @@ class Dashboard:
         if found is None:
             return f"File not found: {name}"
         try:
-            await compiled(found.text, found.name)
+            if found.text is not None:
+                await compiled(found.text, found.name)
         except Tool0Error as error:
             self._box.report(error)
             return f"Error while loading program: {name}"
@@ -217,7 +219,10 @@ class Dashboard:
                 raise ControlError("no program is loaded, or one is running already")
             else:
                 loaded, n_stops = self._loaded, box.programs.n_stops
-                program = await compiled(loaded.text, loaded.name)
+                text = loaded.text
+                if text is None:
+                    text = await request_program(self._port.host)
+                program = await compiled(text, loaded.name)
                 await box.programs.start(program, n_stops)
         except Tool0Error as error:
             logger.warning("%s: play: %s", box.arm, error)

@@ -8,6 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final, final
 
 from tool0.ur.client_interface.scripts import MAX_PROGRAM
+from tool0.ur.external_control import is_external
 
 LOG: Final = "log_history.txt"
 SUFFIX: Final = ".script"
@@ -23,7 +24,8 @@ class ProgramFile:
 
     name: str
     """As the client named it, without folders."""
-    text: str
+    text: str | None
+    """None if UR's driver has it: it is the program of External Control."""
 
 
 @final
@@ -38,9 +40,11 @@ class ProgramFiles:
         """Return a program, or None if there is none of that name.
 
         ``pick.urp`` is the file ``pick.script``: programs of PolyScope keep their name
-        when they are exported.
+        when they are exported.  ``external_control.urp`` needs no file.
         """
         path = self._find(name)
+        if path is None and is_external(name):
+            return ProgramFile(PurePosixPath(name).name, None)
         if path is None:
             return None
         try:

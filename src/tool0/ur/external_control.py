@@ -1,0 +1,64 @@
+"""The URCap External Control: a program that UR's driver sends when it is played.
+
+The driver waits at a port for ``request_program``, and sends the body of its program.
+It leaves the connection open: the program is complete when nothing more arrives.
+Source: https://github.com/UniversalRobots/Universal_Robots_ExternalControl_URCap
+"""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import PurePosixPath
+from typing import Final
+
+from tool0.errors import ControlError
+from tool0.ur.client_interface.scripts import MAX_PROGRAM
+from tool0.ur.waiting import within
+
+NAME: Final = "external_control"
+"""The program of PolyScope that has the URCap's node and nothing else."""
+PORT: Final = 50002
+"""At which a driver offers its program, unless it was told another one."""
+REQUEST: Final = b"request_program\n"
+TIMEOUT: Final = 2.0
+"""Longest wait for the driver [wall s]."""
+SILENCE: Final = 0.2
+"""Without data, after which a program is complete [wall s]."""
+
+
+def is_external(name: str) -> bool:
+    """Return whether a program, as a client names it, is the URCap's."""
+    return PurePosixPath(name).name in {NAME, f"{NAME}.urp"}
+
+
+async def request_program(host: str) -> str:
+    """Return the program that a driver on a host offers now.
+
+    Raises:
+        ControlError: If there is none.
+    """
+    about = f"External Control: {host}:{PORT}"
+    try:
+        made = await within(asyncio.open_connection(host, PORT), TIMEOUT)
+    except OSError as error:
+        raise ControlError(f"{about}: {error.strerror or error}") from None
+    if made is None:
+        raise ControlError(f"{about}: no connection within {TIMEOUT:g} s")
+    reader, writer = made
+    body = b""
+    try:
+        writer.write(REQUEST)
+        while len(body) <= MAX_PROGRAM:
+            data = await within(reader.read(1 << 16), SILENCE if body else TIMEOUT)
+            if not data:
+                break
+            body += data
+    except OSError as error:
+        raise ControlError(f"{about}: {error.strerror or error}") from None
+    finally:
+        writer.close()
+    if not body:
+        raise ControlError(f"{about}: no program within {TIMEOUT:g} s")
+    if len(body) > MAX_PROGRAM:
+        raise ControlError(f"{about}: the program has more than {MAX_PROGRAM} bytes")
+    return f"def {NAME}():\n{body.decode(errors='replace')}\nend\n"
