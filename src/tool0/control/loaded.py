@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import final
 
+from tool0.control.arm.mode import ArmModeSpec
 from tool0.control.config import ControllerConfig
 from tool0.control.controller import Controller, ControllerSpec
 from tool0.control.dialect import Stages
@@ -31,14 +32,14 @@ class LoadedController:
         self.is_waiting = False
         """Whether the brakes hold its joints until its first command."""
         self.effort_law: EffortLaw | None = None
-        """Law that drives the joints of one of tool0's own, if its positions do not."""
+        """Law that drives its joints, if its positions do not."""
         self.has_rotors = False
         """Whether its joints feel their rotors under that law."""
 
     @property
     def interface(self) -> Interface | None:
         """The interface through which it commands its joints."""
-        if self.effort_law is not None:
+        if self.effort_law is not None and self.is_own:
             return Interface.EFFORT
         return None if self.spec is None else self.spec.interface
 
@@ -65,7 +66,33 @@ class LoadedController:
     def claims(self) -> tuple[str, ...]:
         """The joints that it claims."""
         spec = self.spec
-        return () if spec is None or spec.interface is None else spec.joints
+        if spec is None or (spec.interface is None and self.arm_mode is None):
+            return ()
+        return spec.joints
+
+    @property
+    def commands(self) -> bool:
+        """Whether it has a command for each of its joints."""
+        return bool(self.claims) and self.arm_mode is None
+
+    @property
+    def arm_mode(self) -> ArmModeSpec | None:
+        """Its parameters, if an arm gives way in its name."""
+        return self.spec if isinstance(self.spec, ArmModeSpec) else None
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """The joints that the hardware has given to it, if it runs."""
+        is_idle = self.arm_mode is not None and self.effort_law is None
+        return () if self.is_waiting or is_idle else self.claims
+
+    @property
+    def claimed(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        """The command interfaces that it claims, each with the joints."""
+        if self.arm_mode is not None:
+            return ((self.arm_mode.mode, self.claims),)
+        interface = self.interface
+        return () if interface is None else ((interface.value, self.claims),)
 
     @property
     def command_interfaces(self) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from tool0.control.loaded import LoadedController
 from tool0.control.parameters import RobotJoints
 from tool0.control.trajectory import Setpoint
 from tool0.description.model import Joint, RobotModel
+from tool0.description.parts import arm_joints
 from tool0.description.yaml_values import Value
 from tool0.errors import (
     ClaimError,
@@ -74,7 +75,10 @@ class ControllerManager:
             hardware=() if model is None else model.hardware,
             grippers=() if model is None else model.grippers,
             speed_scaling=hardware.speed_scaling,
+            arms={} if model is None else arm_joints(model),
         )
+        self.when_switched: Callable[[JointState], None] = lambda state: None
+        """Called with the state after controllers were started or stopped."""
         self._loaded: dict[str, LoadedController] = {}
         self._blocked: dict[str, str] = {}
         """Joint → why no controller may be started that claims it."""
@@ -113,7 +117,7 @@ class ControllerManager:
             (name, item.controller, as_slice(claims), claims)
             for name, item in self._loaded.items()
             if item.controller is not None
-            for claims in [item.indices if item.claims else ()]
+            for claims in [item.indices if item.commands else ()]
         ]
         self.running_controllers = tuple(
             (controller, claims) for _, controller, _, claims in self._running
@@ -246,10 +250,10 @@ class ControllerManager:
         *,
         with_rotors: bool = False,
     ) -> None:
-        """Drive the joints of one of tool0's own controllers by a law.
+        """Drive the joints of a running controller by a law, in place of its commands.
 
-        None lets them follow the controller's positions again.  ``with_rotors`` is as
-        for ``RobotHardware.claim_efforts``.
+        None lets them follow these again.  ``with_rotors`` is as for
+        ``RobotHardware.claim_efforts``.
         """
         item = self._find(name)
         self._disengage(item, state)
@@ -291,9 +295,18 @@ class ControllerManager:
             item = self._loaded[name]
             item.controller = controller
             item.state = self._stages.running
+            self._take_shared(item, state)
             self._engage(item, state)
         self._refresh()
+        self.when_switched(state)
         return tuple(skipped)
+
+    def _take_shared(self, item: LoadedController, state: JointState) -> None:
+        """Take the joints from what drives them for a mode that shares them."""
+        for other in self._loaded.values():
+            if other.arm_mode is not None and set(other.held) & set(item.claims):
+                self._disengage(other, state)
+                other.effort_law = None
 
     def _plan(
         self,
@@ -373,7 +386,8 @@ class ControllerManager:
     def _check_claims(self, running: Sequence[str]) -> None:
         """Raise ClaimError if two claim one interface, or two interfaces of a joint.
 
-        A drive follows one interface at a time.
+        A drive follows one interface at a time.  Force mode shares the joints with its
+        companions.
         """
         owners: dict[str, str] = {}
         for name in running:
@@ -382,11 +396,19 @@ class ControllerManager:
             joints = (f"joint '{joint}'" for joint in item.claims)
             for claim in (*joints, *(f"'{each}'" for each in further)):
                 other = owners.setdefault(claim, name)
-                if other != name:
+                if other != name and not self._may_share(item, self._loaded[other]):
                     raise ClaimError(
                         f"controllers '{other}' and '{name}' both claim {claim}; "
                         "stop one of them"
                     )
+
+    @staticmethod
+    def _may_share(first: LoadedController, second: LoadedController) -> bool:
+        """Return whether the arm deviates from what one of them commands."""
+        return any(
+            one.arm_mode is not None and other.type in one.arm_mode.companions
+            for one, other in ((first, second), (second, first))
+        )
 
     def _stop(self, names: Sequence[str], state: JointState) -> None:
         for name in names:
@@ -396,6 +418,7 @@ class ControllerManager:
             if controller is not None:
                 controller.stop()
             self._disengage(item, state)
+            item.effort_law = None
 
     def _engage(self, item: LoadedController, state: JointState) -> None:
         """Hand a started controller its joints, unless it waits for a command."""
@@ -416,8 +439,8 @@ class ControllerManager:
 
     def _disengage(self, item: LoadedController, state: JointState) -> None:
         """Take a stopped controller's joints back."""
-        if item.claims and not item.is_waiting:
-            self._hardware.release(item.claims, state)
+        if item.held:
+            self._hardware.release(item.held, state)
 
     def release_brakes(self, name: str, state: JointState) -> None:
         """Hand a running controller its joints: its first command has arrived."""
@@ -475,14 +498,13 @@ class ControllerManager:
         """Return the state of a loaded controller."""
         item = self._find(name)
         spec = item.spec
-        interface = item.interface
         return ControllerStatus(
             name=name,
             type=item.type,
             role=Role.MOTION if item.is_own else self.dialect.role(item.type),
             state=item.state,
             is_running=item.controller is not None,
-            claimed=() if interface is None else ((interface.value, item.claims),),
+            claimed=item.claimed,
             command_interfaces=item.command_interfaces,
             state_interfaces=() if spec is None else spec.state_interfaces,
             blocked=self._why_blocked(item),
@@ -499,6 +521,11 @@ class ControllerManager:
             for name, current in self._setpoints
             if (setpoint := current()) is not None
         }
+
+    def is_overruled(self, name: str) -> bool:
+        """Return whether a law drives the joints of a controller in place of it."""
+        item = self._loaded[name]
+        return item.effort_law is not None and not item.is_own
 
     def spec(self, name: str) -> ControllerSpec:
         """Return the parameters of a configured controller."""

@@ -141,6 +141,8 @@ class RobotJoints:
     grippers: tuple[ParallelGripper, ...] = ()
     speed_scaling: Mapping[str, float] = field(default_factory=dict)
     """Prefix of each arm → the factor of its trajectories' speed, as it is now."""
+    arms: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Prefix of each arm → its joints, from base to flange."""
 
     @property
     def joint_states(self) -> tuple[str, ...]:
@@ -168,7 +170,9 @@ class RobotJoints:
             )
             for name in names
         }
-        return RobotJoints(joints, dict.fromkeys(joints, interfaces))
+        return RobotJoints(
+            joints, dict.fromkeys(joints, interfaces), arms={"": tuple(joints)}
+        )
 
 
 def joint_entries(controller: YamlEntry) -> list[YamlEntry]:

@@ -48,6 +48,14 @@ def find_arms(model: RobotModel) -> dict[str, ArmParts]:
     return _named(found, FLANGE, "arm")
 
 
+def arm_joints(model: RobotModel) -> dict[str, tuple[str, ...]]:
+    """Return the joints of each arm, from base to flange, by the arm's prefix."""
+    return {
+        parts.flange.removesuffix(FLANGE): tuple(joint.name for joint in parts.joints)
+        for parts in find_arms(model).values()
+    }
+
+
 def find_grippers(model: RobotModel) -> dict[str, ParallelGripper]:
     """Return the parallel grippers of a robot by name."""
     return _named(((item.name, item) for item in model.grippers), _GRIPPER, _GRIPPER)

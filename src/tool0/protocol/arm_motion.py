@@ -271,12 +271,18 @@ class StartForceMode(ArmRequest[None], frozen=True):
     """The TCP in the flange, with a rotation vector [m, rad]."""
     damping: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.005
     """As for ``force_mode_set_damping``: how soon an undriven motion decays."""
-    gain_scaling: Annotated[float, Meta(gt=0.0, le=2.0)] = 1.0
+    gain_scaling: Annotated[float, Meta(ge=0.0, le=2.0)] = 1.0
     """As for ``force_mode_set_gain_scaling``: divides the damping."""
+    controller: Name | None = None
+    """The active ForceModeController of UR's driver for ROS 2 in whose name the arm
+    pushes; without one, the arm must be taken."""
 
 
 class EndForceMode(ArmRequest[None], frozen=True):
     """End force mode: the arm stops where it is, and a path of it ends."""
+
+    controller: Name | None = None
+    """As for ``start_force_mode``."""
 
 
 class StartFreedrive(ArmRequest[None], frozen=True):
@@ -286,10 +292,16 @@ class StartFreedrive(ArmRequest[None], frozen=True):
     """Along and about which axes of the frame the tool gives way."""
     frame: Row6 = ZERO_POSE
     """In the base, with a rotation vector [m, rad]."""
+    controller: Name | None = None
+    """The active FreedriveModeController of UR's driver for ROS 2 in whose name the arm
+    gives way, if it does not so far; without one, the arm must be taken."""
 
 
 class EndFreedrive(ArmRequest[None], frozen=True):
     """Hold the arm where it is."""
+
+    controller: Name | None = None
+    """As for ``start_freedrive``."""
 
 
 class ReadArmMotion(ArmRequest[ArmSample], frozen=True):

@@ -26,7 +26,8 @@ class Role(enum.Enum):
     COMMAND = "command"
     """Takes a number for each joint: ``CommandTaker``."""
     MOTION = "motion"
-    """Moves an arm; tool0's own controller: ``simulation/handlers/arm_motion.py``."""
+    """Moves an arm by requests to the arm: tool0's own controller, and those of UR's
+    driver for freedrive and force mode (``simulation/handlers/arm_motion.py``)."""
     READER = "reader"
     """Moves nothing."""
 

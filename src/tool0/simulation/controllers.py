@@ -17,6 +17,7 @@ from tool0.control.ros2.built_in import started as started_controllers
 from tool0.control.ros2.dialect import ROS2
 from tool0.control.starting import choose
 from tool0.description.finding import Finding, quoted, warning_at
+from tool0.description.parts import arm_joints
 from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError, SourceLocation, did_you_mean
 from tool0.simulation.config import ControlConfig, Names
@@ -90,6 +91,7 @@ def _joints_of(description: RobotDescription) -> RobotJoints:
         {item.joint: item.interfaces for item in model.transmissions},
         hardware=model.hardware,
         grippers=model.grippers,
+        arms=arm_joints(model),
     )
 
 

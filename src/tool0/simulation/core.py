@@ -104,7 +104,9 @@ class Core:
             for name, interface in hardware.claimed.items()
             if interface is Interface.POSITION
         }
-        for setpoint in self.manager.setpoints().values():
+        for name, setpoint in self.manager.setpoints().items():
+            if self.manager.is_overruled(name):
+                continue
             models, splines = setpoint.joint_models, setpoint.splines
             for joint, spline in zip(models, splines, strict=True):
                 wanted[joint.name] = spline.sample(setpoint.time).position

@@ -321,13 +321,20 @@ class Executor:
         """Return an arm to position control: ``Arm.end_torques``."""
         self.core.arms.find(arm).end_torques(self.core.state)
 
-    def comply(self, arm: str | None, task: ComplianceTask) -> None:
+    def comply(
+        self, arm: str | None, task: ComplianceTask, controller: str | None = None
+    ) -> None:
         """Let an arm push with a force, or give way to a hand: ``Arm.comply``."""
-        self.core.arms.find(arm).comply(task, self.core.state)
+        self.core.arms.find(arm).comply(task, self.core.state, controller)
+        if controller is not None:
+            self._note_command(controller)
 
-    def stiffen(self, arm: str | None, *, is_freedrive: bool) -> None:
+    def stiffen(
+        self, arm: str | None, controller: str | None = None, *, is_freedrive: bool
+    ) -> None:
         """End force mode, or freedrive: ``Arm.stiffen``."""
-        self.core.arms.find(arm).stiffen(self.core.state, is_freedrive=is_freedrive)
+        found = self.core.arms.find(arm)
+        found.stiffen(self.core.state, controller, is_freedrive=is_freedrive)
 
     # ---- stops ----------------------------------------------------------------------
 

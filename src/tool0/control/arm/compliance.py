@@ -15,8 +15,9 @@ task (Khatib 1987, https://doi.org/10.1109/JRA.1987.1087068).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 import numpy as np
@@ -48,6 +49,8 @@ RIDGE: Final = SINGULAR**2
 forces of the springs stay finite."""
 EASE: Final = 0.3
 """Part of a speed limit below it in which the force fades."""
+UNLIMITED: Final = 100.0
+"""Limit of speeds and deviations that none reaches [m/s, rad/s, m, rad]."""
 SLOW: Final = 1e-3
 """A slower TCP has no direction of motion [m/s]."""
 
@@ -75,6 +78,11 @@ class ComplianceTask:
     """Rate at which a motion decays that nothing drives [1/s]."""
     is_freedrive: bool = False
 
+    def stiffened(self) -> ComplianceTask:
+        """Return the task that lets no axis give way."""
+        none, most = np.zeros(6, dtype=bool), np.full(6, UNLIMITED)
+        return replace(self, free=none, limits=most, is_freedrive=False)
+
     def axes(self, position: Array, velocity: Array) -> Array:
         """Return the axes in which the wrench is given, as columns, shape (3, 3).
 
@@ -95,7 +103,8 @@ class ComplianceTask:
 def force_damping(damping: float, gain_scaling: float) -> float:
     """Return the rate of decay [1/s] for the parameters of ``force_mode``."""
     least, most = DAMPING_RANGE
-    return (least + damping * (most - least)) / gain_scaling
+    rate = least + damping * (most - least)
+    return rate / gain_scaling if gain_scaling else math.inf
 
 
 def _unit(vector: Array, least: float = 1e-6) -> Array | None:

@@ -19,6 +19,7 @@ _TRAJECTORY = ControllerType(
 _PASSTHROUGH = ControllerType(
     Role.TRAJECTORY, "tool0.control.ros2.passthrough_trajectory"
 )
+_ARM_MODE = ControllerType(Role.MOTION, "tool0.control.ros2.arm_modes")
 _FORWARD = ControllerType(Role.COMMAND, "tool0.control.ros2.forward_command")
 _GRIPPER = ControllerType(Role.GRIPPER, "tool0.control.ros2.gripper_action")
 _BROADCASTER = ControllerType(Role.READER, "tool0.control.ros2.broadcasters")
@@ -57,6 +58,8 @@ ROS2: Final = Dialect(
         "joint_trajectory_controller/JointTrajectoryController": _TRAJECTORY,
         "ur_controllers/ScaledJointTrajectoryController": _TRAJECTORY,
         "ur_controllers/PassthroughTrajectoryController": _PASSTHROUGH,
+        "ur_controllers/FreedriveModeController": _ARM_MODE,
+        "ur_controllers/ForceModeController": _ARM_MODE,
         "forward_command_controller/ForwardCommandController": _FORWARD,
         "forward_command_controller/MultiInterfaceForwardCommandController": _FORWARD,
         "position_controllers/JointGroupPositionController": _FORWARD,

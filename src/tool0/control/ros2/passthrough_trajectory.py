@@ -121,6 +121,19 @@ class PassthroughTrajectoryController(JointTrajectoryController):
             self._duration = goal.times[-1]
         return handle
 
+    def stop_where_it_is(self, state: JointState, reason: str) -> None:
+        """Slow the joints down from their measured motion; abort the goal."""
+        self.observe(state)
+        self._finish(
+            GoalResult(
+                status=GoalStatus.ABORTED,
+                error_code=GoalResult.INVALID_GOAL,
+                error_string=reason,
+            )
+        )
+        self._monitor = None
+        self._stop_motion(self._clock.at(state.time))
+
     def stop(self) -> None:
         self._finish(_DEACTIVATED)
         super().stop()

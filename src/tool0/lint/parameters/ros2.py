@@ -40,11 +40,8 @@ OTHER_TYPES: Final = (
     "steering_controllers_library/SteeringControllersLibrary",
     "tricycle_controller/TricycleController",
     "tricycle_steering_controller/TricycleSteeringController",
-    "ur_controllers/ForceModeController",
-    "ur_controllers/FreedriveModeController",
     "ur_controllers/FrictionModelController",
     "ur_controllers/GravityUpdateController",
-    "ur_controllers/PassthroughTrajectoryController",
     "ur_controllers/ToolContactController",
     "ur_controllers/URConfigurationController",
 )

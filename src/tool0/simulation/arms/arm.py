@@ -12,6 +12,8 @@ from __future__ import annotations
 import logging
 from typing import Final, final
 
+from msgspec import structs
+
 from tool0.control.arm.compliance import ComplianceTask
 from tool0.control.arm.motion import ArmMotionController
 from tool0.control.arm.torque import TorqueCommand
@@ -31,6 +33,7 @@ from tool0.protocol.control_box_state import (
 from tool0.protocol.state import ArmSample
 from tool0.sensing.tool_wrench import ToolWrench
 from tool0.simulation.arms.control_box import ControlBox
+from tool0.simulation.arms.controller_mode import ControllerMode
 from tool0.simulation.arms.modes import Modes
 from tool0.simulation.arms.motion import ArmMotion
 
@@ -64,6 +67,8 @@ class Arm:
         self.box = ControlBox(name, parts.flange, model, hardware)
         self.motion = ArmMotion(name, parts, model, hardware, manager)
         """For a program that has taken the arm."""
+        self.mode = ControllerMode(self.motion.spec, hardware, manager)
+        """Freedrive and force mode of a controller."""
         self._model, self._engine = model, engine
         self._hardware, self._manager = hardware, manager
         self._joints = frozenset(joint.name for joint in parts.joints)
@@ -92,11 +97,17 @@ class Arm:
     def is_idle(self) -> bool:
         """Whether ``tick`` has nothing to do."""
         motion = self.motion
-        return self.box.is_steady and not motion.is_returning and not motion.has_torques
+        return (
+            self.box.is_steady
+            and self.mode.is_idle
+            and not motion.is_returning
+            and not motion.has_torques
+        )
 
     def tick(self, state: JointState, period: float) -> None:
         """Let speed scaling go on for one tick [s]; end a return that is at rest."""
         self.box.tick(period)
+        self.mode.tick(state)
         if self.motion.has_torques:
             self._watch_torques(state, period)
         if self.motion.has_returned(state.time):
@@ -265,12 +276,21 @@ class Arm:
         self.motion.rest(now)
         self._refuse(reason)
 
-    def comply(self, task: ComplianceTask, now: JointState) -> None:
-        """Let a taken arm push with a force, or give way to a hand.
+    def comply(
+        self, task: ComplianceTask, now: JointState, controller_name: str | None = None
+    ) -> None:
+        """Let an arm push with a force, or give way to a hand.
+
+        It does so in the name of an active controller; without one, it must be taken.
 
         Raises:
-            ControlError: If the arm is not taken, or may not move.
+            ControlError: If neither is so, or it may not move.
         """
+        if controller_name is not None:
+            self.require_ready()
+            self.mode.start(controller_name, task, now)
+            self._show_freedrive(task.is_freedrive, now)
+            return
         controller = self.controller_to_move()
         if controller.is_guided and not task.is_freedrive:
             raise ControlError(
@@ -310,14 +330,22 @@ class Arm:
         if self.motion.has_torques:
             self.motion.rest(now)
 
-    def stiffen(self, now: JointState, *, is_freedrive: bool) -> None:
+    def stiffen(
+        self, now: JointState, controller_name: str | None = None, *, is_freedrive: bool
+    ) -> None:
         """End force mode, or freedrive: the arm stops where it is.
 
-        Without it, nothing changes.
+        Without it, nothing changes.  It is that of an active controller, or of the
+        program that has taken the arm.
 
         Raises:
-            ControlError: If the arm is not taken, or may not move.
+            ControlError: If there is neither, or the arm may not move.
         """
+        if controller_name is not None:
+            self.require_ready()
+            self.mode.end(controller_name, now, is_freedrive=is_freedrive)
+            self._show_freedrive(self.mode.is_freedrive, now)
+            return
         if self.controller_to_stop().is_guided == is_freedrive:
             self._stiffen(now)
 
@@ -328,11 +356,21 @@ class Arm:
         show the emergency stop of the drives, or are those from before.
         """
         self.motion.note_restart(now.time)
+        self.mode.forget()
         if self.motion.is_taken:
             self._show_freedrive(False, now)
             if stopped:
                 self._refuse(stopped)
+        elif self._modes.robot is RobotMode.BACKDRIVE:
+            self._show_freedrive(False, now)
         self._show()
+
+    def note_switch(self, now: JointState) -> None:
+        """Note that controllers were started or stopped: a mode may be over."""
+        was_guided = self.mode.is_freedrive
+        self.mode.note_switch(now)
+        if was_guided and not self.mode.is_freedrive:
+            self._show_freedrive(False, now)
 
     # ---- samples --------------------------------------------------------------------
 
@@ -348,7 +386,10 @@ class Arm:
         The last step was from ``before`` to ``after``, with these external ``forces``.
         """
         wrench = self._wrench.read(before, after, forces)
-        return self.motion.sample(now, wrench, self.box.state.motion_failure)
+        sample = self.motion.sample(now, wrench, self.box.state.motion_failure)
+        if self.mode.is_on and not self.mode.is_freedrive:
+            return structs.replace(sample, force_mode=True)
+        return sample
 
     def zero_wrench(self) -> None:
         """Let the wrench on the tool be that of the last sample from now on."""

@@ -44,6 +44,7 @@ class Arms:
         self._note_change()
         for arm in self._arms:
             arm.box.when_changed = self._note_change
+        manager.when_switched = self._note_switch
 
     def __iter__(self) -> Iterator[Arm]:
         return iter(self._arms)
@@ -89,6 +90,10 @@ class Arms:
         The last step was from ``before`` to ``after``, with these external ``forces``.
         """
         return {arm.name: arm.sample(now, before, after, forces) for arm in self}
+
+    def _note_switch(self, state: JointState) -> None:
+        for arm in self._arms:
+            arm.note_switch(state)
 
     def _note_change(self) -> None:
         self.boxes = tuple(arm.box.state for arm in self._arms)

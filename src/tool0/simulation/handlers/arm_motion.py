@@ -169,31 +169,38 @@ def _start_force_mode(simulation: Simulation, request: StartForceMode) -> None:
         lever=np.array(request.tcp[:3]),
         damping=force_damping(request.damping, request.gain_scaling),
     )
-    simulation.executor.comply(request.arm, task)
+    simulation.executor.comply(request.arm, task, request.controller)
 
 
 @handles(StartFreedrive, in_tick=True)
 def _start_freedrive(simulation: Simulation, request: StartFreedrive) -> None:
     import numpy as np
 
-    from tool0.control.arm.compliance import FREEDRIVE_DAMPING, ComplianceTask
+    from tool0.control.arm.compliance import (
+        FREEDRIVE_DAMPING,
+        UNLIMITED,
+        ComplianceTask,
+    )
     from tool0.description.transform_arrays import matrix_of
 
     task = ComplianceTask(
         frame=matrix_of(request.frame),
         free=np.array(request.axes),
         wrench=np.zeros(6),
-        limits=np.full(6, 100.0),
+        limits=np.full(6, UNLIMITED),
         lever=np.array(simulation.core.arms.find(request.arm).box.state.tcp[:3]),
         damping=FREEDRIVE_DAMPING,
         is_freedrive=True,
     )
-    simulation.executor.comply(request.arm, task)
+    simulation.executor.comply(request.arm, task, request.controller)
 
 
 def _end(simulation: Simulation, request: EndForceMode | EndFreedrive) -> None:
-    is_freedrive = isinstance(request, EndFreedrive)
-    simulation.executor.stiffen(request.arm, is_freedrive=is_freedrive)
+    simulation.executor.stiffen(
+        request.arm,
+        request.controller,
+        is_freedrive=isinstance(request, EndFreedrive),
+    )
 
 
 handles(EndForceMode, in_tick=True)(_end)
