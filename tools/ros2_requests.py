@@ -22,6 +22,7 @@ from tool0.description.transform import Transform
 from tool0.errors import SourceLocation
 from tool0.protocol import (
     arm,
+    arm_motion,
     codec,
     control_box,
     control_box_state,
@@ -73,6 +74,10 @@ REQUESTS: tuple[type[Request[Any]], ...] = (
     controllers.SetControllerParameters,
     gripper.ReactivateGripper,
     arm.ListArms,
+    arm_motion.StartForceMode,
+    arm_motion.EndForceMode,
+    arm_motion.StartFreedrive,
+    arm_motion.EndFreedrive,
     objects.AddModel,
     objects.RemoveObject,
     objects.PlaceObject,

@@ -56,6 +56,8 @@ def test_what_runs_after_the_start(manager: Manager) -> None:
         "tcp_pose_broadcaster": "active",
         "scaled_joint_trajectory_controller": "inactive",
         "passthrough_trajectory_controller": "inactive",
+        "freedrive_mode_controller": "inactive",
+        "force_mode_controller": "inactive",
     }
     jtc = manager.controllers()[JTC]
     assert jtc.type == "joint_trajectory_controller/JointTrajectoryController"

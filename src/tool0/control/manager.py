@@ -12,6 +12,7 @@ from tool0.control.controller import Adjustable, Controller, ControllerSpec
 from tool0.control.loaded import LoadedController
 from tool0.control.parameters import RobotJoints
 from tool0.control.trajectory import Setpoint
+from tool0.description.finding import quoted
 from tool0.description.model import Joint, RobotModel
 from tool0.description.parts import arm_joints
 from tool0.description.yaml_values import Value
@@ -399,7 +400,7 @@ class ControllerManager:
                 if other != name and not self._may_share(item, self._loaded[other]):
                     raise ClaimError(
                         f"controllers '{other}' and '{name}' both claim {claim}; "
-                        "stop one of them"
+                        f"stop one of them{_sharing(item, self._loaded[other])}"
                     )
 
     @staticmethod
@@ -600,6 +601,15 @@ class ControllerManager:
                 f"`tool0 controllers load {name}` or robot.load('{name}')"
             )
         raise ControlError(f"unknown controller '{name}'{did_you_mean(name, valid)}")
+
+
+def _sharing(*items: LoadedController) -> str:
+    """Return with which types one of the controllers would share its joints."""
+    return "".join(
+        f" ('{item.name}' goes with {quoted(sorted(item.arm_mode.companions))} only)"
+        for item in items
+        if item.arm_mode is not None and item.arm_mode.companions
+    )
 
 
 def _check_change(

@@ -16,6 +16,7 @@ from tool0.protocol.gripper import ReactivateGripper
 HAND, ARM = "robotiq_gripper_controller", "joint_trajectory_controller"
 SCALED = "scaled_joint_trajectory_controller"
 PASSTHROUGH = "passthrough_trajectory_controller"
+MODES = ("freedrive_mode_controller", "force_mode_controller")
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +34,7 @@ def test_it_starts_what_the_driver_starts(robot: tool0.Robot) -> None:
     assert robot.warnings == ()
     assert robot.control_period == 1 / 500
     states = {status.name: status.state for status in robot.controllers()}
-    assert states.pop(SCALED) == states.pop(PASSTHROUGH) == "inactive"
+    assert {states.pop(name) for name in (SCALED, PASSTHROUGH, *MODES)} == {"inactive"}
     assert set(states.values()) == {"active"}
     assert {ARM, HAND, "io_and_status_controller", "tcp_pose_broadcaster"} <= set(
         states

@@ -21,7 +21,9 @@ from tool0.protocol.state import ArmSetpoint
 from tool0.simulation.arms.motion import STIFFENING
 
 if TYPE_CHECKING:
-    from tool0.control.ros2.passthrough_trajectory import PassthroughTrajectoryController
+    from tool0.control.ros2.passthrough_trajectory import (
+        PassthroughTrajectoryController,
+    )
 
 ENDED: Final = "Force mode has ended: the arm stops where it is."
 
@@ -208,7 +210,9 @@ class ControllerMode:
         self._manager.running(controller)
         spec = self._manager.spec(controller)
         if not isinstance(spec, ArmModeSpec) or spec.is_freedrive != is_freedrive:
-            wanted = "FreedriveModeController" if is_freedrive else "ForceModeController"
+            wanted = (
+                "FreedriveModeController" if is_freedrive else "ForceModeController"
+            )
             raise ControlError(
                 f"controller '{controller}' is a {spec.type}; this needs a "
                 f"ur_controllers/{wanted}"

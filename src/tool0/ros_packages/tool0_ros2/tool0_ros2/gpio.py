@@ -10,10 +10,10 @@ from std_srvs.srv import Trigger
 
 from tool0_ros2 import requests
 from tool0_ros2.bridge import ControllerContext, Update
-from tool0_ros2.connection import RequestFailedError
-from tool0_ros2.control_box import ControlBox, is_program_running, is_running
-from tool0_ros2.messages import fill, optional_module
+from tool0_ros2.control_box import ControlBox, is_program_running
+from tool0_ros2.messages import optional_module
 from tool0_ros2.requests import AnalogPin, ControlBoxState, Request
+from tool0_ros2.services import offer, refused
 
 _DEFAULT = QoSProfile(depth=10)
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -40,21 +40,27 @@ class GpioPart:
         self._pins = self._pin_topics()
         self._latched = self._mode_topics()
         self._services = [
-            self._offer(Trigger, "resend_robot_program", self._resend_program),
-            self._offer(Trigger, "hand_back_control", self._hand_back_control),
-            self._offer(Trigger, "zero_ftsensor", self._zero_sensor),
+            offer(context, Trigger, "resend_robot_program", self._resend_program),
+            offer(context, Trigger, "hand_back_control", self._hand_back_control),
+            offer(context, Trigger, "zero_ftsensor", self._zero_sensor),
         ]
         services = optional_module(context, "ur_msgs.srv", context.name)
         if services is not None:
             self._services += [
-                self._offer(services.SetIO, "set_io", self._set_io),
-                self._offer(
-                    services.SetAnalogOutput, "set_analog_output", self._set_analog
+                offer(context, services.SetIO, "set_io", self._set_io),
+                offer(
+                    context,
+                    services.SetAnalogOutput,
+                    "set_analog_output",
+                    self._set_analog,
                 ),
-                self._offer(
-                    services.SetSpeedSliderFraction, "set_speed_slider", self._set_speed
+                offer(
+                    context,
+                    services.SetSpeedSliderFraction,
+                    "set_speed_slider",
+                    self._set_speed,
                 ),
-                self._offer(services.SetPayload, "set_payload", self._set_payload),
+                offer(context, services.SetPayload, "set_payload", self._set_payload),
             ]
 
     def _pin_topics(self) -> list[_Topic]:
@@ -108,22 +114,6 @@ class GpioPart:
 
     # ---- services -------------------------------------------------------------------
 
-    def _offer(self, kind: Any, name: str, handler: Callable[[Any], str]) -> Any:
-        def answer(request: Any, response: Any) -> Any:
-            try:
-                if not is_running(self._context):
-                    raise _refused(
-                        "Can't accept new requests. Controller is not running."
-                    )
-                message = handler(request)
-            except RequestFailedError as error:
-                text = self._context.names.text(error).removeprefix(f"{name}: ")
-                self._context.report.error(f"{name}: {text}")
-                return fill(response, success=False, message=text)
-            return fill(response, success=True, message=message)
-
-        return self._context.node.create_service(kind, f"~/{name}", answer)
-
     def _send(self, request: Request[None]) -> None:
         self._context.connection.call(request)
 
@@ -148,7 +138,7 @@ class GpioPart:
             voltage: Any = int(state)  # checked by the bring-up
             self._send(requests.set_io(tool_voltage=voltage, arm=self._box.arm))
         else:
-            raise _refused(
+            raise refused(
                 f"fun {fun} is not supported; valid: digital output "
                 f"{request.FUN_SET_DIGITAL_OUT}, analog output "
                 f"{request.FUN_SET_ANALOG_OUT}, tool voltage "
@@ -169,7 +159,7 @@ class GpioPart:
     def _set_payload(self, request: Any) -> str:
         center, rated = request.center_of_gravity, self._box.rated_payload()
         if request.mass > rated:
-            raise _refused(
+            raise refused(
                 f"a payload of {request.mass:g} kg is more than the arm's rated "
                 f"{rated:g} kg"
             )
@@ -193,10 +183,6 @@ class GpioPart:
     def _zero_sensor(self, request: Any) -> str:
         self._send(requests.tare_force_torque(link=self._box.flange))
         return "the sensor is tared"
-
-
-def _refused(reason: str) -> RequestFailedError:
-    return RequestFailedError("ControlError", reason)
 
 
 def _program(state: ControlBoxState) -> Any:

@@ -15,6 +15,8 @@ CONTROLLERS = {
     "joint_trajectory_controller/JointTrajectoryController": _TRAJECTORY,
     "ur_controllers/ScaledJointTrajectoryController": _TRAJECTORY,
     "ur_controllers/PassthroughTrajectoryController": _PASSTHROUGH,
+    "ur_controllers/FreedriveModeController": "freedrive:FreedrivePart",
+    "ur_controllers/ForceModeController": "force_mode:ForceModePart",
     "forward_command_controller/ForwardCommandController": _FORWARD,
     "forward_command_controller/MultiInterfaceForwardCommandController": _FORWARD,
     "position_controllers/JointGroupPositionController": _FORWARD,

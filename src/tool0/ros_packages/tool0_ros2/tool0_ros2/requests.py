@@ -551,6 +551,44 @@ def list_arms() -> Request[list[ArmInfo]]:
     return Request("list_arms", {})
 
 
+def start_force_mode(
+    *,
+    frame: Sequence[float],
+    selection: Sequence[bool],
+    wrench: Sequence[float],
+    limits: Sequence[float],
+    kind: Literal[1, 2, 3] = _UNSET,
+    tcp: Sequence[float] = _UNSET,
+    damping: float = _UNSET,
+    gain_scaling: float = _UNSET,
+    controller: str | None = _UNSET,
+    arm: str | None = _UNSET,
+) -> Request[None]:
+    return Request("start_force_mode", locals())
+
+
+def end_force_mode(
+    *, controller: str | None = _UNSET, arm: str | None = _UNSET
+) -> Request[None]:
+    return Request("end_force_mode", locals())
+
+
+def start_freedrive(
+    *,
+    axes: Sequence[bool] = _UNSET,
+    frame: Sequence[float] = _UNSET,
+    controller: str | None = _UNSET,
+    arm: str | None = _UNSET,
+) -> Request[None]:
+    return Request("start_freedrive", locals())
+
+
+def end_freedrive(
+    *, controller: str | None = _UNSET, arm: str | None = _UNSET
+) -> Request[None]:
+    return Request("end_freedrive", locals())
+
+
 def add_model(
     *,
     name: str,
