@@ -16,6 +16,10 @@ from ros2_rig import JTC, STATE, follow, go, trajectory, wait_until_moving
 from ur5_rig import ARM_JOINTS, AWAY, HOME
 from waits import until
 
+import tool0
+from tool0.protocol.control_box_state import RobotMode
+
+FREEDRIVE = "freedrive_mode_controller"
 JOINT_STATE = "sensor_msgs/msg/JointState"
 NEVER_READS = """
 import os, signal, rclpy
@@ -119,6 +123,21 @@ def test_a_node_that_dies_is_reported_and_restarted_amid_a_goal(
         )
         assert node_process(bringup) != node
         go(client, states, HOME)
+
+
+def test_the_node_after_one_that_died_ends_freedrive(
+    client: Client, bringup: Bringup, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", bringup.runtime_folder)
+    with tool0.connect() as robot:
+        box = robot.arm.control_box
+        robot.switch(start=[FREEDRIVE], stop=[JTC])
+        topic = f"/{FREEDRIVE}/enable_freedrive_mode"
+        client.publish(topic, "std_msgs/msg/Bool", {"data": True})
+        until(lambda: box.state.robot_mode is RobotMode.BACKDRIVE, "freedrive")
+        os.kill(node_process(bringup), signal.SIGKILL)
+        until(lambda: box.state.robot_mode is RobotMode.RUNNING, "its end")
+        robot.switch(start=[JTC], stop=[FREEDRIVE])
 
 
 def test_what_we_start_ends_with_us_when_we_are_killed(own_domain: Domain) -> None:

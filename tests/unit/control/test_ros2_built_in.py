@@ -14,6 +14,7 @@ from tool0.control.parameters import RobotJoints
 from tool0.control.ros2.built_in import started
 from tool0.description.config import DescriptionConfig
 from tool0.description.loading import assemble, load_description
+from tool0.description.parts import arm_joints
 from tool0.description.robot import RobotDescription
 from tool0.errors import ConfigError, DescriptionError
 
@@ -31,6 +32,7 @@ def joints_of(description: RobotDescription) -> RobotJoints:
         hardware=model.hardware,
         grippers=model.grippers,
         speed_scaling={flange.removesuffix("tool0"): 1.0 for flange in model.flanges},
+        arms=arm_joints(model),
     )
 
 
