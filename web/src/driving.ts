@@ -3,10 +3,12 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import type { Signal } from "@preact/signals";
 import { connection, refusals, unreached } from "./connection";
 import { frames, shown } from "./frames";
+import { obstacleAhead, reportStop, stopsAtObstacles } from "./planning/check";
 import type { ControllerInfo, ErrorInfo, Status } from "./protocol";
 import { silence } from "./silence";
 import { chosenRobot, isOurController, selected } from "./robots";
 import { connectionState, jointIndex, offers, status } from "./store";
+import { arm } from "./tool";
 
 /** Why driving ended by itself. */
 export type EndReason = "stopped" | "reset" | "lost" | "silent" | "elsewhere" | "past";
@@ -40,6 +42,9 @@ let before: { targets: ReadonlyMap<string, number>; until: number }[] = [];
 let differsSince: number | null = null;
 let settlesUntil = -Infinity;
 let lastTime = -Infinity;
+let isLooking = false;
+/** Grows when a slider is moved, with *Stop in front of obstacles*. */
+let changes = 0;
 
 export function canDrive(controller: ControllerInfo): boolean {
   return controller.is_running && controller.undrivable === null;
@@ -136,7 +141,36 @@ export function drive(joint: string, position: number): void {
   const goal = goals.value?.get(joint);
   if (goal === undefined) return;
   goal.value = position;
-  sendGoals();
+  if (stopsAtObstacles.peek()) void sendIfFree();
+  else sendGoals();
+}
+
+/** Send the newest targets if nothing is in the way there; otherwise take them back. */
+async function sendIfFree(): Promise<void> {
+  changes += 1;
+  if (isLooking) return;
+  isLooking = true;
+  let seen = 0;
+  while (seen !== changes) {
+    seen = changes;
+    const driven = goals.peek();
+    const positions = Object.fromEntries(wanted());
+    const there = { arm: arm.peek()?.name ?? null, positions };
+    const obstacle = await obstacleAhead(there);
+    if (driven === null || driven !== goals.peek()) continue;
+    if (obstacle === null) {
+      sendGoals(positions);
+    } else if (seen === changes) {
+      takeBack(driven);
+      reportStop(obstacle);
+    }
+  }
+  isLooking = false;
+}
+
+/** Set the sliders to where the robot was sent. */
+function takeBack(driven: ReadonlyMap<string, Signal<number>>): void {
+  for (const [joint, goal] of driven) goal.value = expected.get(joint) ?? goal.value;
 }
 
 /** Set the targets of several joints [rad | m]; return whether the sliders drive them all. */
@@ -175,10 +209,9 @@ export function holdStill(): Promise<ErrorInfo | null> {
   return connection.request("command_trajectory", { controller: controller.name });
 }
 
-function sendGoals(): void {
+function sendGoals(positions = Object.fromEntries(wanted())): void {
   const controller = chosenControllers.value.get(robotKey());
   if (controller === undefined) return;
-  const positions = Object.fromEntries(wanted());
   connection.stream("steer_joints", { controller, positions, speed: speedScale.value });
   expect(positions);
 }

@@ -3,11 +3,14 @@ import { effect, signal, untracked } from "@preact/signals";
 import { connection, refusals } from "./connection";
 import { isDriving } from "./driving";
 import { frames } from "./frames";
-import { apply, product, transposed } from "./kinematics";
+import { apply, fromRotationVector, matrixOf, product, transposed } from "./kinematics";
+import type { Pose } from "./kinematics";
 import { report } from "./notices";
+import { obstacleAhead, reportStop, stopsAtObstacles } from "./planning/check";
 import { silence } from "./silence";
 import { connectionState, offers, status } from "./store";
-import { arm, framePose, toolFrame } from "./tool";
+import { arm, framePose, toolFrame, toolPose } from "./tool";
+import type { Vector } from "./urdf";
 
 /** Along x, y, z and about them: shares of the speed, -1 to 1. */
 export type Direction = readonly [number, number, number, number, number, number];
@@ -46,6 +49,10 @@ const TIMEOUT = 1;
 /** Standing still for so long, the arm is given back to its controllers [ms]. */
 const LINGER_MS = 1000;
 const QUEUED_STEPS = 5;
+/** How far the page looks ahead for obstacles [s]; it takes less to ask, and to stop. */
+const LOOKS_AHEAD = 0.5;
+/** Between two looks [ms]. */
+const LOOK_INTERVAL_MS = 150;
 
 /** [m/s] */
 export const jogSpeed = signal(0.05);
@@ -72,6 +79,12 @@ let sentAt = 0;
 let gap = INTERVAL_MS;
 /** When the step in progress ends [simulated s]. */
 let stepEnds: number | null = null;
+/** Whether a look ahead has found nothing since the press, or for the next step. */
+let isFree = false;
+let isLooking = false;
+let lookedAt = -Infinity;
+/** Grows with each press and step: the answer to an older look does not count. */
+let motions = 0;
 
 export function mayJog(): boolean {
   return (
@@ -96,6 +109,7 @@ export function hold(source: string, direction: Direction): void {
     drop(source);
     blocked.add(source);
   } else if (!blocked.has(source)) {
+    if (!held.has(source)) lookedAt = -Infinity; // another direction
     held.set(source, direction);
     begin();
   }
@@ -174,6 +188,7 @@ async function take(): Promise<void> {
 function start(): void {
   if (pump !== undefined) return;
   level = 0;
+  lookAgain();
   sentAt = performance.now();
   pump = setInterval(tick, INTERVAL_MS);
   tick();
@@ -200,10 +215,16 @@ function tick(): void {
   }
   gap = Math.max(now - sentAt, 0.95 * gap);
   if (held.size > 0) {
+    const full = sum([...held.values()]).map(
+      scaled(jogSpeed.value, jogSpeed.value * TURN),
+    );
+    if (!mayGo(full.map((speed) => speed * LOOKS_AHEAD))) {
+      sentAt = now;
+      return;
+    }
     level = Math.min(1, level + (now - sentAt + 1) / 1000 / STARTING);
-    const speed = jogSpeed.value;
     send(
-      sum([...held.values()]).map(scaled(speed * level, level * speed * TURN)),
+      full.map((speed) => speed * level),
       null,
     );
   } else {
@@ -233,12 +254,15 @@ function advanceSteps(): void {
   const time = frames.latest?.time ?? 0;
   if (stepEnds !== null && time < stepEnds) return;
   stepEnds = null;
-  const direction = steps.shift();
+  const [direction] = steps;
   if (direction === undefined) {
     rest();
     return;
   }
   const [along, about] = STEPS[jogStep.value ?? 0] ?? STEPS[0];
+  if (!mayGo(direction.map(scaled(along, about)))) return;
+  steps.shift();
+  lookAgain();
   const isTurn = direction.slice(3).some((share) => share !== 0);
   const way = isTurn ? about : along;
   const speed = Math.min(jogSpeed.value * (isTurn ? TURN : 1), way / SHORTEST_STEP);
@@ -246,6 +270,64 @@ function advanceSteps(): void {
   send(direction.map(scaled(speed, speed)), way / speed);
   // the last frame is a little old, and the tool ramps down
   stepEnds = time + way / speed + 2 * STOPPING + 0.05;
+}
+
+/** Look ahead before the next motion. */
+function lookAgain(): void {
+  motions += 1;
+  isFree = false;
+  lookedAt = -Infinity;
+}
+
+/**
+ * Return whether the tool may move, by `way` in the chosen frame [m, rad]: with the option,
+ * once a look ahead has found nothing; others follow while it moves.
+ */
+function mayGo(way: readonly number[]): boolean {
+  if (!stopsAtObstacles.peek()) return true;
+  const now = performance.now();
+  if (!isLooking && now - lookedAt >= LOOK_INTERVAL_MS) {
+    lookedAt = now;
+    void lookAhead(way);
+  }
+  return isFree;
+}
+
+async function lookAhead(way: readonly number[]): Promise<void> {
+  const [ours, begun] = [motions, performance.now()];
+  isLooking = true;
+  const there = { arm: takenArm, pose: matrixOf(toolAfter(way)) };
+  const obstacle = await obstacleAhead(there);
+  isLooking = false;
+  if (pump === undefined || ours !== motions) return;
+  if (obstacle === null) {
+    // what is sent behind a look is read after it
+    if (isFree) gap = Math.max(gap, performance.now() - begun);
+    isFree = true;
+  } else {
+    block();
+    halt();
+    reportStop(obstacle);
+  }
+}
+
+/** Return the pose of the tool in the root after a way in the chosen frame [m, rad]. */
+function toolAfter([
+  x = 0,
+  y = 0,
+  z = 0,
+  a = 0,
+  b = 0,
+  c = 0,
+]: readonly number[]): Pose {
+  const { p, R } = toolPose();
+  const axes = framePose(toolFrame.value).R;
+  const [dx, dy, dz] = apply(axes, [x, y, z]);
+  const turn: Vector = apply(axes, [a, b, c]);
+  return {
+    p: [p[0] + dx, p[1] + dy, p[2] + dz],
+    R: product(fromRotationVector(turn), R),
+  };
 }
 
 /** Send a velocity in the chosen frame; it is valid for `duration` [simulated s]. */

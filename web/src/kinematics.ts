@@ -13,6 +13,9 @@ export interface Pose {
   readonly R: Rotation;
 }
 
+/** A row of a homogeneous transform. */
+export type Row = [number, number, number, number];
+
 export const IDENTITY: Pose = {
   p: [0, 0, 0],
   R: [
@@ -21,6 +24,12 @@ export const IDENTITY: Pose = {
     [0, 0, 1],
   ],
 };
+
+/** Return a pose as requests have it: a homogeneous transform, row by row. */
+export function matrixOf({ p, R }: Pose): [Row, Row, Row, Row] {
+  const row = (i: 0 | 1 | 2): Row => [R[i][0], R[i][1], R[i][2], p[i]];
+  return [row(0), row(1), row(2), [0, 0, 0, 1]];
+}
 
 function dot(a: Vector, b: Vector): number {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

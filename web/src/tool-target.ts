@@ -4,9 +4,11 @@ import { connection } from "./connection";
 import { driveTo, followPlan, isDriving, mayMove, speedScale } from "./driving";
 import { frames } from "./frames";
 import { letGo } from "./jog";
+import { matrixOf } from "./kinematics";
 import type { Pose } from "./kinematics";
 import { report } from "./notices";
-import type { Branch, Collision } from "./protocol";
+import { discard, goThere } from "./planning/way-around";
+import type { Branch } from "./protocol";
 import { plannedPose } from "./scene/planned-pose";
 import { view } from "./store";
 import { arm } from "./tool";
@@ -48,12 +50,6 @@ export const posture = computed<Posture | null>(
     null,
 );
 
-/** Collisions on the way to the target, which the page has shown: a second press goes anyway. */
-export const collision = signal<Collision | null>(null);
-/** The second click of a double click does not go anyway [ms]. */
-const ANYWAY_AFTER_MS = 400;
-let warnedAt = -Infinity;
-
 let solving: Promise<void> | null = null;
 let isStale = false;
 let isDragged = false;
@@ -67,16 +63,20 @@ export function nameOf({ shoulder, elbow, wrist }: Branch): string {
 
 /** Change the target; nothing moves yet. */
 export function aimTool(pose: Pose): void {
+  discard();
   target.value = pose;
-  collision.value = null;
   isCommanded = false;
   void solve();
 }
 
 /** Forget the target: fields and gizmo follow the tool again. */
 export function forgetTarget(): void {
+  discard();
+  clear();
+}
+
+function clear(): void {
   target.value = null;
-  collision.value = null;
   postures.value = [];
   unreachable.value = null;
   isCommanded = false;
@@ -85,14 +85,8 @@ export function forgetTarget(): void {
 /** Choose another posture, or the nearest with null. */
 export function choosePosture(branch: string | null): void {
   chosenBranch.value = branch;
-  collision.value = null;
+  discard();
 }
-
-function matrixOf({ p, R }: Pose): [Row, Row, Row, Row] {
-  const row = (i: 0 | 1 | 2): Row => [R[i][0], R[i][1], R[i][2], p[i]];
-  return [row(0), row(1), row(2), [0, 0, 0, 1]];
-}
-type Row = [number, number, number, number];
 
 /** Find the postures of the newest target, one request at a time. */
 function solve(): Promise<void> {
@@ -139,40 +133,39 @@ function steer(): boolean {
   const goal = posture.peek();
   if (goal === null) return false;
   if (!driveTo(goal.positions)) return false;
-  isCommanded = true;
-  movedAt = frames.latest?.time ?? 0;
+  noteCommand();
   return true;
 }
 
-/**
- * Return whether nothing collides on the way to the target, or the user has been told what does.
- *
- * On a straight line only its end is checked: the posture changes along it in another way.
- */
-async function isClear(): Promise<boolean> {
-  const goal = posture.peek();
-  if (goal === null) return true;
-  if (collision.peek() !== null) return performance.now() - warnedAt > ANYWAY_AFTER_MS;
-  const { positions } = goal;
-  const answer = await connection.ask("find_collisions", { positions });
-  if (answer.problem !== null) return true; // an engine that cannot tell
-  const isStraight = way.peek() === "linear";
-  const found = answer.result.find((pair) => !isStraight || pair.depth_at_end > 0);
-  if (found === undefined || posture.peek() !== goal) return found === undefined;
-  collision.value = found;
-  warnedAt = performance.now();
-  return false;
+function noteCommand(): void {
+  isCommanded = true;
+  movedAt = frames.latest?.time ?? 0;
 }
 
-/** Move the robot to the target; where something would collide, at the second call. */
+/** Move the robot to the target, if the way is free; otherwise show a way around. */
 export async function go(): Promise<void> {
   await letGo();
   await solving; // the last target may still wait for its postures
-  if (target.peek() === null || unreachable.peek() !== null) return;
-  if (!(await isClear())) return;
+  const pose = target.peek();
+  if (pose === null || unreachable.peek() !== null) return;
+  const name = arm.peek()?.name ?? null;
+  const there = { arm: name, pose: matrixOf(pose) };
+  const goal = posture.peek();
+  const inPosture =
+    goal === null ? there : { arm: name, positions: { ...goal.positions } };
+  const isStraight = way.peek() === "linear";
+  await goThere({
+    direct: isStraight ? there : inPosture,
+    isStraight,
+    target: chosenBranch.peek() === null ? there : inPosture,
+    move: moveThere,
+    moved: noteCommand,
+  });
+}
+
+async function moveThere(): Promise<void> {
   const pose = target.peek();
   if (pose === null || unreachable.peek() !== null || !mayMove.peek()) return;
-  collision.value = null;
   if (way.peek() === "joint" && steer()) return;
   const to = { arm: arm.peek()?.name ?? null, pose: matrixOf(pose) };
   const share = speedScale.peek();
@@ -189,16 +182,13 @@ export async function go(): Promise<void> {
     return;
   }
   followPlan();
-  isCommanded = true;
-  movedAt = frames.latest?.time ?? 0;
+  noteCommand();
 }
 
 const armName = computed(() => (view.value === null ? null : arm.value?.name));
 
 // a target is of one arm, whether there is a picture or not
-way.subscribe(() => {
-  collision.value = null;
-});
+way.subscribe(discard);
 
 armName.subscribe(() => {
   chosenBranch.value = null;
@@ -218,7 +208,7 @@ export function watchTarget(): () => void {
     frames.listen(({ time, velocity }) => {
       if (!isCommanded || isDragged) return;
       if (time < movedAt || velocity.some((v) => Math.abs(v) > RESTING)) movedAt = time;
-      if (time - movedAt > FORGET_AFTER) forgetTarget();
+      if (time - movedAt > FORGET_AFTER) clear();
     }),
   ];
   return () => {

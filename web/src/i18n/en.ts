@@ -213,9 +213,6 @@ export const en = {
   "tool.way.joint": "Joints",
   "tool.way.linear": "Straight",
   "tool.go": "Go",
-  "tool.goAnyway": "Go anyway",
-  "tool.collision":
-    "{first} and {second} would collide on the way to the target, {depth} mm deep. Press Go anyway to move nevertheless.",
   "tool.posture": "Posture of the arm",
   "tool.nearest": "Nearest of {count} {count|posture|postures}",
   "tool.shoulder.left": "Shoulder left",
@@ -224,6 +221,21 @@ export const en = {
   "tool.elbow.down": "elbow down",
   "tool.wrist.flip": "wrist flipped",
   "tool.wrist.no_flip": "wrist not flipped",
+
+  "plan.title": "The direct way is blocked:",
+  "plan.searching": "Looking for a way around…",
+  "plan.cancel": "Cancel",
+  "plan.time": "Place on the way around",
+  "plan.clearance": "{duration} s, at least {distance} mm between {bodies}",
+  "plan.far": "{duration} s, nothing nearer than 1 m",
+  "plan.move": "Move",
+  "plan.discard": "Discard",
+  "plan.none": "No way around was found: {problem}",
+  "plan.anyway": "Go anyway",
+  "plan.armMoved":
+    "The arm has moved since the way around was planned. Press Go again.",
+  "plan.sceneChanged":
+    "The scene has changed since the way around was planned. Press Go again.",
 
   "jog.title": "Jogging",
   "jog.frame": "Axes of jogging and of the gizmo",
@@ -235,6 +247,8 @@ export const en = {
   "jog.gizmoMoves": "When the robot follows the gizmo",
   "jog.gizmo.release": "On release",
   "jog.gizmo.live": "Live",
+  "jog.stopsAtObstacles": "Stop in front of obstacles",
+  "jog.obstacle": "Stopped in front of an obstacle: {obstacle}",
   "jog.keyboard": "Keyboard",
   "jog.keyboardHint":
     "Hold Shift and a key: W S x, A D y, E Q z; L J, I K and U O rotate about x, y and z.",

@@ -206,9 +206,6 @@ export const zh: Texts = {
   "tool.way.joint": "关节",
   "tool.way.linear": "直线",
   "tool.go": "前往",
-  "tool.goAnyway": "仍然前往",
-  "tool.collision":
-    "前往目标的途中 {first} 与 {second} 会碰撞，深度 {depth} mm。按“仍然前往”可继续。",
   "tool.posture": "手臂的构型",
   "tool.nearest": "{count} 种构型中最近的",
   "tool.shoulder.left": "肩左",
@@ -217,6 +214,19 @@ export const zh: Texts = {
   "tool.elbow.down": "肘下",
   "tool.wrist.flip": "腕翻转",
   "tool.wrist.no_flip": "腕不翻转",
+
+  "plan.title": "直接路径被阻挡：",
+  "plan.searching": "正在寻找绕行路径…",
+  "plan.cancel": "取消",
+  "plan.time": "绕行路径上的位置",
+  "plan.clearance": "{duration} s，{bodies} 之间至少 {distance} mm",
+  "plan.far": "{duration} s，1 m 内没有其他物体",
+  "plan.move": "运动",
+  "plan.discard": "放弃",
+  "plan.none": "没有找到绕行路径：{problem}",
+  "plan.anyway": "仍然前往",
+  "plan.armMoved": "规划绕行路径之后手臂移动过。请再按“前往”。",
+  "plan.sceneChanged": "规划绕行路径之后场景发生了变化。请再按“前往”。",
 
   "jog.title": "点动",
   "jog.frame": "点动和操纵器的坐标轴",
@@ -228,6 +238,8 @@ export const zh: Texts = {
   "jog.gizmoMoves": "机器人何时跟随操纵器",
   "jog.gizmo.release": "松开时",
   "jog.gizmo.live": "实时",
+  "jog.stopsAtObstacles": "遇障碍物前停止",
+  "jog.obstacle": "在障碍物前停止：{obstacle}",
   "jog.keyboard": "键盘",
   "jog.keyboardHint":
     "按住 Shift 和一个键：W S 沿 x，A D 沿 y，E Q 沿 z；L J、I K、U O 分别绕 x、y、z 旋转。",

@@ -7,11 +7,10 @@ import { connection, sendRequest } from "../connection";
 import { boxes, PROTECTIVE_STOP } from "../control-box";
 import type { ControlBox } from "../control-box";
 import { t } from "../i18n";
-import type { Collision, StallInfo } from "../protocol";
+import type { StallInfo } from "../protocol";
 import { ownerOf, robots, withoutPrefix } from "../robots";
 import { silence } from "../silence";
 import { connectionState, joints, offers, status } from "../store";
-import { collision } from "../tool-target";
 import { Button } from "../ui/button";
 import { HoldButton } from "../ui/hold-button";
 import { EmergencyIcon, ErrorIcon, WarningIcon } from "../ui/icons";
@@ -154,18 +153,6 @@ function StallBanner({ stall }: { stall: StallInfo }) {
   );
 }
 
-/** A target of the tool that the arm cannot reach without a collision. */
-function CollisionBanner({ pair }: { pair: Collision }) {
-  const depth = fixed(pair.depth * 1000, 1);
-  const { first, second } = pair;
-  return (
-    <Banner tone="warning" testId="collision-banner">
-      <WarningIcon />
-      <span>{t("tool.collision", { first, second, depth })}</span>
-    </Banner>
-  );
-}
-
 export function Banners() {
   const now = status.value;
   return (
@@ -183,7 +170,6 @@ export function Banners() {
           <span>{t("simulation.fault", { reason: now.fault })}</span>
         </Banner>
       )}
-      {collision.value !== null && <CollisionBanner pair={collision.value} />}
       {now?.stalls.map((stall) => (
         <StallBanner key={stall.joint} stall={stall} />
       ))}

@@ -5,9 +5,11 @@ import { openingAt } from "../gripper-opening";
 import { t } from "../i18n";
 import { hasArm, letGo } from "../jog";
 import { report } from "../notices";
+import { goThere } from "../planning/way-around";
 import type { PoseInfo } from "../protocol";
 import { isOurs, selected } from "../robots";
 import { offers, status, unlessOffered, view } from "../store";
+import { arm } from "../tool";
 import { Button, IconButton } from "../ui/button";
 import { TrashIcon } from "../ui/icons";
 import { confirm } from "./confirmation";
@@ -63,8 +65,27 @@ function goOrAsk(pose: PoseInfo): void {
 
 async function go(pose: PoseInfo): Promise<void> {
   if (!mayMove.peek()) return;
-  const speed = speedScale.value;
   if (hasArm.peek()) await letGo();
+  if (pose.is_gripper || arm.peek() === null) {
+    await move(pose);
+    return;
+  }
+  const joints = Object.entries(pose.positions).filter(([joint]) => isOurs(joint));
+  const there = {
+    arm: arm.peek()?.name ?? null,
+    positions: Object.fromEntries(joints),
+  };
+  await goThere({
+    direct: there,
+    isStraight: false,
+    target: there,
+    move: () => move(pose),
+  });
+}
+
+async function move(pose: PoseInfo): Promise<void> {
+  if (!mayMove.peek()) return;
+  const speed = speedScale.peek();
   const problem = await sendRequest("go_to_pose", {
     name: pose.name,
     speed,

@@ -10,6 +10,7 @@ import type { ViewInfo } from "../protocol";
 import { model } from "../model";
 import { overlays } from "../overlays";
 import { placing } from "../placing";
+import { shownPath, shownPosture } from "../planning/way-around";
 import { selected } from "../robots";
 import { selection } from "../selection";
 import { keyName } from "../shortcuts";
@@ -111,7 +112,7 @@ function follow(
       // who guides the arm sends it nowhere
       const isShown = showGhost.value && !shown.isPast.value && guided.value === null;
       const commanded = isShown ? (status.value?.targets ?? {}) : undefined;
-      viewer.aim(plannedPose.value ?? commanded);
+      viewer.aim(shownPosture.value ?? plannedPose.value ?? commanded);
     }),
     effect(() => {
       viewer.offerMove(moving.value);
@@ -135,7 +136,7 @@ function follow(
     effect(() => need({ contacts: overlays.contacts.value })),
     effect(() => need({ wrenches: overlays.wrench.value })),
     effect(() => {
-      viewer.showPath(plannedPath.value);
+      viewer.showPath(shownPath.value ?? plannedPath.value);
     }),
     effect(() => {
       viewer.offerPlace(placing.value);

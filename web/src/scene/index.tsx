@@ -10,6 +10,7 @@ import { Canvas } from "./canvas";
 import { PlacingHint, SelectionCard } from "./card";
 import { GuideBar } from "./guide-bar";
 import { GizmoHint } from "./gizmo-hint";
+import { PlanCard } from "./plan-card";
 import { quality } from "./quality";
 import "./scene.css";
 import { Toolbar } from "./toolbar";
@@ -81,6 +82,7 @@ export default function SceneView() {
       {viewer.value && <SelectionCard />}
       {viewer.value && <PlacingHint />}
       {viewer.value && <GizmoHint />}
+      <PlanCard />
       {message !== null && (
         <p class="scene-message" role="status">
           {message}

@@ -22,6 +22,8 @@ import {
   hasHid,
   spaceMouse,
 } from "../../jogging/spacemouse";
+import { stopsAtObstacles } from "../../planning/check";
+import { offers } from "../../store";
 import { gizmoMoves, MOVES, showGizmo } from "../../tool-target";
 import { jogsInTool, numberFrame, toolFrame } from "../../tool";
 import { Segmented, SignalChoice } from "../../ui/choice";
@@ -159,6 +161,13 @@ function Devices() {
             among={MOVES}
             name={(value) => t(`jog.gizmo.${value}`)}
             testId="gizmo"
+          />
+        )}
+        {offers("check_motion") && (
+          <SignalToggle
+            label={t("jog.stopsAtObstacles")}
+            of={stopsAtObstacles}
+            data-testid="jog-obstacles"
           />
         )}
         <SignalToggle

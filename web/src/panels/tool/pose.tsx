@@ -10,7 +10,6 @@ import { offers, unlessOffered } from "../../store";
 import {
   aimTool,
   choosePosture,
-  collision,
   chosenBranch,
   forgetTarget,
   go,
@@ -162,13 +161,13 @@ function Target() {
         />
         <Button
           class="grow"
-          kind={collision.value === null ? "primary" : "danger"}
+          kind="primary"
           disabled={!isAimed || why !== null || !mayMove.value}
           data-testid="tool-go"
           onClick={() => void go()}
           {...unlessOffered(way.value === "joint" ? "move_to" : "move_linear")}
         >
-          {t(collision.value === null ? "tool.go" : "tool.goAnyway")}
+          {t("tool.go")}
         </Button>
       </div>
       {isAimed && found.length > 0 && way.value === "joint" && (
