@@ -126,7 +126,7 @@ def test_a_plan_is_discarded_or_outdated_and_nothing_moves(
     tab.get("plan").wait_for(state="detached")
     tab.get("tool-go").click()
     tab.see("[data-testid=plan][data-state=found]")
-    walled.scene.place("wall", xyz=(0.55, -0.13, 0.225))
+    walled.scene.place("wall", (0.55, -0.13, 0.225))
     tab.get("plan").wait_for(state="detached")
     tab.get("notice").filter(has_text="The scene has changed").wait_for()
     tab.get("tool-go").click()
@@ -152,7 +152,7 @@ def test_jogging_stops_in_front_of_a_wall(tab: Tab, walled: tool0.Robot) -> None
     stops(walled)
     tab.page.mouse.up()
     there = position(walled)
-    assert there[1] < start[1] - 0.05  # it went as far as it was free
+    assert there[1] < start[1] - 0.03  # it went as far as it was free
     assert not any(
         "wall" in (contact.first, contact.second) for contact in walled.contacts()
     )

@@ -49,10 +49,12 @@ const TIMEOUT = 1;
 /** Standing still for so long, the arm is given back to its controllers [ms]. */
 const LINGER_MS = 1000;
 const QUEUED_STEPS = 5;
-/** How far the page looks ahead for obstacles [s]; it takes less to ask, and to stop. */
+/** How far the page looks ahead for obstacles [s]. */
 const LOOKS_AHEAD = 0.5;
 /** Between two looks [ms]. */
 const LOOK_INTERVAL_MS = 150;
+/** After so long without another answer the tool stops, within what was seen [ms]. */
+const LOOK_VALID_MS = 300;
 
 /** [m/s] */
 export const jogSpeed = signal(0.05);
@@ -79,8 +81,8 @@ let sentAt = 0;
 let gap = INTERVAL_MS;
 /** When the step in progress ends [simulated s]. */
 let stepEnds: number | null = null;
-/** Whether a look ahead has found nothing since the press, or for the next step. */
-let isFree = false;
+/** When the last look ahead that found nothing was begun, in this press or for this step. */
+let freeAt = -Infinity;
 let isLooking = false;
 let lookedAt = -Infinity;
 /** Grows with each press and step: the answer to an older look does not count. */
@@ -187,7 +189,6 @@ async function take(): Promise<void> {
 
 function start(): void {
   if (pump !== undefined) return;
-  level = 0;
   lookAgain();
   sentAt = performance.now();
   pump = setInterval(tick, INTERVAL_MS);
@@ -218,7 +219,9 @@ function tick(): void {
     const full = sum([...held.values()]).map(
       scaled(jogSpeed.value, jogSpeed.value * TURN),
     );
-    if (!mayGo(full.map((speed) => speed * LOOKS_AHEAD))) {
+    const ahead = LOOKS_AHEAD * Math.max(1, status.value?.real_time_factor ?? 1);
+    if (!mayGo(full.map((speed) => speed * ahead))) {
+      level = 0;
       sentAt = now;
       return;
     }
@@ -272,16 +275,17 @@ function advanceSteps(): void {
   stepEnds = time + way / speed + 2 * STOPPING + 0.05;
 }
 
-/** Look ahead before the next motion. */
+/** Begin another motion from rest, with a look ahead before it. */
 function lookAgain(): void {
   motions += 1;
-  isFree = false;
+  level = 0;
+  freeAt = -Infinity;
   lookedAt = -Infinity;
 }
 
 /**
  * Return whether the tool may move, by `way` in the chosen frame [m, rad]: with the option,
- * once a look ahead has found nothing; others follow while it moves.
+ * after a look ahead that found nothing.  Others follow while it moves.
  */
 function mayGo(way: readonly number[]): boolean {
   if (!stopsAtObstacles.peek()) return true;
@@ -290,7 +294,7 @@ function mayGo(way: readonly number[]): boolean {
     lookedAt = now;
     void lookAhead(way);
   }
-  return isFree;
+  return now - freeAt < LOOK_VALID_MS;
 }
 
 async function lookAhead(way: readonly number[]): Promise<void> {
@@ -302,8 +306,8 @@ async function lookAhead(way: readonly number[]): Promise<void> {
   if (pump === undefined || ours !== motions) return;
   if (obstacle === null) {
     // what is sent behind a look is read after it
-    if (isFree) gap = Math.max(gap, performance.now() - begun);
-    isFree = true;
+    if (freeAt > -Infinity) gap = Math.max(gap, performance.now() - begun);
+    freeAt = level > 0 ? begun : performance.now();
   } else {
     block();
     halt();

@@ -1,6 +1,13 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { connection, refusals } from "../src/connection";
-import { enable, endReason, isDriving, watchDriving } from "../src/driving";
+import {
+  drive,
+  enable,
+  endReason,
+  goals,
+  isDriving,
+  watchDriving,
+} from "../src/driving";
 import { hold, letGo, release, watchJog } from "../src/jog";
 import {
   connectSpaceMouse,
@@ -8,6 +15,7 @@ import {
   spaceMouse,
 } from "../src/jogging/spacemouse";
 import { toasts } from "../src/notices";
+import { stopsAtObstacles } from "../src/planning/check";
 import { chosenRobot } from "../src/robots";
 import { silence, watchSilence } from "../src/silence";
 import { FakeSocket, frame, sayTwoArms, status } from "./fixtures";
@@ -166,6 +174,75 @@ describe("jogging", () => {
     await goOn();
     expect(arms("take_arm")).toHaveLength(2);
     expect(arms("return_arm")).toHaveLength(1);
+  });
+
+  describe("in front of obstacles", () => {
+    beforeEach(() => {
+      stopsAtObstacles.value = true;
+      return () => {
+        stopsAtObstacles.value = false;
+      };
+    });
+
+    /** Answer the last look ahead. */
+    async function sees(obstacle = ""): Promise<void> {
+      const asked = server().sent.filter(({ method }) => method === "check_motion");
+      const result = { is_free: obstacle === "", reason: obstacle };
+      server().say({ type: "reply", id: asked.at(-1)?.id ?? null, result });
+      await goOn(20);
+    }
+
+    it("begins when nothing is ahead, and stops when something is", async () => {
+      hold("stick", UP);
+      await answered("take_arm");
+      await goOn(500);
+      expect(arms("speed_tool")).toEqual([]);
+      expect(server().sentOf("check_motion")).toMatchObject([
+        { target: { arm: "left", pose: [{}, {}, [0, 0, 1, 0.025], {}] } },
+      ]);
+      await sees();
+      expect(arms("speed_tool")).toEqual(["left"]);
+      await goOn(150);
+      expect(server().sentOf("check_motion")).toHaveLength(2);
+      await sees("the wall");
+      const twists = server().sentOf("speed_tool");
+      expect(twists.at(-1)).toMatchObject({ twist: [0, 0, 0, 0, 0, 0] });
+      expect(toasts.value[0]?.text).toContain("the wall");
+      hold("stick", UP); // it has to be released first
+      await goOn(500);
+      expect(server().sentOf("speed_tool")).toHaveLength(twists.length);
+    });
+
+    it("stops while the server does not answer", async () => {
+      hold("stick", UP);
+      await answered("take_arm");
+      await sees();
+      await goOn(400);
+      const before = arms("speed_tool").length;
+      expect(before).toBeGreaterThan(5);
+      await goOn(400);
+      expect(arms("speed_tool")).toHaveLength(before);
+      await sees();
+      expect(arms("speed_tool").length).toBeGreaterThan(before);
+    });
+
+    it("lets a slider send only what is free", async () => {
+      drive("pan", 0.6);
+      drive("pan", 0.7); // while the first is looked at
+      await sees();
+      await sees();
+      expect(server().sentOf("check_motion")).toMatchObject([
+        { target: { positions: { pan: 0.6 } } },
+        { target: { positions: { pan: 0.7 } } },
+      ]);
+      const sent = () => server().sentOf("steer_joints").at(-1);
+      expect(sent()).toMatchObject({ positions: { pan: 0.7 } });
+      drive("pan", 0.9);
+      await sees("the wall");
+      expect(sent()).toMatchObject({ positions: { pan: 0.7 } });
+      expect(goals.value?.get("pan")?.value).toBe(0.7);
+      expect(toasts.value[0]?.text).toContain("the wall");
+    });
   });
 
   describe("by a SpaceMouse", () => {

@@ -3,12 +3,12 @@ import { enable, selectRobot } from "../src/driving";
 import { hold, letGo, release } from "../src/jog";
 import { IDENTITY } from "../src/kinematics";
 import type { Pose } from "../src/kinematics";
+import { discard } from "../src/planning/way-around";
 import type { Responses } from "../src/protocol";
 import {
   aimTool,
   choosePosture,
   chosenBranch,
-  collision,
   go,
   target,
   way,
@@ -39,18 +39,14 @@ async function solved(lift: number): Promise<void> {
   await goOn();
 }
 
-/** Answer what would collide on the way. */
-async function collides(...result: Responses["find_collisions"]): Promise<void> {
+/** Answer whether the way is free. */
+async function checked(obstacle = ""): Promise<void> {
   await goOn(1);
-  const asked = server().sent.filter(({ method }) => method === "find_collisions");
+  const asked = server().sent.filter(({ method }) => method === "check_motion");
+  const result = { is_free: obstacle === "", reason: obstacle };
   server().say({ type: "reply", id: asked.at(-1)?.id ?? null, result });
   await goOn();
 }
-
-const CRASH = {
-  ...{ first: "wrist_3_link", second: "table" },
-  ...{ depth: 0.0123, begins: 0.8, depth_at_end: 0 },
-};
 
 /** Return where the robot was sent. */
 function goals(): unknown[] {
@@ -79,41 +75,39 @@ describe("the target of the tool", () => {
     await goOn();
     expect(goals()).toEqual([]);
     await solved(0.2);
-    await collides();
+    await checked();
     expect(goals()).toEqual([{ pan: 0, lift: 0.2 }]);
   });
 
-  it("is gone to at the second press where something would collide", async () => {
+  it("is gone around to in any posture, unless the user chose one", async () => {
     aimTool(at(1));
     await solved(0.1);
     void go();
-    await collides(CRASH);
-    expect(collision.value).toMatchObject({ first: "wrist_3_link", second: "table" });
-    void go(); // a double click
-    await goOn();
+    await checked("the table");
     expect(goals()).toEqual([]);
-    await goOn(500);
+    expect(server().sentOf("plan_motion")[0]).toMatchObject({
+      targets: [{ arm: "left", pose: [[1, 0, 0, 1], {}, {}, {}] }],
+    });
+    choosePosture("left up flip");
     void go();
-    await goOn();
-    expect(goals()).toEqual([{ pan: 0, lift: 0.1 }]);
-    expect(collision.value).toBeNull();
+    await checked("the table");
+    expect(server().sentOf("plan_motion")[1]).toMatchObject({
+      targets: [{ arm: "left", positions: { pan: 0, lift: 0.1 } }],
+    });
+    choosePosture(null);
+    discard();
   });
 
-  it("is checked anew when it changes, and on a line at its end only", async () => {
+  it("is checked on the line that the tool moves on", async () => {
+    way.value = "linear";
     aimTool(at(1));
     await solved(0.1);
     void go();
-    await collides(CRASH);
-    aimTool(at(2));
-    expect(collision.value).toBeNull();
-    await solved(0.2);
-    await goOn(500);
-    void go();
-    await collides(CRASH);
-    expect(goals()).toEqual([]);
-    way.value = "linear";
-    void go();
-    await collides(CRASH);
+    await checked();
+    expect(server().sentOf("check_motion").at(-1)).toMatchObject({
+      linear: true,
+      target: { pose: [[1, 0, 0, 1], {}, {}, {}] },
+    });
     expect(server().sentOf("move_linear")).toHaveLength(1);
     way.value = "joint";
   });
