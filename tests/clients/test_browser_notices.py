@@ -62,10 +62,18 @@ def test_a_target_in_the_table_is_gone_to_only_anyway(
         eventually(lambda: position(cell)[2] < start[2] - 0.05, "it goes anyway")
         tab.get("plan").wait_for(state="detached")
         time_passes(cell, 3.0)  # it presses on the table
-        tab.get("pose-go-home").click()  # aborted, as the table holds the arm back
+        tab.get("pose-go-home").click()
+        tab.text("plan-problem", "the start is in collision")
+        tab.get("plan-anyway").click()  # aborted, as the table holds the arm back
         time_passes(cell, 3.0)
         assert tab.get("enable-toggle").is_checked()  # nobody else moved the robot
         tab.get("pose-go-home").click()
-        eventually(lambda: position(cell)[2] > start[2] - 0.02, "it comes back")
+
+        def comes_back() -> bool:
+            if tab.get("plan-anyway").is_visible():  # it may still be in the table
+                tab.get("plan-anyway").click()
+            return position(cell)[2] > start[2] - 0.02
+
+        eventually(comes_back, "it comes back")
         assert tab.get("enable-toggle").is_checked()
         tab.close()
