@@ -108,6 +108,18 @@ function Page() {
   );
 }
 
+/** Let the server find nothing in the way. */
+async function wayIsFree(): Promise<void> {
+  await pass(1);
+  const asked = server().sent.filter(({ method }) => method === "check_motion");
+  server().say({
+    type: "reply",
+    id: asked.at(-1)?.id ?? null,
+    result: { is_free: true },
+  });
+  await pass(1);
+}
+
 describe("a single robot", () => {
   useFakeServer();
 
@@ -126,6 +138,7 @@ describe("a single robot", () => {
     press("enable-toggle");
     await pass(50);
     press("pose-go-both");
+    await wayIsFree();
     expect(server().sentOf("go_to_pose")).toEqual([{ name: "both", speed: 0.5 }]);
   });
 });
@@ -179,6 +192,15 @@ describe("a cell of two robots", () => {
     fireEvent.input(slider, { target: { value: "1" } });
     await pass(100);
     press("pose-go-both");
+    await wayIsFree();
+    expect(server().sentOf("check_motion")).toMatchObject([
+      {
+        target: {
+          arm: "right",
+          positions: { right_pan: expect.any(Number) as number },
+        },
+      },
+    ]);
     press("gripper-close");
     expect(server().sentOf("steer_joints")).toEqual([
       { controller: "right_arm", positions: { right_pan: 1 }, speed: 0.5 },
