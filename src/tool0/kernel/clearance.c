@@ -11,6 +11,8 @@
 
 #define UPRIGHT_STEPS 20    /* of the projection onto the tool's tilt */
 #define UPRIGHT_MARGIN 5e-3 /* [rad]: between two projected poses, it may tilt more */
+#define PROBE 0.1  /* [rad], of the leading joint between poses that are tried first */
+#define CLOSELY 0.1 /* [rad]: shorter steps are worth the exact distance */
 #define TILT_STEP 0.02      /* [rad], of the leading joint between two looks at the tilt */
 
 static double square(double x)
@@ -211,16 +213,12 @@ static double bend(const Clearances *c, int32_t pair, const double *way)
     return sum;
 }
 
-/* The part of the way after which a pair may come too near; it is `distance` apart
-   along `n`, a unit vector from the first to the second. */
-static double free_of(
-    const Clearances *c, int32_t pair, double distance, const double *n,
-    const double *way)
+/* The part of the way for which a pair has `room` to come nearer [m] along `n`, a unit
+   vector from the first to the second. */
+static double free_for(
+    const Clearances *c, int32_t pair, double room, const double *n, const double *way)
 {
-    const double room = distance - c->least[pair];
     const double crude = room / c->rates[pair];
-    if (room <= 0.0)
-        return crude;
     const uint32_t one = c->moved_by[c->first[pair]], two = c->moved_by[c->second[pair]];
     const double back[3] = {-n[0], -n[1], -n[2]};
     const double speed = speed_along(c, c->first[pair], one & ~two, way, n)
@@ -250,107 +248,185 @@ static int is_tilted(const Clearances *c)
     return c->tool >= 0 && acos(uprightness(c, axis)) > c->tilt;
 }
 
+static int is_too_near(Clearances *c, int32_t pair)
+{
+    const double least = c->least[pair];
+    return is_suspicious(c, pair, least) && exact(c, pair, least + 1e-9, NULL) < least;
+}
+
 /* Return FREE, TILTED, or a pair that is too near in a pose. */
 int32_t clearances_at(Clearances *c, const double *q)
 {
     put(c, q);
     if (is_tilted(c))
         return TILTED;
-    for (int32_t pair = 0; pair < c->n_pairs; pair++) {
-        const double least = c->least[pair];
-        if (is_suspicious(c, pair, least) && exact(c, pair, least + 1e-9, NULL) < least)
+    for (int32_t pair = 0; pair < c->n_pairs; pair++)
+        if (is_too_near(c, pair))
             return pair;
-    }
     return FREE;
 }
 
-/* Return the part of a way that is surely free from here on, up to `left`, and the pair
-   that limits it in `nearest`; below 0, this pair is too near here. */
-static double free_part(
-    Clearances *c, const double *way, double left, int32_t *nearest)
+/* Whether a pose is free.  What was too near the last time is looked at first. */
+static int is_free(Clearances *c, const double *q)
 {
-    *nearest = -1;
-    for (int32_t pair = 0; pair < c->n_pairs; pair++) {
-        const double rate = c->rates[pair];
-        c->steps[pair] = rate > 0.0 ? (bound(c, pair) - c->least[pair]) / rate : INFINITY;
-        c->looks[pair] = 0;
+    put(c, q);
+    if (is_tilted(c))
+        return 0;
+    if (c->suspect < c->n_pairs && is_too_near(c, c->suspect))
+        return 0;
+    for (int32_t pair = 0; pair < c->n_pairs; pair++)
+        if (is_too_near(c, pair)) {
+            c->suspect = pair;
+            return 0;
+        }
+    return 1;
+}
+
+/* The pairs whose poses are to be looked at again, as a heap: that with the smallest
+   part of the way first. */
+static void sink(Clearances *c, int32_t n, int32_t at)
+{
+    const int32_t pair = c->heap[at];
+    const double until = c->until[pair];
+    for (int32_t child = 2 * at + 1; child < n; child = 2 * at + 1) {
+        if (child + 1 < n && c->until[c->heap[child + 1]] < c->until[c->heap[child]])
+            child++;
+        if (until <= c->until[c->heap[child]])
+            break;
+        c->heap[at] = c->heap[child];
+        at = child;
     }
-    /* The pair that seems to limit the way is looked at more closely, until it does. */
-    for (;;) {
-        double step = left;
-        int32_t next = -1;
-        for (int32_t pair = 0; pair < c->n_pairs; pair++)
-            if (c->steps[pair] < step) {
-                step = c->steps[pair];
-                next = pair;
-            }
-        if (next < 0)
-            return left;
-        double ends[6], n[3], size = 0.0;
-        const double least = c->least[next], rate = c->rates[next];
-        if (c->looks[next]++ == 0) {
-            const double distance = gap(c, next, n);
-            c->steps[next] = distance - least > rate * left
-                ? INFINITY
-                : fmax(step, free_of(c, next, distance, n, way));
-            continue;
+    c->heap[at] = pair;
+}
+
+/* Look at a pair at the part `t` of the way, ever more closely; note until when it is
+   free.  Return whether it is too near. */
+static int look(Clearances *c, int32_t pair, const double *way, double t)
+{
+    const double least = c->least[pair], rate = c->rates[pair], slack = c->slack;
+    double ends[6], n[3], size = 0.0, free;
+    switch (c->looks[pair]++) {
+    case 0:
+        free = (bound(c, pair) - least) / rate;
+        break;
+    case 1:
+        free = gap(c, pair, n) - least;
+        if (free > 0.0)
+            free = free_for(c, pair, free + slack, n, way);
+        break;
+    default: {
+        const double most = least + rate * (1.0 - t) + 1e-9;
+        const double distance = exact(c, pair, most, ends);
+        if (distance < least)
+            return 1;
+        if (distance >= most - 1e-9) {
+            c->until[pair] = INFINITY;
+            return 0;
         }
-        const double most = least + rate * left + 1e-9;
-        const double distance = exact(c, next, most, ends);
-        c->steps[next] = INFINITY; /* it is known now; the others may be nearer */
-        if (distance < least) {
-            *nearest = next;
-            return -1.0;
-        }
-        if (distance >= most - 1e-9)
-            continue;
         for (int k = 0; k < 3; k++) {
             n[k] = (ends[3 + k] - ends[k]) / fmax(distance, 1e-12);
             size += square(n[k]);
         }
-        step = fmax(step, (distance - least) / rate);
+        /* between two looks, it may come nearer by the slack */
+        free = distance - least + slack;
         if (fabs(size - 1.0) < 1e-3) /* otherwise the engine does not say where */
-            step = fmax(step, free_of(c, next, distance, n, way));
-        if (step < left) {
-            left = step;
-            *nearest = next;
-        }
+            free = free_for(c, pair, free, n, way);
+        else
+            free /= rate;
     }
+    }
+    if (free > 0.0)
+        c->until[pair] = fmax(c->until[pair], t + free);
+    return 0;
 }
 
-/* Return FREE if all poses on the straight way between two poses keep their distances;
-   otherwise what does not, and in `at` the part of the way where. */
+/* Return FREE if all poses on the straight way between two poses keep their distances,
+   with the slack; otherwise what does not, and in `at` the part of the way where. */
 int32_t clearances_between(Clearances *c, const double *from, const double *to, double *at)
 {
-    double q[MOST_MOVING], way[MOST_MOVING], leading = 0.0;
+    double q[MOST_MOVING], way[MOST_MOVING], leading = 0.0, t = 0.0;
+    int32_t n = 0;
     for (int32_t j = 0; j < c->n_joints; j++) {
         way[j] = to[j] - from[j];
         leading = fmax(leading, fabs(way[j]));
     }
+    const double most = c->tool >= 0 && leading > 0.0 ? TILT_STEP / leading : 1.0;
+    const double closely = leading > 0.0 ? CLOSELY / leading : 1.0;
+    *at = 0.0;
+    put(c, from);
+    if (is_tilted(c))
+        return TILTED;
     for (int32_t pair = 0; pair < c->n_pairs; pair++) {
         double rate = 0.0;
         for (int32_t j = 0; j < c->n_joints; j++)
             rate += c->reach[pair * c->n_joints + j] * fabs(way[j]);
         c->rates[pair] = rate;
+        const double room = bound(c, pair) - c->least[pair];
+        if (room > rate)
+            continue; /* for all of the way */
+        c->until[pair] = room > 0.0 ? room / rate : 0.0;
+        c->looks[pair] = 1;
+        c->heap[n++] = pair;
     }
-    const double most = c->tool >= 0 && leading > 0.0 ? TILT_STEP / leading : 1.0;
-    for (double t = 0.0;;) {
+    for (int32_t k = n / 2 - 1; k >= 0; k--)
+        sink(c, n, k);
+    for (;;) {
+        /* what limits the way here is looked at, until it does not, or surely does */
+        double step = 1.0;
+        while (n > 0) {
+            const int32_t pair = c->heap[0];
+            const int looks = c->looks[pair];
+            step = c->until[pair] - t;
+            if (looks > 2 || (looks == 2 && step > closely))
+                break;
+            if (look(c, pair, way, t)) {
+                *at = t;
+                return pair;
+            }
+            if (c->until[pair] > 1.0) {
+                c->heap[0] = c->heap[--n];
+                if (n == 0)
+                    break;
+            }
+            sink(c, n, 0);
+        }
+        if (n == 0 && c->tool < 0)
+            return FREE;
+        if (t >= 1.0)
+            return FREE;
+        t = fmin(n > 0 ? fmin(c->until[c->heap[0]], t + most) : t + most, 1.0);
         for (int32_t j = 0; j < c->n_joints; j++)
             q[j] = from[j] + t * way[j];
         put(c, q);
         *at = t;
         if (is_tilted(c))
             return TILTED;
-        if (t >= 1.0) /* looked at from both sides: up to here, and here itself */
-            return FREE;
-        int32_t nearest = -1;
-        double step = free_part(c, way, 1.0 - t, &nearest);
-        if (step < 0.0)
-            return nearest;
-        if (nearest >= 0) /* however near: no further than the slack */
-            step = fmax(step, c->slack / c->rates[nearest]);
-        t = fmin(t + fmin(step, most), 1.0);
+        for (int32_t k = 0; k < n; k++)
+            c->looks[c->heap[k]] = 0;
     }
+}
+
+/* Whether the straight way between two poses is free.  Some poses are looked at first,
+   the middle before the quarters: most that are not free are found there. */
+int clearances_connect(Clearances *c, const double *from, const double *to)
+{
+    double q[MOST_MOVING], leading = 0.0, at;
+    for (int32_t j = 0; j < c->n_joints; j++)
+        leading = fmax(leading, fabs(to[j] - from[j]));
+    for (int32_t parts = 2; leading / parts > PROBE; parts *= 2)
+        for (int32_t k = 1; k < parts; k += 2) {
+            const double part = (double)k / parts;
+            for (int32_t j = 0; j < c->n_joints; j++)
+                q[j] = from[j] + part * (to[j] - from[j]);
+            if (!is_free(c, q))
+                return 0;
+        }
+    return clearances_between(c, from, to, &at) == FREE;
+}
+
+int clearances_are_kept(Clearances *c, const double *q)
+{
+    return is_free(c, q);
 }
 
 /* Turn `q` until the tool is upright enough; return whether it is. */

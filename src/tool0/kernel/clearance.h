@@ -41,8 +41,9 @@ typedef struct {
     double tilt;              /* largest angle between both [rad] */
     double slack;             /* [m], by which a motion is looked at ahead */
     /* scratch, (n_pairs): */
-    double *rates, *steps;
-    int32_t *looks;
+    double *rates, *until;
+    int32_t *looks, *heap;
+    int32_t suspect;          /* the pair that was too near the last time */
 } Clearances;
 
 enum { FREE = -1, TILTED = -2 }; /* otherwise the number of a pair */
@@ -50,6 +51,8 @@ enum { FREE = -1, TILTED = -2 }; /* otherwise the number of a pair */
 int32_t clearances_at(Clearances *c, const double *q);
 int32_t clearances_between(
     Clearances *c, const double *from, const double *to, double *at);
+int clearances_are_kept(Clearances *c, const double *q);
+int clearances_connect(Clearances *c, const double *from, const double *to);
 int32_t clearances_upright(Clearances *c, double *q);
 
 #endif

@@ -76,8 +76,10 @@ class _Clearances(Structure):
         ("tilt", c_double),
         ("slack", c_double),
         ("rates", c_size_t),
-        ("steps", c_size_t),
+        ("until", c_size_t),
         ("looks", c_size_t),
+        ("heap", c_size_t),
+        ("suspect", c_int32),
     )
 
 
@@ -228,8 +230,9 @@ class Clearances:
             "least": np.ascontiguousarray(pairs.least),
             "reach": np.ascontiguousarray(pairs.reach),
             "rates": np.zeros(max(n_pairs, 1)),
-            "steps": np.zeros(max(n_pairs, 1)),
+            "until": np.zeros(max(n_pairs, 1)),
             "looks": np.zeros(max(n_pairs, 1), dtype=np.int32),
+            "heap": np.zeros(max(n_pairs, 1), dtype=np.int32),
         }
         if upright is not None:
             struct.tool, struct.tilt = upright.body, upright.tilt
@@ -336,7 +339,7 @@ class Clearances:
     ) -> FloatArray:
         """Return a way with straight parts in place of detours.
 
-        ``tries`` is how many attempts in a row may be in vain.
+        Poses are left out first; then ``tries`` random parts are replaced.
         """
         most = 2 * len(way) + 16
         room = np.empty((most, self.n_joints))

@@ -12,6 +12,8 @@
 #define NARROW 0.7       /* part of the samples near start and goals */
 #define UPRIGHT_RANGE 0.15 /* [rad], of an extension along which the tool stays upright */
 
+#define SHORTER 0.995      /* of a part of the way: less is not worth looking */
+
 enum { FOUND = 0, NO_WAY = 1, TIMEOUT = 2, CANCELLED = 3, NO_MEMORY = 4 };
 
 typedef struct {
@@ -88,7 +90,7 @@ static int32_t extend(
     const int32_t n = tree->n_joints;
     const double *here = tree->q + from * n;
     const double way = sqrt(apart(here, target, n));
-    double q[MOST_MOVING], at;
+    double q[MOST_MOVING];
     *reached = way <= range;
     const double part = *reached ? 1.0 : range / way;
     for (int32_t j = 0; j < n; j++)
@@ -103,7 +105,7 @@ static int32_t extend(
         if (apart(q, target, n) >= way * way)
             return -1;
     }
-    if (clearances_at(c, q) != FREE || clearances_between(c, here, q, &at) != FREE)
+    if (!clearances_are_kept(c, q) || !clearances_connect(c, here, q))
         return -1;
     return add(tree, q, from);
 }
@@ -191,64 +193,100 @@ end:
     return result;
 }
 
-/* Replace parts of a way through `n_way` poses by straight ones, at random; return how
-   many poses it has then.  `most`: room for them; `tries`: without success. */
+/* When a search ends. */
+typedef struct {
+    double deadline;
+    volatile int32_t *cancelled;
+} Until;
+
+static int is_over(const Until *until)
+{
+    return *until->cancelled || now() > until->deadline;
+}
+
+/* Return where a way has a length, as the number of the pose before and the part of the
+   way to the next; `y`: the same for another, larger length. */
+static double place_at(
+    const double *way, int32_t n_way, int32_t n, double length, double *y, double larger)
+{
+    double x = n_way - 1, done = 0.0;
+    *y = n_way - 1;
+    for (int32_t m = 0; m + 1 < n_way; m++) {
+        const double part = sqrt(apart(way + m * n, way + (m + 1) * n, n));
+        if (x == n_way - 1 && length < done + part)
+            x = m + (length - done) / part;
+        if (larger < done + part) {
+            *y = m + (larger - done) / part;
+            break;
+        }
+        done += part;
+    }
+    return x;
+}
+
+/* Leave out poses of a way between which the straight way is free, the farthest first;
+   return how many there are then. */
+static int32_t prune(Clearances *c, double *way, int32_t n_way, Until *until)
+{
+    const int32_t n = c->n_joints;
+    for (int32_t i = 0; i + 2 < n_way; i++)
+        for (int32_t k = n_way - 1; k > i + 1; k--) {
+            if (is_over(until))
+                return n_way;
+            if (!clearances_connect(c, way + i * n, way + k * n))
+                continue;
+            memmove(
+                way + (i + 1) * n, way + k * n,
+                sizeof(double) * (size_t)((n_way - k) * n));
+            n_way -= k - i - 1;
+            break;
+        }
+    return n_way;
+}
+
+/* Replace parts of a way through `n_way` poses by straight ones: first from pose to
+   pose, then `tries` at random; return how many poses it has then.  `most`: room for
+   them. */
 TOOL0_EXPORT int32_t tool0_shorten(
     Clearances *c, double *way, int32_t n_way, int32_t most, int32_t tries,
     uint64_t seed, double deadline, volatile int32_t *cancelled)
 {
     const int32_t n = c->n_joints;
     uint64_t state = seed;
-    double a[MOST_MOVING], b[MOST_MOVING], at;
-    for (int32_t failed = 0; failed < tries && n_way > 2;) {
-        if (*cancelled || now() > deadline)
-            break;
-        /* Two places on the way: a whole number is a pose. */
-        double x = uniform(&state) * (n_way - 1), y = uniform(&state) * (n_way - 1);
-        if (x > y) {
-            const double other = x;
-            x = y;
-            y = other;
-        }
-        /* Half of the time from pose to pose. */
-        if (uniform(&state) < 0.5) {
-            x = floor(x);
-            y = ceil(y);
-        }
+    Until until = {deadline, cancelled};
+    double a[MOST_MOVING], b[MOST_MOVING];
+    n_way = prune(c, way, n_way, &until);
+    for (int32_t k = 0; k < tries && n_way > 2 && !is_over(&until); k++) {
+        /* Two places on the way, evenly by its length. */
+        double x = uniform(&state), y = uniform(&state), all = 0.0;
+        for (int32_t m = 0; m + 1 < n_way; m++)
+            all += sqrt(apart(way + m * n, way + (m + 1) * n, n));
+        x = place_at(way, n_way, n, fmin(x, y) * all, &y, fmax(x, y) * all);
         const int32_t i = (int32_t)fmin(floor(x), n_way - 2);
-        const int32_t k = (int32_t)fmin(floor(y), n_way - 2);
-        if (i == k) {
-            failed++;
+        const int32_t r = (int32_t)fmin(floor(y), n_way - 2);
+        if (i == r)
             continue;
-        }
-        double before = 0.0, *p = way + i * n, *r = way + k * n;
+        double *p = way + i * n, *o = way + r * n;
         for (int32_t j = 0; j < n; j++) {
             a[j] = p[j] + (x - i) * (p[n + j] - p[j]);
-            b[j] = r[j] + (y - k) * (r[n + j] - r[j]);
+            b[j] = o[j] + (y - r) * (o[n + j] - o[j]);
         }
-        before = sqrt(apart(a, p + n, n)) + sqrt(apart(r, b, n));
-        for (int32_t m = i + 1; m < k; m++)
+        double before = sqrt(apart(a, p + n, n)) + sqrt(apart(o, b, n));
+        for (int32_t m = i + 1; m < r; m++)
             before += sqrt(apart(way + m * n, way + (m + 1) * n, n));
-        if (sqrt(apart(a, b, n)) > before - 1e-6
-            || clearances_between(c, a, b, &at) != FREE) {
-            failed++;
+        /* poses 0 … i, a, b, r + 1 … */
+        const int keep_a = x - i > 1e-9, keep_b = r + 1 - y > 1e-9;
+        const int32_t head = i + 1 + keep_a, tail = n_way - (r + 1);
+        if (head + keep_b + tail > most || sqrt(apart(a, b, n)) > SHORTER * before
+            || !clearances_connect(c, a, b))
             continue;
-        }
-        /* poses 0 … i, a, b, k + 1 … */
-        const int keep_a = x - i > 1e-9, keep_b = k + 1 - y > 1e-9;
-        const int32_t head = i + 1 + keep_a, tail = n_way - (k + 1);
-        if (head + keep_b + tail > most) {
-            failed++;
-            continue;
-        }
         memmove(
-            way + (head + keep_b) * n, way + (k + 1) * n, sizeof(double) * (size_t)(tail * n));
+            way + (head + keep_b) * n, way + (r + 1) * n, sizeof(double) * (size_t)(tail * n));
         if (keep_a)
             memcpy(way + (i + 1) * n, a, sizeof(double) * n);
         if (keep_b)
             memcpy(way + head * n, b, sizeof(double) * n);
         n_way = head + keep_b + tail;
-        failed = 0;
     }
     return n_way;
 }

@@ -28,8 +28,12 @@ RESTARTS: Final = 4
 MOST_GOALS: Final = 24
 _BESIDE: Final = 1.0
 """How far around start and goals most samples are [rad]."""
-_TRIES: Final = 40
-"""Shortcuts in a row that may be in vain."""
+ENOUGH: Final = 20_000
+"""Poses that are looked at before the first way found is enough."""
+FINALISTS: Final = 1
+"""Ways that are shortened thoroughly, of those found."""
+_TRIES: Final = 60
+"""Random shortcuts."""
 _CUT: Final = 0.2
 """Distance of the motion from a corner, at first [rad]."""
 _STOP: Final = 0.002
@@ -244,11 +248,19 @@ def _searched(
     wide = np.clip([start - _TURN / 2, start + _TURN / 2], limits[0], limits[1])
     wide = np.array([np.minimum(wide[0], beside[0]), np.maximum(wide[1], beside[1])])
     fastest = np.array([joint.max_velocity for joint in joints])
-    best: tuple[float, Array] | None = None
+    ways: list[tuple[float, int, Array]] = []
     samples = 0
+    looked = group.clearances.poses
 
     def left() -> float:
         return options.timeout - (time.perf_counter() - begun)
+
+    def shorter(way: Array, tries: int, seed: int) -> tuple[float, int, Array]:
+        way = group.clearances.shorten(
+            way, tries=tries, seed=seed, timeout=left(), cancelled=cancelled
+        )
+        way = _without_repeats(way)
+        return cost(way, fastest), seed, way
 
     for restart in range(options.restarts):
         seed = options.seed * 1_000_003 + restart
@@ -267,22 +279,23 @@ def _searched(
         if found.ended is Ended.CANCELLED:
             raise PlanningError("planning was cancelled")
         if found.ended is Ended.FOUND:
-            way = group.clearances.shorten(
-                found.way, tries=_TRIES, seed=seed, timeout=left(), cancelled=cancelled
-            )
-            way = _without_repeats(way)
-            duration = cost(way, fastest)
-            if best is None or duration < best[0]:
-                best = duration, way
+            ways.append(shorter(found.way, 0, seed))
         elif found.ended is Ended.TIMEOUT:
             break
-    if best is None:
+        if ways and group.clearances.poses - looked > ENOUGH:
+            break
+    if not ways:
         raise PlanningError(
             f"no way found in {time.perf_counter() - begun:.1f} s, with {samples} "
             "samples: there may be none; a longer timeout, a smaller clearance, or "
             "another target may help"
         )
-    return best[1], samples
+    ways.sort(key=lambda item: item[:2])
+    _, _, way = min(
+        (shorter(way, _TRIES, seed) for _, seed, way in ways[:FINALISTS]),
+        key=lambda item: item[:2],
+    )
+    return way, samples
 
 
 def _without_repeats(way: Array) -> Array:
