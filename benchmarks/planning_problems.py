@@ -99,6 +99,24 @@ class Workcell:
         ]
         return np.concatenate([np.empty((0, 6)), *found])
 
+    def retreats(
+        self, q: Array, T_root_flange: Array, length: float, group: PlanningGroup
+    ) -> bool:
+        """Return whether the flange can be pulled back along its z axis, from ``q``."""
+        T, n = self._T_base_root @ T_root_flange, math.ceil(length / 0.02)
+        for _ in range(n):
+            T = T @ _at((0.0, 0.0, -0.02))
+            postures = self.kinematics.postures(T, q)
+            if not len(postures):
+                return False
+            after = postures[np.abs(postures - q).max(axis=1).argmin()]
+            if np.abs(after - q).max() > 0.5:
+                return False
+            if group.clearances.along(np.array([q, after])) is not None:
+                return False
+            q = after
+        return True
+
 
 def state_of(item: SceneObject) -> ObjectState:
     """Return where an object starts."""
@@ -118,6 +136,9 @@ class Site:
     """A pose that is hard to reach: T_root_grasp, shape (4, 4)."""
     outside: Callable[[Rng], Array] | None = None
     """Where else the arm may start; it starts at home otherwise."""
+    retreat: float = 0.0
+    """How far the grasp can be pulled straight back with the same posture [m]: the way
+    out is known to exist."""
 
 
 def bookshelf(rng: Rng) -> Site:
@@ -191,7 +212,7 @@ def cage(rng: Rng) -> Site:
         yaw = (0.0, math.pi / 2, -math.pi / 2)[side]
         return T @ _turned(yaw) @ _forward((0.0, 0.0, 0.0), rng.uniform(-0.2, 0.2))
 
-    return Site(boxes, inside)
+    return Site(boxes, inside, retreat=0.3)
 
 
 def box(rng: Rng) -> Site:
@@ -316,13 +337,15 @@ def problems(name: str, n: int, seed: int = 0) -> Iterator[Problem]:
         group = cell.group(cell.world(), objects, rules)
 
         def free(
-            sample: Callable[[Rng], Array], group: PlanningGroup = group
+            sample: Callable[[Rng], Array],
+            site: Site = site,
+            group: PlanningGroup = group,
         ) -> tuple[Array, Array] | None:
             for _ in range(20):
                 T = sample(rng) @ _at((0.0, 0.0, -REACH))
                 postures = cell.goals(T, np.array(HOME))
                 for q in rng.permutation(postures):
-                    if not group.why_not(q):
+                    if not group.why_not(q) and cell.retreats(q, T, site.retreat, group):
                         return T, q
             return None
 

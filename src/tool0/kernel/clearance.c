@@ -29,8 +29,8 @@ static void put(Clearances *c, const double *q)
 }
 
 /* A quick lower bound of the distance of a pair: sphere around the first shape, box
-   around the second. */
-static double bound(const Clearances *c, int32_t pair)
+   around the second.  Beyond `most`, that of spheres is enough. */
+static double bound(const Clearances *c, int32_t pair, double most)
 {
     const int32_t first = c->first[pair], second = c->second[pair];
     const double *p = c->centres + 3 * first, *o = c->centres + 3 * second;
@@ -39,6 +39,10 @@ static double bound(const Clearances *c, int32_t pair)
     const double radius = c->radii[first];
     if (c->radii[second] == 0.0) /* a plane */
         return d[0] * R[2] + d[1] * R[5] + d[2] * R[8] - radius;
+    const double both = radius + c->radii[second];
+    const double apart = square(d[0]) + square(d[1]) + square(d[2]);
+    if (apart > square(both + most))
+        return sqrt(apart) - both;
     double outside = 0.0;
     for (int k = 0; k < 3; k++) {
         const double x = d[0] * R[k] + d[1] * R[3 + k] + d[2] * R[6 + k] - box[k];
@@ -153,7 +157,7 @@ static double exact(Clearances *c, int32_t pair, double most, double *ends)
 static int is_suspicious(const Clearances *c, int32_t pair, double than)
 {
     double n[3];
-    return bound(c, pair) < than && gap(c, pair, n) < than;
+    return bound(c, pair, than) < than && gap(c, pair, n) < than;
 }
 
 /* The largest speed along `n` of a shape that the joints of `mask` move [m per way]. */
@@ -307,7 +311,7 @@ static int look(Clearances *c, int32_t pair, const double *way, double t)
     double ends[6], n[3], size = 0.0, free;
     switch (c->looks[pair]++) {
     case 0:
-        free = (bound(c, pair) - least) / rate;
+        free = (bound(c, pair, least + rate * (1.0 - t)) - least) / rate;
         break;
     case 1:
         free = gap(c, pair, n) - least;
@@ -361,7 +365,7 @@ int32_t clearances_between(Clearances *c, const double *from, const double *to, 
         for (int32_t j = 0; j < c->n_joints; j++)
             rate += c->reach[pair * c->n_joints + j] * fabs(way[j]);
         c->rates[pair] = rate;
-        const double room = bound(c, pair) - c->least[pair];
+        const double least = c->least[pair], room = bound(c, pair, least + rate) - least;
         if (room > rate)
             continue; /* for all of the way */
         c->until[pair] = room > 0.0 ? room / rate : 0.0;

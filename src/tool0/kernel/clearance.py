@@ -91,8 +91,7 @@ class _Search(Structure):
         ("most_nodes", c_int32),
         ("lower", c_size_t),
         ("upper", c_size_t),
-        ("near_lower", c_size_t),
-        ("near_upper", c_size_t),
+        ("beside", c_double),
         ("range", c_double),
         ("deadline", c_double),
         ("seed", c_uint64),
@@ -286,8 +285,8 @@ class Clearances:
         start: FloatArray,
         goals: FloatArray,
         samples: tuple[FloatArray, FloatArray],
-        near: tuple[FloatArray, FloatArray],
         *,
+        beside: float,
         seed: int,
         longest: float,
         most_nodes: int,
@@ -300,19 +299,20 @@ class Clearances:
             start: A free pose, shape (n_joints,).
             goals: Free poses, shape (n, n_joints).
             samples: Bounds of the samples, shape (n_joints,) each.
-            near: Bounds of most samples.
+            beside: How far from between the start and a goal most samples are [rad].
             seed: Of the samples.
             longest: Longest extension of a tree [rad].
             most_nodes: Size of a tree.
             timeout: Wall time after which it ends [s].
             cancelled: Ends it.
         """
-        arrays = [_packed(item) for item in (start, goals, *samples, *near)]
+        arrays = [_packed(item) for item in (start, goals, *samples)]
         way = np.empty((2 * most_nodes, self.n_joints))
-        names = ("start", "goals", "lower", "upper", "near_lower", "near_upper")
+        names = ("start", "goals", "lower", "upper")
         setup = _Search(
             n_goals=len(goals),
             most_nodes=most_nodes,
+            beside=beside,
             range=longest,
             deadline=time.clock_gettime(time.CLOCK_MONOTONIC) + timeout,
             seed=seed,

@@ -1,5 +1,6 @@
-/* RRT-Connect (Kuffner and LaValle, ICRA 2000) between a pose and several goals, and
-   shortcuts.  The same seed gives the same way. */
+/* RRT-Connect (Kuffner and LaValle, ICRA 2000) between a pose and several goals, with
+   balanced trees and dynamic domains (Yershova et al., ICRA 2005), and shortcuts.  The
+   same seed gives the same way. */
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +10,8 @@
 #include "clearance.h"
 #include "export.h"
 
-#define NARROW 0.7       /* part of the samples near start and goals */
+#define NARROW 0.7        /* part of the samples near start and a goal */
+#define FAR 4.0           /* [rad]: what cannot grow is left alone by samples beyond */
 #define UPRIGHT_RANGE 0.15 /* [rad], of an extension along which the tool stays upright */
 
 #define SHORTER 0.995      /* of a part of the way: less is not worth looking */
@@ -22,7 +24,7 @@ typedef struct {
     int32_t n_goals;
     int32_t most_nodes;   /* of both trees */
     const double *lower, *upper; /* (n_joints), of the samples */
-    const double *near_lower, *near_upper;
+    double beside; /* of most samples, from between the start and a goal */
     double range;         /* longest extension [rad] */
     double deadline;      /* as of CLOCK_MONOTONIC [s] */
     uint64_t seed;
@@ -33,6 +35,7 @@ typedef struct {
 typedef struct {
     double *q;
     int32_t *parent;
+    double *radius; /* of samples that a node is extended to, squared */
     int32_t n, n_joints;
 } Tree;
 
@@ -78,6 +81,7 @@ static int32_t add(Tree *tree, const double *q, int32_t parent)
 {
     memcpy(tree->q + tree->n * tree->n_joints, q, sizeof(double) * tree->n_joints);
     tree->parent[tree->n] = parent;
+    tree->radius[tree->n] = INFINITY;
     return tree->n++;
 }
 
@@ -136,8 +140,9 @@ TOOL0_EXPORT int32_t tool0_search(
     for (int k = 0; k < 2; k++) {
         trees[k] = (Tree){
             malloc(sizeof(double) * (size_t)(most * n)),
-            malloc(sizeof(int32_t) * (size_t)most), 0, n};
-        if (!trees[k].q || !trees[k].parent)
+            malloc(sizeof(int32_t) * (size_t)most),
+            malloc(sizeof(double) * (size_t)most), 0, n};
+        if (!trees[k].q || !trees[k].parent || !trees[k].radius)
             result = NO_MEMORY;
     }
     if (result == NO_MEMORY)
@@ -146,7 +151,7 @@ TOOL0_EXPORT int32_t tool0_search(
     for (int32_t k = 0; k < s->n_goals; k++)
         add(&trees[1], s->goals + k * n, -1);
     uint64_t state = s->seed;
-    for (int turn = 0;; turn = !turn) {
+    for (int turn = 0;; turn = trees[0].n > trees[1].n) {
         if (*s->cancelled || now() > s->deadline) {
             result = *s->cancelled ? CANCELLED : TIMEOUT;
             break;
@@ -154,19 +159,29 @@ TOOL0_EXPORT int32_t tool0_search(
         if (trees[0].n >= most - 1 || trees[1].n >= most - 1)
             break;
         double sample[MOST_MOVING];
+        const double *goal =
+            s->goals + (int32_t)(uniform(&state) * s->n_goals) * n;
         const int near = uniform(&state) < NARROW;
         for (int32_t j = 0; j < n; j++) {
-            const double lower = near ? s->near_lower[j] : s->lower[j];
-            const double upper = near ? s->near_upper[j] : s->upper[j];
+            double lower = s->lower[j], upper = s->upper[j];
+            if (near) {
+                lower = fmax(lower, fmin(s->start[j], goal[j]) - s->beside);
+                upper = fmin(upper, fmax(s->start[j], goal[j]) + s->beside);
+            }
             sample[j] = lower + uniform(&state) * (upper - lower);
         }
         s->samples++;
+        /* the smaller tree grows towards it */
         Tree *here = &trees[turn], *there = &trees[!turn];
         int reached;
-        const int32_t grown =
-            extend(c, here, nearest(here, sample), sample, range, &reached);
-        if (grown < 0)
+        const int32_t from = nearest(here, sample);
+        if (apart(here->q + from * n, sample, n) > here->radius[from])
             continue;
+        const int32_t grown = extend(c, here, from, sample, range, &reached);
+        if (grown < 0) {
+            here->radius[from] = FAR * FAR;
+            continue;
+        }
         const double *target = here->q + grown * n;
         int32_t node = nearest(there, target);
         do {
@@ -189,6 +204,7 @@ end:
     for (int k = 0; k < 2; k++) {
         free(trees[k].q);
         free(trees[k].parent);
+        free(trees[k].radius);
     }
     return result;
 }

@@ -13,22 +13,22 @@ import numpy as np
 
 from tool0.description.model import Joint, JointType
 from tool0.errors import CollisionError, PlanningError
-from tool0.kernel.clearance import Cancelled, Ended
+from tool0.kernel.clearance import FREE, Cancelled, Ended
 from tool0.kinematics.chain import Array
 from tool0.motion.path import Path
 from tool0.motion.waypoints import SmoothWay, time_way
 from tool0.planning.world import PlanningGroup
 
-LONGEST: Final = 1.0
+LONGEST: Final = 0.5
 """Longest extension of a tree [rad]."""
 MOST_NODES: Final = 20_000
 """Size of a tree."""
 RESTARTS: Final = 4
 """Ways that are searched; the fastest wins."""
 MOST_GOALS: Final = 24
-_BESIDE: Final = 1.0
-"""How far around start and goals most samples are [rad]."""
-ENOUGH: Final = 20_000
+_BESIDE: Final = 2.0
+"""How far from between the start and a goal most samples are [rad]."""
+ENOUGH: Final = 4_000
 """Poses that are looked at before the first way found is enough."""
 FINALISTS: Final = 1
 """Ways that are shortened thoroughly, of those found."""
@@ -188,17 +188,18 @@ def _free_goals(
     """Return the numbers of the goals that are free, the nearest first."""
     costs = (np.abs(goals - start) / fastest).max(axis=1)
     numbers: list[int] = []
-    known: dict[bytes, str] = {}
+    known: dict[bytes, tuple[int, Array]] = {}
     for k in np.argsort(costs, kind="stable").tolist():
         posture = np.round(np.mod(goals[k], _TURN), 6).tobytes()
         if posture not in known:
-            known[posture] = group.why_not(goals[k])
-        if not known[posture]:
+            known[posture] = group.clearances.at(goals[k]), goals[k]
+        if known[posture][0] == FREE:
             numbers.append(k)
         if len(numbers) == MOST_GOALS:
             break
     if not numbers:
-        reasons = list(dict.fromkeys(known.values()))
+        reasons = [group.explained(pair, q) for pair, q in known.values()]
+        reasons = list(dict.fromkeys(reasons))
         if len(known) == 1:
             raise CollisionError(f"the target is in collision: {reasons[0]}")
         raise CollisionError(
@@ -239,14 +240,9 @@ def _searched(
     limits = np.array(
         [_limits(joint, here) for joint, here in zip(joints, start, strict=True)]
     ).T
-    around = np.vstack([start, goals[:8]])
-    beside = np.clip(
-        [around.min(axis=0) - _BESIDE, around.max(axis=0) + _BESIDE],
-        limits[0],
-        limits[1],
-    )
-    wide = np.clip([start - _TURN / 2, start + _TURN / 2], limits[0], limits[1])
-    wide = np.array([np.minimum(wide[0], beside[0]), np.maximum(wide[1], beside[1])])
+    wide = np.clip([start - _TURN / 2, start + _TURN / 2], *limits)
+    lower = np.minimum(wide[0], goals.min(axis=0))
+    upper = np.maximum(wide[1], goals.max(axis=0))
     fastest = np.array([joint.max_velocity for joint in joints])
     ways: list[tuple[float, int, Array]] = []
     samples = 0
@@ -267,8 +263,8 @@ def _searched(
         found = group.clearances.search(
             start,
             goals,
-            (wide[0], wide[1]),
-            (beside[0], beside[1]),
+            (lower, upper),
+            beside=_BESIDE,
             seed=seed,
             longest=LONGEST,
             most_nodes=MOST_NODES,
