@@ -23,7 +23,7 @@ LONGEST: Final = 0.5
 """Longest extension of a tree [rad]."""
 MOST_NODES: Final = 20_000
 """Size of a tree."""
-RESTARTS: Final = 4
+RESTARTS: Final = 3
 """Ways that are searched; the fastest wins."""
 MOST_GOALS: Final = 24
 _BESIDE: Final = 2.0
@@ -165,6 +165,8 @@ def _timed(
     group: PlanningGroup, joints: Sequence[Joint], way: Array, speed: float
 ) -> Path:
     """Return the motion along a free way; its corners are cut as far as is free."""
+    if np.abs(way[-1] - way[0]).max() <= _SAME and len(way) == 2:
+        way = np.array([way[0], way[0] + 2.0 * _SAME])  # a path needs a length
     deviations = [_CUT] * (len(way) - 2)
     while True:
         smooth = SmoothWay(way, deviations)
