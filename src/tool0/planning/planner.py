@@ -26,7 +26,7 @@ MOST_NODES: Final = 20_000
 RESTARTS: Final = 3
 """Ways that are searched; the fastest wins."""
 MOST_GOALS: Final = 24
-_BESIDE: Final = 2.0
+BESIDE: Final = 2.0
 """How far from between the start and a goal most samples are [rad]."""
 ENOUGH: Final = 4_000
 """Poses that are looked at before the first way found is enough."""
@@ -266,7 +266,7 @@ def _searched(
             start,
             goals,
             (lower, upper),
-            beside=_BESIDE,
+            beside=BESIDE,
             seed=seed,
             longest=LONGEST,
             most_nodes=MOST_NODES,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 import threading
 from collections.abc import Callable
@@ -190,6 +191,29 @@ def a_cell(robot: tool0.Robot) -> None:
     robot.run(0.3)
 
 
+def plans(robot: tool0.Robot) -> None:
+    """A plan that is refused, one that is executed, one that a contact stops."""
+    robot.scene.add("post", Box(size=(0.1, 0.1, 0.8)), xyz=(-0.6, -0.6, 0.3))
+    with pytest.raises(Tool0Error):
+        robot.arm.plan({"elbow_joint": 9.0})
+    plan = robot.arm.plan({"shoulder_pan_joint": 0.5}, speed=1.0)
+    robot.scene.place("post", (-0.6, -0.7, 0.3))
+    with pytest.raises(Tool0Error, match="'post' has moved"):
+        robot.arm.execute(plan)
+    goal = robot.arm.execute(robot.arm.plan({"shoulder_pan_joint": 0.5}, speed=1.0))
+    assert goal.wait(timeout=10.0).status is tool0.GoalStatus.SUCCEEDED
+    plan = robot.arm.plan({"shoulder_pan_joint": -0.5}, speed=0.5)
+    pose = robot.arm.pose()
+    goal = robot.arm.execute(plan)
+    robot.run(0.2)
+    x, y, z = pose.position
+    turn = math.atan2(y, x) - 0.6
+    at = (math.hypot(x, y) * math.cos(turn), math.hypot(x, y) * math.sin(turn), z)
+    robot.scene.add("surprise", Box(size=(0.08,) * 3), xyz=at)
+    assert goal.wait(timeout=10.0).status is tool0.GoalStatus.ABORTED
+    robot.run(0.2)
+
+
 _TABLE = SimulationConfig(scene="table_and_cubes", realtime=False)
 SESSIONS: dict[str, tuple[Session, dict[str, Any]]] = {
     "sliders": (sliders_and_goals, {}),
@@ -201,6 +225,7 @@ SESSIONS: dict[str, tuple[Session, dict[str, Any]]] = {
     "objects": (objects_and_resets, {"simulation": _TABLE}),
     "stops": (stops, {}),
     "arm": (an_arm_that_a_program_moves, {}),
+    "plans": (plans, {}),
     "controllers": (controllers, {}),
     "ros2": (
         ros2,

@@ -1,0 +1,272 @@
+"""Collision-free motions: how many problems are solved, how fast, how short, how safe.
+
+``python benchmarks/planning.py [N]`` prints the table of docs/performance.md, with N
+problems of each set; ``--ompl`` runs OMPL's RRTConnect on the same problems, too.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+import tool0
+from benchmarks import planning_ompl
+from benchmarks.planning_problems import SETS, Problem, Workcell, problems
+from tool0.errors import PlanningError
+from tool0.kernel.clearance import Cancelled
+from tool0.kinematics.chain import Array
+from tool0.motion.path import Path
+from tool0.planning import planner
+from tool0.planning.planner import FreeMotion, SearchOptions, plan_free_motion
+from tool0.planning.world import CLEARANCE, PlanningGroup, Rules
+from tool0.scene import Scene
+
+N_PROBLEMS = 100
+IN_TIME = 2.0
+"""Processor time within which a problem is to be solved [s]."""
+LONGEST = 60.0
+"""Wall time of a search [s]: the machine may be busy."""
+RESTARTS = 20
+STEP = 0.001
+"""Between two poses of the independent check [rad]."""
+
+
+@dataclass(frozen=True)
+class Solved:
+    """What became of one problem."""
+
+    problem: Problem
+    motion: FreeMotion | None
+    seconds: float
+    """Processor time of postures, search, shortcuts and timing [s]."""
+    ratio: float = float("nan")
+    """Length ÷ that of the best of ``RESTARTS`` other seeds."""
+    violations: int = 0
+    """Poses nearer than the clearance, found by MuJoCo alone."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """The figures of a set."""
+
+    name: str
+    solved: tuple[Solved, ...]
+
+    @property
+    def share(self) -> float:
+        """Of the problems solved within ``IN_TIME``."""
+        return float(
+            np.mean([s.motion is not None and s.seconds < IN_TIME for s in self.solved])
+        )
+
+    def time(self, quantile: float) -> float:
+        """Return a quantile of the processor time [s]."""
+        return float(np.quantile([s.seconds for s in self.solved], quantile))
+
+    @property
+    def ratio(self) -> float:
+        """Median of the lengths, against the best of ``RESTARTS`` other seeds."""
+        return float(np.nanmedian([s.ratio for s in self.solved]))
+
+    @property
+    def violations(self) -> int:
+        """Poses of all plans that are nearer than the clearance."""
+        return sum(s.violations for s in self.solved)
+
+    def __str__(self) -> str:
+        return (
+            f"| {self.name} | {len(self.solved)} | {100 * self.share:.0f} % "
+            f"| {1e3 * self.time(0.5):.0f} / {1e3 * self.time(0.95):.0f} ms "
+            f"| {self.ratio:.2f} | {self.violations} |"
+        )
+
+
+def report(name: str, n: int, *, seed: int = 0, compare: bool = True) -> Report:
+    """Solve and check ``n`` problems of a set.
+
+    Args:
+        name: One of ``SETS``.
+        n: Number of problems.
+        seed: Of the problems.
+        compare: Whether lengths are compared with those of other seeds.
+    """
+    cell = Workcell()
+    return Report(
+        name,
+        tuple(solve(cell, each, compare=compare) for each in problems(name, n, seed)),
+    )
+
+
+def solve(cell: Workcell, problem: Problem, *, compare: bool = True) -> Solved:
+    """Solve one problem, and check the motion."""
+    group = cell.group(cell.world(), problem.objects, Rules())
+    begun = time.thread_time()
+    motion = attempt(cell, group, problem)
+    seconds = time.thread_time() - begun
+    if motion is None:
+        return Solved(problem, None, seconds)
+    ratio = float("nan")
+    if compare:
+        others = [
+            attempt(cell, group, problem, seed=1 + k, restarts=1)
+            for k in range(RESTARTS)
+        ]
+        lengths = [length(other) for other in (*others, motion) if other is not None]
+        ratio = length(motion) / min(lengths)
+    return Solved(
+        problem, motion, seconds, ratio, violations(cell, group, motion.path)
+    )
+
+
+def attempt(
+    cell: Workcell,
+    group: PlanningGroup,
+    problem: Problem,
+    *,
+    seed: int = 0,
+    restarts: int = planner.RESTARTS,
+) -> FreeMotion | None:
+    """Return a motion, or None if there was not enough time."""
+    try:
+        return plan_free_motion(
+            group,
+            cell.chain.joints,
+            problem.start,
+            cell.goals(problem.T_root_flange, problem.start),
+            options=SearchOptions(timeout=LONGEST, seed=seed, restarts=restarts),
+            cancelled=Cancelled(),
+        )
+    except PlanningError:
+        return None
+
+
+def length(motion: FreeMotion) -> float:
+    """Return the length of a motion's way [rad]."""
+    return float(np.linalg.norm(np.diff(motion.waypoints, axis=0), axis=1).sum())
+
+
+def violations(
+    cell: Workcell, group: PlanningGroup, path: Path, clearance: float = CLEARANCE
+) -> int:
+    """Return at how many poses, 1 mrad apart, something is nearer than ``clearance``.
+
+    MuJoCo alone measures: every two shapes that a sphere around each does not keep
+    apart.
+    """
+    model = group.owner.model
+    data = mujoco.MjData(model)
+    data.qpos[:] = group.owner.data.qpos
+    addresses = group.owner.addresses(cell.chain.joint_names)
+    watched = set(map(frozenset, group.names))
+    pairs = np.array(
+        [
+            (one.geom, two.geom)
+            for one, two in itertools.combinations(group.owner.shapes, 2)
+            if frozenset((one.owner, two.owner)) in watched
+        ]
+    )
+    first, second = pairs.T
+    radii = model.geom_rbound
+    is_plane = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE
+    near = radii[first] + radii[second] + clearance
+    near[is_plane[first] | is_plane[second]] = np.inf
+    found = 0
+    for q in densely(path):
+        data.qpos[addresses] = q
+        mujoco.mj_kinematics(model, data)
+        at = data.geom_xpos
+        apart = np.linalg.norm(at[first] - at[second], axis=1)
+        found += any(
+            mujoco.mj_geomDistance(model, data, one, two, 2.0 * clearance, None)
+            < clearance - 1e-7
+            for one, two in pairs[apart < near].tolist()
+        )
+    return found
+
+
+def densely(path: Path) -> Array:
+    """Return poses along a path, at most ``STEP`` apart in any joint, (n, 6)."""
+    fastest = np.abs(path.velocities).max()
+    n = int(np.ceil(1.2 * fastest * path.duration / STEP))
+    q = path.at(np.linspace(0.0, path.duration, n)).positions
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q, axis=0)).max(axis=1))])
+    wanted = np.append(np.arange(0.0, way[-1], STEP), way[-1])
+    return np.asarray(q[np.minimum(np.searchsorted(way, wanted), len(q) - 1)])
+
+
+def executed(
+    n: int, *, engine: str = "mujoco", seed: int = 0, every: int = 1
+) -> tuple[int, int]:
+    """Execute plans of the problems; return how many, and the contacts on the way.
+
+    Args:
+        n: Problems of each set.
+        engine: The physics.
+        seed: Of the problems.
+        every: Only every so many of them are executed.
+    """
+    count = contacts = 0
+    for name in SETS:
+        for problem in itertools.islice(problems(name, n, seed), 0, None, every):
+            contacts += execute(problem, engine)
+            count += 1
+    return count, contacts
+
+
+def execute(problem: Problem, engine: str) -> int:
+    """Plan and execute a problem's motion; return the contacts on the way."""
+    cell = Workcell()
+    start = dict(zip(cell.chain.joint_names, problem.start.tolist(), strict=True))
+    with tool0.bringup(
+        engine=engine,
+        scene=Scene(problem.objects),
+        initial_pose=start,
+        realtime=False,
+    ) as robot:
+        plan = robot.arm.plan(problem.T_root_flange, speed=1.0, timeout=LONGEST)
+        before = {frozenset((c.first, c.second)) for c in robot.contacts()}
+        goal = robot.arm.execute(plan)
+        seen: set[frozenset[str]] = set()
+        while not goal.status.is_terminal:
+            robot.run(0.02)
+            seen |= {frozenset((c.first, c.second)) for c in robot.contacts()}
+        if goal.status is not tool0.GoalStatus.SUCCEEDED:
+            raise RuntimeError(f"{problem.name}: {goal.wait()}")
+        return len(seen - before)
+
+
+def reports(n: int, seed: int = 0) -> Iterator[Report]:
+    """Yield the figures of each set."""
+    for name in SETS:
+        yield report(name, n, seed=seed)
+
+
+def main() -> None:
+    """Print a Markdown table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("n", nargs="?", type=int, default=N_PROBLEMS)
+    parser.add_argument("--ompl", action="store_true")
+    parser.add_argument("--execute", action="store_true")
+    args = parser.parse_args()
+    print(
+        f"| set | problems | within {IN_TIME:g} s | median / p95 "
+        f"| length ÷ best of {RESTARTS} | violations |"
+    )
+    print("| --- | --- | --- | --- | --- | --- |")
+    for each in reports(args.n):
+        print(each, flush=True)
+    if args.ompl:
+        planning_ompl.main(args.n)
+    if args.execute:
+        count, contacts = executed(args.n)
+        print(f"{count} plans executed, {contacts} contacts")
+
+
+if __name__ == "__main__":
+    main()
