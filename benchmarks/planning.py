@@ -17,7 +17,7 @@ import numpy as np
 
 import tool0
 from benchmarks import planning_ompl
-from benchmarks.planning_problems import SETS, Problem, Workcell, problems
+from benchmarks.planning_problems import GROUND, SETS, Problem, Workcell, problems
 from tool0.errors import PlanningError
 from tool0.kernel.clearance import Cancelled
 from tool0.kinematics.chain import Array
@@ -119,9 +119,7 @@ def solve(cell: Workcell, problem: Problem, *, compare: bool = True) -> Solved:
         ]
         lengths = [length(other) for other in (*others, motion) if other is not None]
         ratio = length(motion) / min(lengths)
-    return Solved(
-        problem, motion, seconds, ratio, violations(cell, group, motion.path)
-    )
+    return Solved(problem, motion, seconds, ratio, violations(cell, group, motion.path))
 
 
 def attempt(
@@ -228,6 +226,7 @@ def execute(problem: Problem, engine: str) -> int:
         scene=Scene(problem.objects),
         initial_pose=start,
         realtime=False,
+        simulation=tool0.SimulationConfig(spawn_z=-GROUND),
     ) as robot:
         plan = robot.arm.plan(problem.T_root_flange, speed=1.0, timeout=LONGEST)
         before = {frozenset((c.first, c.second)) for c in robot.contacts()}

@@ -75,7 +75,7 @@ def _search(clearances: Any, problem: Problem, goals: Any, bounds: Any) -> bool:
         return [state[k] for k in range(n)]
 
     class Motions(base.MotionValidator):  # type: ignore[misc]
-        def checkMotion(self, one: Any, other: Any) -> bool:  # noqa: N802
+        def checkMotion(self, one: Any, other: Any) -> bool:
             way = np.array([values(one), values(other)])
             return clearances.along(way) is None
 
@@ -118,7 +118,7 @@ def main(n: int) -> None:
     for name in SETS:
         pairs = [seconds(cell, each) for each in problems(name, n)]
         ratios = [theirs / ours for theirs, ours in pairs if theirs and ours]
-        solved = [sum(side is not None for side in both) for both in zip(*pairs)]
+        solved = [sum(pair[k] is not None for pair in pairs) for k in range(2)]
         print(
             f"| {name} | {solved[0]}, {solved[1]} of {len(pairs)} "
             f"| {statistics.median(ratios):.1f} |",

@@ -345,7 +345,9 @@ def problems(name: str, n: int, seed: int = 0) -> Iterator[Problem]:
                 T = sample(rng) @ _at((0.0, 0.0, -REACH))
                 postures = cell.goals(T, np.array(HOME))
                 for q in rng.permutation(postures):
-                    if not group.why_not(q) and cell.retreats(q, T, site.retreat, group):
+                    if not group.why_not(q) and cell.retreats(
+                        q, T, site.retreat, group
+                    ):
                         return T, q
             return None
 
@@ -361,9 +363,7 @@ def problems(name: str, n: int, seed: int = 0) -> Iterator[Problem]:
         goals = cell.goals(found[0], start)
         nearest = goals[np.abs(goals - start).max(axis=1).argsort()]
         straight = [q for q in nearest if not group.why_not(q)][:2]
-        if any(
-            group.clearances.along(np.array([start, q])) is None for q in straight
-        ):
+        if any(group.clearances.along(np.array([start, q])) is None for q in straight):
             continue
         yield Problem(f"{name} {count}", objects, start, found[0])
         count += 1
@@ -418,5 +418,6 @@ def _can(
 def _solid(name: str, shape: Box | Cylinder, T: Array) -> SceneObject:
     pitch = math.asin(max(-1.0, min(1.0, -T[2, 0])))
     rpy = (math.atan2(T[2, 1], T[2, 2]), pitch, math.atan2(T[1, 0], T[0, 0]))
-    return SceneObject(name=name, geometry=shape, pose=Pose(xyz=tuple(T[:3, 3]), rpy=rpy))
-
+    return SceneObject(
+        name=name, geometry=shape, pose=Pose(xyz=tuple(T[:3, 3]), rpy=rpy)
+    )

@@ -165,8 +165,6 @@ def _timed(
     group: PlanningGroup, joints: Sequence[Joint], way: Array, speed: float
 ) -> Path:
     """Return the motion along a free way; its corners are cut as far as is free."""
-    if np.abs(way[-1] - way[0]).max() <= _SAME and len(way) == 2:
-        way = np.array([way[0], way[0] + 2.0 * _SAME])  # a path needs a length
     deviations = [_CUT] * (len(way) - 2)
     while True:
         smooth = SmoothWay(way, deviations)
@@ -218,8 +216,8 @@ def _direct(
     """Return the straight way to the nearest goal, if it is free."""
     for k in numbers[:2]:
         way = np.array([start, goals[k]])
-        if not np.abs(way[1] - way[0]).max() > 0.0:
-            way[1] += _SAME  # a motion needs a length
+        if not np.abs(way[1] - way[0]).max() > _SAME:
+            way[1] = start + 2.0 * _SAME  # a motion needs a length
         if group.clearances.along(way) is None:
             return way
     return None
