@@ -25,6 +25,7 @@ from benchmarks import (
     page,
     panel,
     panel_cameras,
+    planning,
     process,
     recording,
     rest,
@@ -42,6 +43,8 @@ from tool0.installation.ros1.packages import ros1_status
 from tool0.installation.ros2.installation import find_ros2
 
 N_HANDOVERS = 20
+N_PLANS = 20
+"""Of each set; ``benchmarks/planning.py`` takes 100."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +88,7 @@ def figures() -> Iterator[Figure]:
     yield Figure("collect with 2 workers ÷ 1 worker", ratio, 1.8, 1.95)
     eight = f"{cells.N_ROBOTS} robots"
     yield Figure(f"{eight}: start-up ÷ that of one", cells.start_ratio(), 5.0, 2.5)
+    yield from _planning_figures()
     for name in golden.SCENARIOS:
         worst = golden.compare(name, "mujoco").worst
         yield Figure(f"difference from {name} [mrad]", 1e3 * worst, 10.0, 3.0)
@@ -177,6 +181,22 @@ def _grasp_figures(engine: str, n_picks: int) -> Iterator[Figure]:
     report = grasping.handovers(engine, N_HANDOVERS, seed=1)
     name = f"{engine}: of {N_HANDOVERS} handovers succeed"
     yield Figure(name, report.n_succeeded, N_HANDOVERS - 1, N_HANDOVERS)
+
+
+def _planning_figures() -> Iterator[Figure]:
+    for each in planning.reports(N_PLANS):
+        name = f"plans, {each.name}"
+        yield Figure(f"{name}: solved within 2 s [%]", 100.0 * each.share, 99.0, 100.0)
+        yield Figure(f"{name}: median time [ms]", 1e3 * each.time(0.5), 50.0, 20.0)
+        yield Figure(f"{name}: p95 [ms]", 1e3 * each.time(0.95), 500.0, 150.0)
+        yield Figure(f"{name}: length ÷ best of 20", each.ratio, 1.25, 1.1)
+        yield Figure(f"{name}: poses too near", each.violations, 0, 0)
+    share = planning.twelve_joints(N_PLANS)
+    yield Figure(
+        "plans of two crossing arms within 5 s [%]", 100.0 * share, 95.0, 100.0
+    )
+    _, contacts = planning.executed(N_PLANS)
+    yield Figure("plans executed, empty and with a cube: contacts", contacts, 0, 0)
 
 
 def _drive_figures() -> Iterator[Figure]:
