@@ -230,7 +230,8 @@ def execute(problem: Problem, engine: str, *, hold: bool = False) -> int | None:
     """Plan and execute a problem's motion; return the unexpected contacts on the way.
 
     With a held cube, the motion ends ``ASIDE`` before the target, where something
-    stands; None if this cannot be, or the cube was not gripped.
+    stands; None if this cannot be, or the cube was not gripped: some motions start with
+    something between the pads.
     """
     cell = Workcell()
     start = dict(zip(cell.chain.joint_names, problem.start.tolist(), strict=True))
@@ -244,7 +245,8 @@ def execute(problem: Problem, engine: str, *, hold: bool = False) -> int | None:
         if hold:
             target[:3, 3] -= ASIDE * target[:3, 2]
             robot.gripper.move(opening=0.02, force=40.0)
-            while robot.gripper.opening > 0.0425:
+            until = robot.time + 1.0
+            while robot.gripper.opening > 0.0425 and robot.time < until:
                 robot.run(0.004)
             pads = robot.arm.pose(tool=robot.gripper.tcp())
             try:
@@ -257,7 +259,7 @@ def execute(problem: Problem, engine: str, *, hold: bool = False) -> int | None:
                 return None
         try:
             plan = robot.arm.plan(target, speed=1.0, timeout=LONGEST)
-        except (CollisionError, UnreachableError):
+        except (CollisionError, UnreachableError, PlanningError):
             if hold:
                 return None
             raise
