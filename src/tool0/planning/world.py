@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 CLEARANCE: Final = 0.005
 """Distance that motions keep, unless they say otherwise [m]."""
+OWN_CLEARANCE: Final = 0.005
+"""Distance that the links of one robot keep at most [m]: those of a UR5's base and
+upper arm are never more than 8.2 mm apart."""
 SLACK: Final = 0.0005
 """Distance that the search keeps beyond the clearance [m]: between two looks at a
 motion, shapes come nearer to each other by no more."""
@@ -109,7 +112,7 @@ class CollisionWorld:
         if rules.upright is None and key in self._groups:
             return self._groups[key]
         pairs = tuple(self._pairs(distances, joints, around, rules))
-        bounds = [-TOUCH if pair.may_touch else rules.clearance for pair in pairs]
+        bounds = [pair.bound for pair in pairs]
         least = np.array(bounds, dtype=np.float64) + SLACK
         shared = least.copy()
         upright = None
@@ -168,12 +171,17 @@ class CollisionWorld:
         rules: Rules,
     ) -> Iterator[_Pair]:
         """Yield the pairs of shapes whose distance a motion changes."""
+        from tool0.engines.mujoco.link_collisions import robot_of
+
         column = {name: k for k, name in enumerate(joints)}
         levers = {
             body: dict(distances.joints_above(body))
             for body in {shape.body for shape in distances.shapes}
         }
         ignored = self._links_that_touch(distances)
+        robots = {
+            link: robot_of(self._model, link) for link in self._model.link_by_name
+        }
         grippers = self._hands(around)
         steady = _steady_axes(distances, levers)
         for one, two in itertools.combinations(distances.shapes, 2):
@@ -202,9 +210,13 @@ class CollisionWorld:
                     )
             if not reach.any():
                 continue
-            may_touch = not rules.may_touch.isdisjoint((one.owner, two.owner))
             first, second = sorted((one, two), key=distances.size)
-            yield _Pair(first, second, reach, may_touch)
+            bound = rules.clearance
+            if not rules.may_touch.isdisjoint((one.owner, two.owner)):
+                bound = -TOUCH
+            elif robots.get(one.owner, 1) == robots.get(two.owner, 2):
+                bound = min(bound, OWN_CLEARANCE)
+            yield _Pair(first, second, reach, bound)
 
     def _hands(self, around: Surroundings) -> dict[str, frozenset[str]]:
         """Return the links that hold each held object."""
@@ -244,7 +256,8 @@ class _Pair(NamedTuple):
     first: Shape
     second: Shape
     reach: Array
-    may_touch: bool
+    bound: float
+    """Distance that it keeps [m]."""
 
 
 @final

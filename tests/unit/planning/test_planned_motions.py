@@ -95,6 +95,13 @@ def test_it_goes_around_the_wall_where_the_straight_way_does_not(
     assert again.times == plan.times
 
 
+def test_a_large_clearance_is_that_of_other_things(robot: tool0.Robot) -> None:
+    # the base and the upper arm are never more than 8 mm apart
+    plan = robot.arm.plan({"shoulder_lift_joint": -1.2}, clearance=0.05)
+    assert plan.is_direct
+    assert 0.005 <= plan.clearance < 0.009
+
+
 def test_a_target_in_something_is_refused_with_its_name(robot: tool0.Robot) -> None:
     with pytest.raises(CollisionError, match=r"the target is in collision: .*'wall'"):
         robot.arm.plan({"shoulder_pan_joint": 0.0})

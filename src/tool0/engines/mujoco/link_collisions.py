@@ -78,7 +78,7 @@ def disabled_collisions(
     sampled = shapes.sample(n_samples, seed)
     at_default = shapes.colliding_at(default)
     adjacent = set(adjacent_links(model))
-    robot = {link: _branch(model, link) for link in shapes.links}
+    robot = {link: robot_of(model, link) for link in shapes.links}
     masters = {link: mechanism_of(model, link) for link in shapes.links}
     reasons = {}
     for pair in itertools.combinations(sorted(shapes.links), 2):
@@ -221,8 +221,8 @@ def _ordered(first: str, second: str) -> LinkPair:
     return (first, second) if first < second else (second, first)
 
 
-def _branch(model: RobotModel, link: str) -> str:
-    """Return the child of the root that ``link`` hangs from: its robot."""
+def robot_of(model: RobotModel, link: str) -> str:
+    """Return the child of the root that a link hangs from: its robot."""
     while link in model.parent_joint and model.parent_joint[link].parent != model.root:
         link = model.parent_joint[link].parent
     return link
