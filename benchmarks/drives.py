@@ -148,7 +148,9 @@ def tracking(description: RobotDescription, *, n_moves: int = N_MOVES) -> Tracki
             touched = False
             with robot.record(rate=500) as recording:
                 goals = robot.move_joints(
-                    dict(zip(arm, end.tolist(), strict=True)), speed=SPEED
+                    dict(zip(arm, end.tolist(), strict=True)),
+                    speed=SPEED,
+                    collision="ignore",
                 )
                 began = robot.time
                 while any(goal.result is None for goal in goals):

@@ -161,20 +161,22 @@ def _named(robot: tool0.Robot, aim: Aim) -> dict[str, float]:
 
 
 def move_joints(robot: tool0.Robot, aim: Aim) -> Attempt:
-    return _of_goal(robot, robot.move_joints(_named(robot, aim))[0])
+    return _of_goal(robot, robot.move_joints(_named(robot, aim), collision="ignore")[0])
 
 
 def move_joints_within(robot: tool0.Robot, aim: Aim) -> Attempt:
-    goals = robot.move_joints(_named(robot, aim), duration=aim.duration)
+    goals = robot.move_joints(
+        _named(robot, aim), duration=aim.duration, collision="ignore"
+    )
     return _of_goal(robot, goals[0])
 
 
 def move_to(robot: tool0.Robot, aim: Aim) -> Attempt:
-    return _of_goal(robot, robot.arm.move_to(aim.pose))
+    return _of_goal(robot, robot.arm.move_to(aim.pose, collision="ignore"))
 
 
 def move_linear(robot: tool0.Robot, aim: Aim) -> Attempt:
-    return _of_goal(robot, robot.arm.move_linear(aim.pose))
+    return _of_goal(robot, robot.arm.move_linear(aim.pose, collision="ignore"))
 
 
 # ---- taken arms ----------------------------------------------------------------------

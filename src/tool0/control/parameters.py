@@ -141,8 +141,9 @@ class RobotJoints:
     grippers: tuple[ParallelGripper, ...] = ()
     speed_scaling: Mapping[str, float] = field(default_factory=dict)
     """Prefix of each arm → the factor of its trajectories' speed, as it is now."""
-    arms: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Prefix of each arm → its joints, from base to flange."""
+    arms: Mapping[str, tuple[str, ...]] | None = field(default_factory=dict)
+    """Prefix of each arm → its joints, from base to flange; None if any prefix may be
+    one."""
 
     @property
     def joint_states(self) -> tuple[str, ...]:
@@ -170,9 +171,7 @@ class RobotJoints:
             )
             for name in names
         }
-        return RobotJoints(
-            joints, dict.fromkeys(joints, interfaces), arms={"": tuple(joints)}
-        )
+        return RobotJoints(joints, dict.fromkeys(joints, interfaces), arms=None)
 
 
 def joint_entries(controller: YamlEntry) -> list[YamlEntry]:

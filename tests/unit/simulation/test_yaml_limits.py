@@ -34,7 +34,9 @@ def test_no_setpoint_is_faster_than_the_yaml_allows(tmp_path: Path, way: str) ->
         found = robot.arm.inverse_kinematics(BELOW)[0].positions
         robot.reset(found)
         if way == "move_linear":
-            robot.arm.move_linear(TURNED, speed=1.0, angular_speed=3.0)
+            robot.arm.move_linear(
+                TURNED, speed=1.0, angular_speed=3.0, collision="ignore"
+            )
         elif way == "move_to":
             robot.arm.move_to(TURNED, speed=1.0)
         else:

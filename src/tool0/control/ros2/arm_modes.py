@@ -29,7 +29,7 @@ def parse(
     is_freedrive = type_name == FREEDRIVE
     if is_freedrive:
         _check_timeout(parameters)
-    joints = robot.arms.get(prefix)
+    joints = () if robot.arms is None else robot.arms.get(prefix)
     if joints is None:
         entry = parameters.find("tf_prefix") or parameters.entry
         raise ConfigError(
