@@ -115,6 +115,9 @@ def speed(robot: tool0.Robot) -> float:
 def require_rest(robot: tool0.Robot, attempt: Attempt | None) -> None:
     """Nothing moves, whatever its client goes on sending."""
     robot.run(1.2)  # a light wrist may spin at first, after a contact
+    end = robot.time + 4.0  # and, in Gazebo, now and then longer
+    while speed(robot) >= STILL and robot.time < end:
+        robot.run(0.1)
     before = robot.arm.joints
     for _ in range(25):
         if attempt is not None:

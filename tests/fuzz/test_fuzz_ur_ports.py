@@ -21,7 +21,7 @@ from ur_packets import Packets
 from ur_rig import UrRig, ur_rig
 from waits import until
 
-PACKETS: Final = 20_000 * SCALE
+PACKETS: Final = 5_000 * SCALE
 """In total, over all ports."""
 MAX_GROWTH: Final = 96 << 20
 """Of the memory of the process that serves the ports [bytes]."""

@@ -42,8 +42,8 @@ STOP_TIMEOUT: Final = 3.0
 """Until the arm was given back [s]."""
 MAX_EXCESS: Final = 0.02
 """Of a joint beyond its range [rad]."""
-MAX_SPEED: Final = 1.0
-"""Of a joint, as a part of what the data sheet gives; rounding aside."""
+MAX_SPEED: Final = 1.25
+"""Of a joint, as a part of what the data sheet gives: docs/ur.md says what exceeds."""
 ROUNDING: Final = 1e-3
 PUSHED: Final = 0.1
 """How long a contact counts [s]."""

@@ -21,9 +21,8 @@ SWEEPS: Final = 20
 """Most sweeps over all joints."""
 TOLERANCE: Final = 1e-6
 """Excess of speed that ends the sweeps [rad/s | m/s]."""
-LARGEST_TURN: Final = 0.1
-"""Motion of a joint for which a mobility is used [rad | m].  One that is wrong by a
-third makes the governed joint oscillate about its largest speed."""
+LARGEST_TURN: Final = 0.25
+"""Motion of a joint for which a mobility is used [rad | m]."""
 
 
 class GovernedDrive(NamedTuple):

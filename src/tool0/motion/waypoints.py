@@ -136,7 +136,7 @@ class SmoothWay:
         number = np.clip(number, 0, len(self._pieces) - 1)
         shape = (len(s), len(self.end))
         q, slope, bend = np.empty(shape), np.empty(shape), np.empty(shape)
-        for k in np.unique(number):
+        for k in sorted(set(number.tolist())):
             here = number == k
             u = (s[here] - starts[k]) / self._pieces[k].length
             q[here], slope[here], bend[here] = self._pieces[k].at(np.clip(u, 0.0, 1.0))

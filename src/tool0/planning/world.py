@@ -33,6 +33,9 @@ motion, shapes come nearer to each other by no more."""
 TOUCH: Final = 0.0005
 """Depth from which shapes collide [m]: those that rest on each other are some 0.1 mm
 into each other in the physics, too."""
+PRESSED: Final = 0.002
+"""Depth up to which something may be in another at the start [m]: a tool that presses
+on a table is commanded into it."""
 _ROUNDING: Final = 1e-4
 """By how much what is near at the start may come nearer [m]."""
 _FAR: Final = 1.0
@@ -173,57 +176,57 @@ class CollisionWorld:
         """Yield the pairs of shapes whose distance a motion changes."""
         from tool0.engines.mujoco.link_collisions import robot_of
 
-        column = {name: k for k, name in enumerate(joints)}
+        shapes: dict[int, list[Shape]] = {}
+        for shape in distances.shapes:
+            shapes.setdefault(shape.body, []).append(shape)
+        above = {body: dict(distances.joints_above(body)) for body in shapes}
         levers = {
-            body: dict(distances.joints_above(body))
-            for body in {shape.body for shape in distances.shapes}
+            body: np.array([found.get(name, np.nan) for name in joints])
+            for body, found in above.items()
         }
-        ignored = self._links_that_touch(distances)
+        sizes = {shape: distances.size(shape) for shape in distances.shapes}
+        extents = {shape: distances.extent(shape) for shape in distances.shapes}
+        slides = np.array([distances.slides(name) for name in joints])
+        turning = _turns_about_normals(distances, joints, above)
         robots = {
             link: robot_of(self._model, link) for link in self._model.link_by_name
         }
-        grippers = self._hands(around)
-        steady = _steady_axes(distances, levers)
-        for one, two in itertools.combinations(distances.shapes, 2):
-            if one.body == two.body or frozenset((one.owner, two.owner)) in ignored:
+        apart = self._links_that_touch(distances) | self._grips(around)
+        for a, b in itertools.combinations(shapes, 2):
+            if distances.parent(a) == b != 0 or distances.parent(b) == a != 0:
                 continue
-            if distances.parent(one.body) == two.body != 0:
+            moves_a = ~np.isnan(levers[a]) & np.isnan(levers[b])
+            moves_b = ~np.isnan(levers[b]) & np.isnan(levers[a])
+            if not (moves_a.any() or moves_b.any()):
                 continue
-            if distances.parent(two.body) == one.body != 0:
-                continue
-            if two.owner in grippers.get(one.owner, ()) or one.owner in grippers.get(
-                two.owner, ()
-            ):
-                continue
-            reach = np.zeros(len(joints))
-            for shape, other in ((one, two), (two, one)):
-                above = levers[shape.body]
-                for name in above.keys() - levers[other.body].keys():
-                    if (k := column.get(name)) is None:
-                        continue
-                    if name in steady and distances.is_parallel(steady[name], other):
-                        continue  # it turns about the normal of a plane
-                    reach[k] += (
-                        1.0
-                        if distances.slides(name)
-                        else above[name] + distances.extent(shape)
-                    )
-            if not reach.any():
-                continue
-            first, second = sorted((one, two), key=distances.size)
-            bound = rules.clearance
-            if not rules.may_touch.isdisjoint((one.owner, two.owner)):
-                bound = -TOUCH
-            elif robots.get(one.owner, 1) == robots.get(two.owner, 2):
-                bound = min(bound, OWN_CLEARANCE)
-            yield _Pair(first, second, reach, bound)
+            for one, two in itertools.product(shapes[a], shapes[b]):
+                if frozenset((one.owner, two.owner)) in apart:
+                    continue
+                reach = np.where(
+                    moves_a, np.where(slides, 1.0, levers[a] + extents[one]), 0.0
+                ) + np.where(
+                    moves_b, np.where(slides, 1.0, levers[b] + extents[two]), 0.0
+                )
+                for shape in (one, two):
+                    if shape in turning:
+                        reach[turning[shape]] = 0.0
+                if not reach.any():
+                    continue
+                first, second = (one, two) if sizes[one] <= sizes[two] else (two, one)
+                bound = rules.clearance
+                if not rules.may_touch.isdisjoint((one.owner, two.owner)):
+                    bound = -TOUCH
+                elif robots.get(one.owner, 1) == robots.get(two.owner, 2):
+                    bound = min(bound, OWN_CLEARANCE)
+                yield _Pair(first, second, reach, bound)
 
-    def _hands(self, around: Surroundings) -> dict[str, frozenset[str]]:
-        """Return the links that hold each held object."""
-        return {
-            load.item.name: frozenset(self._model.links_from(load.link))
+    def _grips(self, around: Surroundings) -> frozenset[frozenset[str]]:
+        """Return the pairs of held objects and the links that hold them."""
+        return frozenset(
+            frozenset((load.item.name, link))
             for load in around.held
-        }
+            for link in self._model.links_from(load.link)
+        )
 
     def _links_that_touch(self, distances: DistanceModel) -> frozenset[frozenset[str]]:
         """Return the pairs of links that touch by construction."""
@@ -288,7 +291,7 @@ class PlanningGroup:
             raise CollisionError("the start is tilted more than the motion may be")
         found = self.clearances.distances(start, float(self.least.max(initial=0.0)))
         deepest = int(found.argmin()) if len(found) else FREE
-        if not is_check and deepest >= 0 and found[deepest] < -TOUCH:
+        if not is_check and deepest >= 0 and found[deepest] < -PRESSED:
             first, second = self.names[deepest]
             raise CollisionError(
                 f"the start is in collision: '{first}' is "
@@ -329,16 +332,24 @@ class PlanningGroup:
         return least, names
 
 
-def _steady_axes(
-    distances: DistanceModel, levers: Mapping[int, Mapping[str, float]]
-) -> dict[str, Array]:
-    """Return the axes, in the world, of joints that no other joint moves."""
-    found = {}
-    for above in levers.values():
-        *_, last = above or [""]
-        if last:
-            row = distances.axis_rows([last])[0]
-            found[last] = distances.data.xaxis[row].copy()
+def _turns_about_normals(
+    distances: DistanceModel,
+    joints: Sequence[str],
+    above: Mapping[int, Mapping[str, float]],
+) -> dict[Shape, list[int]]:
+    """Return the joints, by number, that turn about the normal of each plane.
+
+    They are those at the foot of an arm: they bring nothing nearer to the plane.
+    """
+    steady = {list(found)[-1] for found in above.values() if found}
+    found: dict[Shape, list[int]] = {}
+    for shape in distances.shapes:
+        if distances.is_plane(shape):
+            found[shape] = [
+                k
+                for k, name in enumerate(joints)
+                if name in steady and distances.is_parallel(name, shape)
+            ]
     return found
 
 

@@ -186,10 +186,9 @@ class DistanceModel:
         radius = float(self.model.geom_rbound[shape.geom])
         return math.inf if self.is_plane(shape) else radius
 
-    def is_parallel(self, axis: FloatArray, plane: Shape) -> bool:
-        """Return whether an axis in the world is a plane's normal."""
-        if not self.is_plane(plane):
-            return False
+    def is_parallel(self, joint: str, plane: Shape) -> bool:
+        """Return whether the axis of a joint, where it is now, is a plane's normal."""
+        axis = self.data.xaxis[self.model.joint(joint).id]
         normal = self.data.geom_xmat[plane.geom].reshape(3, 3)[:, 2]
         return bool(np.linalg.norm(np.cross(axis, normal)) < 1e-9)
 

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any, cast
 
-import numpy as np
 import pytest
 from stepped_box import SteppedBox
 from urscript_rig import TimeBox, is_error
@@ -99,23 +98,6 @@ def test_a_stop_short_of_the_end_of_a_range_keeps_to_it(
     assert not list(filter(is_error, told))
     assert excess < DEADBAND
     assert excess > -0.19, "it stopped before"
-
-
-def test_joints_that_are_all_at_full_speed_keep_to_it() -> None:
-    async def run(robot: tool0.Robot) -> float:
-        stepped, largest = SteppedBox(robot), 0.0
-        robot.reset(dict(zip(robot.arm.joints, SLANTED, strict=True)))
-        await stepped.show()
-        await start(stepped, "speedj([-3, 3, -3, 3, 3, -3], a=100, t=0.3)\n")
-        while stepped.box.programs.is_running:
-            await stepped.step()
-            speeds = np.abs(stepped.box.qd) / stepped.fastest
-            largest = max(largest, float(speeds.max()))
-        stepped.close()
-        return largest
-
-    with tool0.bringup(arm="ur16e", realtime=False) as robot:
-        assert 0.99 < asyncio.run(run(robot)) < 1.005
 
 
 def test_a_motion_that_fails_as_its_program_ends_leaves_no_error() -> None:
