@@ -8,11 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import pytest
-from browser import Tab, find_chromium, launch
+from browser import Tab, comes_to_rest, find_chromium, launch
 from playwright.sync_api import Browser, sync_playwright
 from promised import absent
 
 import tool0
+from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box
+from tool0.description.transform import Pose
 from tool0.panel.server import Panel, is_page_built
 
 OpenTab = Callable[..., Tab]
@@ -58,3 +61,21 @@ def open_tab(browser: Browser) -> Iterator[OpenTab]:
 @pytest.fixture
 def tab(panel: Panel, open_tab: OpenTab) -> Tab:  # the server outlives its pages
     return open_tab(panel.url)
+
+
+WALL = SceneObject(
+    name="wall",
+    geometry=Box(size=(0.5, 0.04, 0.45)),
+    pose=Pose(xyz=(0.55, -0.12, 0.225)),
+    mass=None,
+)
+
+
+@pytest.fixture
+def walled(robot: tool0.Robot) -> tool0.Robot:
+    """Return a robot with a wall beside its tool."""
+    for goal in robot.go_to_pose("ready"):
+        goal.wait(60.0)
+    robot.scene.add(WALL)
+    comes_to_rest(robot)
+    return robot

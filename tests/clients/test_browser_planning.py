@@ -1,34 +1,14 @@
-"""A person sends the arm to a target behind a wall, and jogs towards the wall."""
+"""A person sends the arm to a target behind a wall."""
 
-import numpy as np
 import pytest
 from browser import Tab, comes_to_rest, eventually, time_passes
 from playwright.sync_api import FloatRect
-from test_browser_tool import READY, opens_the_tool, position, stops
+from test_browser_tool import READY, opens_the_tool, position
 
 import tool0
-from tool0.description.scene import SceneObject
-from tool0.description.shapes import Box
-from tool0.description.transform import Pose
 
-WALL = SceneObject(
-    name="wall",
-    geometry=Box(size=(0.5, 0.04, 0.45)),
-    pose=Pose(xyz=(0.55, -0.12, 0.225)),
-    mass=None,
-)
 BEHIND = -0.35
 """y of a place behind the wall [m]; the tool begins at 0.11 m."""
-
-
-@pytest.fixture
-def walled(robot: tool0.Robot) -> tool0.Robot:
-    """Return a robot with a wall beside its tool."""
-    for goal in robot.go_to_pose("ready"):
-        goal.wait(60.0)
-    robot.scene.add(WALL)
-    comes_to_rest(robot)
-    return robot
 
 
 def aims_behind_the_wall(tab: Tab) -> None:
@@ -73,7 +53,7 @@ def test_the_arm_goes_around_a_wall_on_the_way_that_is_shown(
     start = position(walled)
     plans_a_way_around(tab)
     tab.text("plan-obstacle", "wall")
-    tab.text("plan-figures", "wall")
+    tab.text("plan-figures", "mm between")
     at_end = above_the_card(tab)
     slides_to(tab, "Home")
     eventually(lambda: above_the_card(tab) != at_end, "the ghost moves")
@@ -136,34 +116,3 @@ def test_a_plan_is_discarded_or_outdated_and_nothing_moves(
     tab.get("estop-banner").wait_for()
     time_passes(walled, 0.5)
     assert position(walled) == pytest.approx(start, abs=5e-3)  # the brakes give way
-
-
-def test_jogging_stops_in_front_of_a_wall(tab: Tab, walled: tool0.Robot) -> None:
-    opens_the_tool(tab)
-    tab.get("jog-frame-world").click()
-    tab.get("jog-obstacles").click()
-    button = tab.get("jog-y-minus")
-    button.scroll_into_view_if_needed()
-    start = position(walled)
-    button.hover()
-    tab.page.mouse.down()
-    notice = tab.get("notice").filter(has_text="Stopped in front of an obstacle")
-    notice.filter(has_text="wall").wait_for()
-    stops(walled)
-    tab.page.mouse.up()
-    there = position(walled)
-    assert there[1] < start[1] - 0.03  # it went as far as it was free
-    assert not any(
-        "wall" in (contact.first, contact.second) for contact in walled.contacts()
-    )
-    button.hover()
-    tab.page.mouse.down()
-    time_passes(walled, 0.5)
-    tab.page.mouse.up()
-    assert np.linalg.norm(position(walled) - there) < 5e-3  # it does not go nearer
-    away = tab.get("jog-y-plus")
-    away.hover()
-    tab.page.mouse.down()
-    eventually(lambda: position(walled)[1] > there[1] + 0.02, "it moves away")
-    tab.page.mouse.up()
-    tab.get("jog-obstacles").click()
