@@ -53,7 +53,7 @@ def test_a_collision_stops_the_arm(rig) -> None:
     eventually(
         lambda: max(map(abs, robot.joint_state.velocity.values())) < 1e-3, "it rests"
     )
-    robot.arm.move_linear(IN_TABLE, speed=0.2).wait()
+    robot.arm.move_linear(IN_TABLE, speed=0.2, collision="ignore").wait()
     assert "touches 'table'" in robot.arm.control_box.state.protective_stop
     dashboard.until("safetymode", "Safetymode: PROTECTIVE_STOP")
     dashboard.close()
