@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple, final
 
 import numpy as np
@@ -76,7 +76,7 @@ class SmoothWay:
         self._pieces: list[_Piece] = []
         self._stops: list[int] = []
         """The number of the piece before which the motion rests."""
-        self.corners: list[int] = []
+        self._corners: list[int] = []
         """The corner of each piece; -1 of straight ones."""
         for k, (direction, length) in enumerate(zip(directions, lengths, strict=True)):
             rest = length - trims[k] - trims[k + 1]
@@ -95,21 +95,14 @@ class SmoothWay:
 
     def _add(self, piece: _Piece, corner: int) -> None:
         self._pieces.append(piece)
-        self.corners.append(corner)
+        self._corners.append(corner)
 
-    def chords(self, n: int) -> tuple[Array, list[int]]:
-        """Return poses along the way, ``n`` chords for each blend.
-
-        Also the corner of each chord; -1 of straight ones.
-        """
-        poses, corners = [self._pieces[0].start[None]], []
-        for piece, corner in zip(self._pieces, self.corners, strict=True):
-            u = np.arange(1, n + 1) / n if corner >= 0 else np.ones(1)
-            poses.append(piece.at(u)[0])
-            corners += [corner] * len(u)
-        found = np.concatenate(poses)
-        found[-1] = self.end
-        return found, corners
+    def blends(self, n: int) -> Iterator[tuple[int, Array]]:
+        """Yield the corner of each blend, and poses along it: ``n`` chords."""
+        u = np.linspace(0.0, 1.0, n + 1)
+        for piece, corner in zip(self._pieces, self._corners, strict=True):
+            if corner >= 0:
+                yield corner, piece.at(u)[0]
 
     def sampled(self) -> tuple[Array, Array, Array, set[int]]:
         """Return the way, and both derivatives of the positions, at a grid of it.

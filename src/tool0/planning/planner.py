@@ -168,13 +168,16 @@ def _timed(
     deviations = [_CUT] * (len(way) - 2)
     while True:
         smooth = SmoothWay(way, deviations)
-        chords, corners = smooth.chords(_CHORDS)
-        found = group.clearances.along(chords) if len(way) > 2 else None
-        corner = corners[min(found.row, len(corners) - 1)] if found else -1
-        if corner < 0:
+        blocked = [
+            corner
+            for corner, poses in smooth.blends(_CHORDS)
+            if group.clearances.along(poses) is not None
+        ]
+        if not blocked:  # the straight parts are those of the way
             return time_way(joints, smooth, speed=speed)
-        smaller = deviations[corner] / 2.0
-        deviations[corner] = smaller if smaller >= _STOP else 0.0
+        for corner in blocked:
+            smaller = deviations[corner] / 2.0
+            deviations[corner] = smaller if smaller >= _STOP else 0.0
 
 
 def cost(way: Array, fastest: Array) -> float:

@@ -36,10 +36,11 @@ into each other in the physics, too."""
 PRESSED: Final = 0.002
 """Depth up to which something may be in another at the start [m]: a tool that presses
 on a table is commanded into it."""
+MOST_GROUPS: Final = 16
+"""Groups that are kept for the next request."""
 _ROUNDING: Final = 1e-4
 """By how much what is near at the start may come nearer [m]."""
 _FAR: Final = 1.0
-_PARALLEL: Final = 1e-6
 
 
 class UprightTool(NamedTuple):
@@ -142,6 +143,8 @@ class CollisionWorld:
             shared=shared,
             owner=distances,
         )
+        if len(self._groups) == MOST_GROUPS:
+            self._groups.clear()
         self._groups[key] = found
         return found
 
@@ -325,10 +328,12 @@ class PlanningGroup:
         Pairs that may touch are left out.
         """
         least, names = _FAR, ""
-        for q in poses:
-            distance, pair = self.clearances.nearest(q, least)
-            if pair != FREE and distance < least:
-                least, names = distance, " and ".join(self.names[pair])
+        counted = np.where(self.least > 0.0, 0.0, np.inf)
+        for q in poses if len(self.names) else ():
+            found = self.clearances.distances(q, least) + counted
+            pair = int(found.argmin())
+            if found[pair] < least:
+                least, names = float(found[pair]), " and ".join(self.names[pair])
         return least, names
 
 

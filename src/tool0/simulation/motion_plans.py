@@ -325,7 +325,8 @@ class MotionPlans:
             [
                 self._goals(chain, target, moving)
                 for chain, target in zip(moving.chains, request.targets, strict=True)
-            ]
+            ],
+            moving.start,
         )
         rules = Rules(
             clearance=request.clearance,
@@ -525,12 +526,16 @@ def _joint_goal(
     return np.array([positions.get(name, here) for name, here in given])
 
 
-def _combined(goals: Sequence[Array]) -> Array:
-    """Return the goals of several arms together: some of all combinations."""
+def _combined(goals: Sequence[Array], start: Array) -> Array:
+    """Return the goals of several arms together: combinations of the nearest ones."""
     if len(goals) == 1:
         return goals[0]
     most = max(2, int(512 ** (1.0 / len(goals))))
-    rows = [each[:most] for each in goals]
+    starts = np.split(start, np.cumsum([each.shape[1] for each in goals])[:-1])
+    rows = [
+        each[np.abs(each - here).max(axis=1).argsort(kind="stable")[:most]]
+        for each, here in zip(goals, starts, strict=True)
+    ]
     return np.array([np.concatenate(each) for each in itertools.product(*rows)])
 
 
@@ -554,8 +559,9 @@ def _turns(axis: str | None) -> list[Array]:
         return [np.eye(4)]
     turns = []
     for angle in np.linspace(0.0, 2.0 * math.pi, _FREE_TURNS, endpoint=False).tolist():
-        rpy = tuple(angle if name == axis else 0.0 for name in "xyz")
-        turns.append(to_transform(Pose(rpy=rpy)).matrix)  # type: ignore[arg-type]
+        about = {"x": (angle, 0.0, 0.0), "y": (0.0, angle, 0.0)}
+        rpy = about.get(axis, (0.0, 0.0, angle))
+        turns.append(to_transform(Pose(rpy=rpy)).matrix)
     return turns
 
 

@@ -63,10 +63,11 @@ def test_it_starts_and_ends_at_rest_at_the_ends() -> None:
 def test_corners_are_cut_by_no_more_than_the_deviation(deviation: float) -> None:
     for poses in ways():
         way = SmoothWay(poses, [deviation] * (len(poses) - 2))
-        chords, _ = way.chords(32)
-        for corner in poses[1:-1]:
-            nearest = np.linalg.norm(chords - corner, axis=1).min()
-            assert nearest <= deviation + 1e-9
+        blends = dict(way.blends(32))
+        assert sorted(blends) == (list(range(len(poses) - 2)) if deviation else [])
+        for number, blend in blends.items():
+            nearest = np.linalg.norm(blend - poses[1 + number], axis=1).min()
+            assert 0.0 < nearest <= deviation + 1e-9
         if deviation == 0.0 and len(poses) > 2:
             path = time_way(JOINTS, way, speed=1.0)
             for corner in poses[1:-1]:  # it stops there
