@@ -474,23 +474,6 @@ TOOL0_EXPORT int32_t tool0_clearances_at(Clearances *c, const double *q)
     return clearances_at(c, q);
 }
 
-/* Return the smallest distance in a pose up to `most`, and its pair in `nearest`. */
-TOOL0_EXPORT double tool0_clearances_nearest(
-    Clearances *c, const double *q, double most, int32_t *nearest)
-{
-    put(c, q);
-    *nearest = -1;
-    for (int32_t pair = 0; pair < c->n_pairs; pair++)
-        if (is_suspicious(c, pair, most)) {
-            const double distance = exact(c, pair, most, NULL);
-            if (distance < most) {
-                most = distance;
-                *nearest = pair;
-            }
-        }
-    return most;
-}
-
 /* Write the distance of each pair in a pose, up to `most`. */
 TOOL0_EXPORT void tool0_clearances_all(
     Clearances *c, const double *q, double most, double *distances)

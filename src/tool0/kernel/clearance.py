@@ -206,7 +206,6 @@ class Clearances:
         if self.n_joints > MOST_MOVING:
             raise ValueError(f"{self.n_joints} joints; {MOST_MOVING} is the most")
         self._compiled = compiled
-        compiled.tool0_clearances_nearest.restype = c_double
         n_pairs = len(pairs.first)
         struct = self._struct = _Clearances(
             n_joints=self.n_joints,
@@ -255,14 +254,6 @@ class Clearances:
         """Return FREE, TILTED, or a pair that is too near, in a pose (n_joints,)."""
         q = _packed(q)
         return int(self._compiled.tool0_clearances_at(self._ref, _at(q)))
-
-    def nearest(self, q: FloatArray, most: float) -> tuple[float, int]:
-        """Return the smallest distance up to ``most`` [m], and its pair or FREE."""
-        q, pair = _packed(q), c_int32()
-        distance = self._compiled.tool0_clearances_nearest(
-            self._ref, _at(q), c_double(most), byref(pair)
-        )
-        return float(distance), pair.value
 
     def distances(self, q: FloatArray, most: float) -> FloatArray:
         """Return the distance of each pair in a pose, up to ``most`` [m]."""

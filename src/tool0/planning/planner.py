@@ -30,8 +30,6 @@ BESIDE: Final = 2.0
 """How far from between the start and a goal most samples are [rad]."""
 ENOUGH: Final = 4_000
 """Poses that are looked at before the first way found is enough."""
-FINALISTS: Final = 1
-"""Ways that are shortened thoroughly, of those found."""
 _TRIES: Final = 60
 """Random shortcuts."""
 _CUT: Final = 0.2
@@ -49,8 +47,6 @@ class FreeMotion:
     """A motion that keeps its clearance, and how it was found."""
 
     path: Path
-    goal: int
-    """Which of the goals it ends at."""
     waypoints: Array
     """Where it turns [rad | m], shape (n, n_joints)."""
     is_direct: bool
@@ -118,7 +114,6 @@ def plan_free_motion(
     path = _timed(group, joints, way, options.speed)
     return FreeMotion(
         path=path,
-        goal=int(np.abs(goals - way[-1]).max(axis=1).argmin()),
         waypoints=way,
         is_direct=is_direct,
         samples=samples,
@@ -289,12 +284,8 @@ def _searched(
             "samples: there may be none; a longer timeout, a smaller clearance, or "
             "another target may help"
         )
-    ways.sort(key=lambda item: item[:2])
-    _, _, way = min(
-        (shorter(way, _TRIES, seed) for _, seed, way in ways[:FINALISTS]),
-        key=lambda item: item[:2],
-    )
-    return way, samples
+    _, seed, best = min(ways, key=lambda item: item[:2])
+    return shorter(best, _TRIES, seed)[2], samples
 
 
 def _without_repeats(way: Array) -> Array:

@@ -11,6 +11,7 @@ from tool0.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
     from tool0.kinematics.chain import ArmChain
+    from tool0.protocol.trajectories import TrajectoryState
 
 
 def trajectory_controller(simulation: Simulation, chain: ArmChain) -> str:
@@ -28,17 +29,21 @@ def trajectory_controller(simulation: Simulation, chain: ArmChain) -> str:
 
 def standing(simulation: Simulation, *arms: str | None) -> Mapping[str, float]:
     """Return the positions of all joints: those of arms as commanded, if they are."""
-    positions, executor = dict(simulation.snapshot.positions), simulation.executor
+    positions = dict(simulation.snapshot.positions)
     for arm in arms:
         try:
             name = trajectory_controller(simulation, simulation.arm(arm))
-            state = simulation.loop.call(
-                lambda name=name: (  # type: ignore[misc]
-                    executor.trajectory_controller(name).setpoint().state()
-                ),
-                publishes=False,
-            )
+            state = _state(simulation, name)
         except ControlError:
             continue
         positions |= zip(state.joint_names, state.desired.positions, strict=True)
     return positions
+
+
+def _state(simulation: Simulation, controller: str) -> TrajectoryState:
+    """Return the setpoint of a trajectory controller."""
+    executor = simulation.executor
+    return simulation.loop.call(
+        lambda: executor.trajectory_controller(controller).setpoint().state(),
+        publishes=False,
+    )
