@@ -23,6 +23,8 @@ _GRID: Final = 16
 _KNOT: Final = 0.02
 """Time between two knots of the motion [s]."""
 _STILL: Final = 1e-9
+_LEAST: Final = 1e-8
+"""Motion of each joint from where it is to where it is [rad | m]."""
 
 
 @final
@@ -60,10 +62,12 @@ class SmoothWay:
 
         Args:
             poses: The waypoints [rad | m], shape (n, n_joints); no two in a row are the
-                same.
+                same, unless all are: then it stays there.
             deviations: Largest distance of the way from each corner [rad | m], shape
                 (n - 2,); at 0, the motion stops there.
         """
+        if not np.abs(poses - poses[0]).max() > _STILL:  # a motion needs a length
+            poses = np.stack([poses[0], poses[0] + _LEAST])
         steps = np.diff(poses, axis=0)
         lengths = np.linalg.norm(steps, axis=1)
         directions = steps / lengths[:, None]

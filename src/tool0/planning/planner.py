@@ -214,8 +214,6 @@ def _direct(
     """Return the straight way to the nearest goal, if it is free."""
     for k in numbers[:2]:
         way = np.array([start, goals[k]])
-        if not np.abs(way[1] - way[0]).max() > _SAME:
-            way[1] = start + 2.0 * _SAME  # a motion needs a length
         if group.clearances.along(way) is None:
             return way
     return None

@@ -9,15 +9,14 @@ from __future__ import annotations
 import itertools
 import logging
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from threading import Lock
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
 
-from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import Joint, JointType
 from tool0.description.scene import SceneObject
 from tool0.description.scene_state import ObjectState
@@ -25,7 +24,6 @@ from tool0.description.shapes import Box
 from tool0.description.surroundings import Plane, Surroundings
 from tool0.description.transform import (
     Pose,
-    as_matrix,
     to_transform,
 )
 from tool0.errors import (
@@ -34,11 +32,9 @@ from tool0.errors import (
     ControlError,
     ModelError,
     PlanningError,
-    UnreachableError,
 )
 from tool0.kernel.clearance import Cancelled
-from tool0.kinematics.chain import ArmChain, Array, fixed_transform
-from tool0.kinematics.inverse import InverseKinematics
+from tool0.kinematics.chain import ArmChain, Array
 from tool0.motion.path import Path
 from tool0.motion.waypoints import SmoothWay, time_way
 from tool0.planning.planner import (
@@ -46,7 +42,6 @@ from tool0.planning.planner import (
     SearchOptions,
     check_way,
     plan_free_motion,
-    windings,
 )
 from tool0.planning.world import CollisionWorld, PlanningGroup, Rules, UprightTool
 from tool0.protocol.planning import (
@@ -57,6 +52,7 @@ from tool0.protocol.planning import (
     PlanMotion,
     PlanTarget,
 )
+from tool0.simulation.motion_targets import combined, goals_of, within
 from tool0.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -71,8 +67,6 @@ MOST_PLANS: Final = 100
 """Plans that are kept; the oldest are forgotten."""
 MOVED: Final = 1e-3
 """By how much joints and objects may move between planning and executing [rad | m]."""
-_FREE_TURNS: Final = 24
-"""Angles about a free axis that are tried."""
 _ROWS: Final = 200
 """Poses of a plan at which its clearance is measured."""
 
@@ -98,10 +92,19 @@ class _Moving:
     """The arms of a motion, and where they are."""
 
     chains: tuple[ArmChain, ...]
-    joints: tuple[Joint, ...]
-    """Of all arms, each from base to tip, with the limits that apply."""
+    """With the limits that apply."""
     positions: Mapping[str, float]
     """Of all joints, commanded where they are commanded [rad | m]."""
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """Of all arms, each from base to tip."""
+        return tuple(joint for chain in self.chains for joint in chain.joints)
+
+    @property
+    def fastest(self) -> Array:
+        """Largest velocities of the joints [rad/s]."""
+        return np.array([joint.max_velocity for joint in self.joints])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -172,7 +175,7 @@ class MotionPlans:
             Tool0Error: As ``plan``.
         """
         chain = self._simulation.arm(target.arm)
-        moving = _Moving(chains=(chain,), joints=tuple(joints), positions=positions)
+        moving = _Moving(chains=(chain.with_joints(joints),), positions=positions)
         request = PlanMotion(targets=(target,), speed=1.0)
         with self._found(request, moving, self._simulation.snapshot) as (found, _):
             return found.path
@@ -240,9 +243,11 @@ class MotionPlans:
         path = line
         if path is None:
             (chain,) = moving.chains
-            goals = self._goals(chain, request.target, moving)
-            nearest = np.abs(goals - moving.start).max(axis=1).argmin()
-            path = _straight(moving, goals[nearest])
+            model = self._simulation.description.model
+            goals = goals_of(model, chain, request.target, positions)
+            # the posture that ``MoveTo`` takes
+            ways = np.linalg.norm((goals - moving.start) / moving.fastest, axis=1)
+            path = _straight(moving, goals[ways.argmin()])
         rules = Rules(
             clearance=request.clearance, may_touch=frozenset(request.may_touch)
         )
@@ -257,16 +262,8 @@ class MotionPlans:
             targets: Joint → position [rad | m]; those of no arm are not looked at.
             positions: Commanded positions of all joints.
         """
-        chains = [
-            chain
-            for chain in self._simulation.arms.values()
-            if not targets.keys().isdisjoint(chain.joint_names)
-        ]
-        moving = _Moving(
-            chains=tuple(chains),
-            joints=tuple(joint for chain in chains for joint in chain.joints),
-            positions=positions,
-        )
+        chains = self._arms_with(targets)
+        moving = _Moving(chains=chains, positions=positions)
         end = np.array([targets.get(name, positions[name]) for name in moving.names])
         if any(
             not joint.limits.lower <= q <= joint.limits.upper
@@ -304,14 +301,8 @@ class MotionPlans:
             ModelError: If MuJoCo does not support a shape.
             PlanningError: If there is no compiled kernel.
         """
-        names = set(path.joint_names)
-        chains = tuple(
-            chain
-            for chain in self._simulation.arms.values()
-            if not names.isdisjoint(chain.joint_names)
-        )
-        joints = tuple(joint for chain in chains for joint in chain.joints)
-        moving = _Moving(chains=chains, joints=joints, positions=positions)
+        chains = self._arms_with(path.joint_names)
+        moving = _Moving(chains=chains, positions=positions)
         return self._checked(moving, path, Rules(clearance=-PRESSING), ())
 
     # ---- parts ----------------------------------------------------------------------
@@ -321,9 +312,10 @@ class MotionPlans:
         self, request: PlanMotion, moving: _Moving, snapshot: Snapshot
     ) -> Iterator[tuple[FreeMotion, PlanningGroup]]:
         """Plan; what looks at motions is valid within the context."""
-        goals = _combined(
+        model = self._simulation.description.model
+        goals = combined(
             [
-                self._goals(chain, target, moving)
+                goals_of(model, chain, target, moving.positions)
                 for chain, target in zip(moving.chains, request.targets, strict=True)
             ],
             moving.start,
@@ -374,73 +366,37 @@ class MotionPlans:
             time=float(np.interp(here, way, path.times)),
         )
 
+    def _arms_with(self, joints: Iterable[str]) -> tuple[ArmChain, ...]:
+        """Return the arms that have some of the joints."""
+        names = set(joints)
+        return tuple(
+            chain
+            for chain in self._simulation.arms.values()
+            if not names.isdisjoint(chain.joint_names)
+        )
+
     def _moving(
         self,
         targets: Sequence[PlanTarget],
         positions: Mapping[str, float],
         ranges: Mapping[str, tuple[float, float]],
     ) -> _Moving:
-        chains = tuple(self._simulation.arm(target.arm) for target in targets)
+        chains = [self._simulation.arm(target.arm) for target in targets]
         if len({chain.tip for chain in chains}) < len(chains):
             raise ControlError("two targets are for one arm")
-        joints = [joint for chain in chains for joint in chain.joints]
-        names = {joint.name for joint in joints}
+        names = {name for chain in chains for name in chain.joint_names}
         for name in ranges.keys() - names:
             raise ControlError(
                 f"joint_ranges: '{name}' is not a joint that moves: "
                 f"{', '.join(sorted(names))}"
             )
-        return _Moving(
-            chains=chains,
-            joints=tuple(_within(joint, ranges.get(joint.name)) for joint in joints),
-            positions=positions,
+        limited = (
+            chain.with_joints(
+                [within(joint, ranges.get(joint.name)) for joint in chain.joints]
+            )
+            for chain in chains
         )
-
-    def _goals(self, chain: ArmChain, target: PlanTarget, moving: _Moving) -> Array:
-        """Return all positions of an arm's joints that are at a target, (n, 6)."""
-        if (target.pose is None) == (not target.positions):
-            raise ControlError("a target needs either joint positions or a pose")
-        numbers = [moving.names.index(name) for name in chain.joint_names]
-        joints = [moving.joints[k] for k in numbers]
-        start = moving.start[numbers]
-        if target.pose is None:
-            return _joint_goal(joints, start, target.positions)[None]
-        kinematics = InverseKinematics(chain.with_joints(joints))
-        found = []
-        T_base_tool = self._in_base(chain, target, moving.positions)
-        T_tool_tip = np.linalg.inv(self._tool(chain, target))
-        for turn in _turns(target.free_axis):
-            T_base_tip = T_base_tool @ turn @ T_tool_tip
-            found += [
-                windings(q, joints, start)
-                for q in kinematics.postures(T_base_tip, start)
-            ]
-        goals = np.concatenate([np.empty((0, len(joints))), *found])
-        if not len(goals):
-            # the reason in words
-            kinematics.solutions(T_base_tool @ T_tool_tip, start)
-            raise UnreachableError("no posture of the target is within the limits")
-        return goals
-
-    def _tool(self, chain: ArmChain, target: PlanTarget) -> Array:
-        """Return the tool's pose in the flange, shape (4, 4)."""
-        T = np.eye(4) if target.tool is None else as_matrix(target.tool)
-        if target.tip is None or target.tip == chain.tip:
-            return T
-        model = self._simulation.description.model
-        return np.asarray(fixed_transform(model, chain.tip, target.tip).matrix @ T)
-
-    def _in_base(
-        self, chain: ArmChain, target: PlanTarget, positions: Mapping[str, float]
-    ) -> Array:
-        """Return a target's pose in the link that carries the arm, shape (4, 4)."""
-        assert target.pose is not None
-        model = self._simulation.description.model
-        found = link_poses(model, positions)
-        T = as_matrix(target.pose)
-        if target.relative_to is not None:
-            T = found[model.link(target.relative_to).name].matrix @ T
-        return np.asarray(found[chain.base].inverse().matrix @ T)
+        return _Moving(chains=tuple(limited), positions=positions)
 
     def carried(self, snapshot: Snapshot) -> frozenset[str]:
         """Return the names of the objects that grippers hold."""
@@ -507,64 +463,6 @@ class MotionPlans:
             self._searches.discard(cancelled)
 
 
-def _joint_goal(
-    joints: Sequence[Joint], start: Array, positions: Mapping[str, float]
-) -> Array:
-    names = [joint.name for joint in joints]
-    for name, position in positions.items():
-        if name not in names:
-            raise ControlError(
-                f"'{name}' is not a joint of the arm: {', '.join(names)}"
-            )
-        limits = joints[names.index(name)].limits
-        if not limits.lower - MOVED <= position <= limits.upper + MOVED:
-            raise UnreachableError(
-                f"joint '{name}' cannot be at {position:.4g} rad: its limits are "
-                f"[{limits.lower:.4g}, {limits.upper:.4g}]"
-            )
-    given = zip(names, start, strict=True)
-    return np.array([positions.get(name, here) for name, here in given])
-
-
-def _combined(goals: Sequence[Array], start: Array) -> Array:
-    """Return the goals of several arms together: combinations of the nearest ones."""
-    if len(goals) == 1:
-        return goals[0]
-    most = max(2, int(512 ** (1.0 / len(goals))))
-    starts = np.split(start, np.cumsum([each.shape[1] for each in goals])[:-1])
-    rows = [
-        each[np.abs(each - here).max(axis=1).argsort(kind="stable")[:most]]
-        for each, here in zip(goals, starts, strict=True)
-    ]
-    return np.array([np.concatenate(each) for each in itertools.product(*rows)])
-
-
-def _within(joint: Joint, wanted: tuple[float, float] | None) -> Joint:
-    """Return a joint with narrower limits [rad | m]."""
-    if wanted is None:
-        return joint
-    lower = max(wanted[0], joint.limits.lower)
-    upper = min(wanted[1], joint.limits.upper)
-    if not lower < upper:
-        raise ControlError(
-            f"joint_ranges: [{wanted[0]:g}, {wanted[1]:g}] leaves joint '{joint.name}' "
-            f"nothing of [{joint.limits.lower:.4g}, {joint.limits.upper:.4g}]"
-        )
-    return replace(joint, limits=replace(joint.limits, lower=lower, upper=upper))
-
-
-def _turns(axis: str | None) -> list[Array]:
-    """Return the turns about an axis of the tool that are tried, shape (4, 4) each."""
-    if axis is None:
-        return [np.eye(4)]
-    turns = []
-    for angle in np.linspace(0.0, 2.0 * math.pi, _FREE_TURNS, endpoint=False).tolist():
-        about = {"x": (angle, 0.0, 0.0), "y": (0.0, angle, 0.0)}
-        rpy = about.get(axis, (0.0, 0.0, angle))
-        turns.append(to_transform(Pose(rpy=rpy)).matrix)
-    return turns
-
-
 def _bounds(
     keep_out: Sequence[KeepOut],
 ) -> tuple[list[tuple[SceneObject, ObjectState]], tuple[Plane, ...]]:
@@ -591,8 +489,6 @@ def _bounds(
 
 def _straight(moving: _Moving, end: Array) -> Path:
     """Return a motion straight in joint space, at half of the speed."""
-    if not np.abs(end - moving.start).max() > 0.0:
-        end = end + 1e-9  # a path needs a length
     way = SmoothWay(np.array([moving.start, end]), [])
     return time_way(moving.joints, way, speed=0.5)
 

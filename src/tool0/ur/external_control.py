@@ -18,7 +18,7 @@ from tool0.ur.waiting import within
 NAME: Final = "external_control"
 """The program of PolyScope that has the URCap's node and nothing else."""
 PORT: Final = 50002
-"""At which a driver offers its program, unless it was told another one."""
+"""Default port at which a driver offers its program."""
 REQUEST: Final = b"request_program\n"
 TIMEOUT: Final = 2.0
 """Longest wait for the driver [wall s]."""

@@ -102,6 +102,19 @@ def test_a_large_clearance_is_that_of_other_things(robot: tool0.Robot) -> None:
     assert 0.005 <= plan.clearance < 0.009
 
 
+def test_what_may_be_touched_does_not_count_as_clearance(robot: tool0.Robot) -> None:
+    plan = robot.arm.plan(BEYOND, may_touch=("wall",))
+    assert "wall" not in plan.nearest
+    assert plan.clearance >= 0.005
+
+
+def test_a_check_looks_at_the_posture_that_a_motion_would_take(
+    robot: tool0.Robot,
+) -> None:
+    posture = robot.arm.inverse_kinematics(robot.arm.pose())[0].positions
+    assert robot.arm.check(robot.arm.pose()) == robot.arm.check(posture)
+
+
 def test_a_target_in_something_is_refused_with_its_name(robot: tool0.Robot) -> None:
     with pytest.raises(CollisionError, match=r"the target is in collision: .*'wall'"):
         robot.arm.plan({"shoulder_pan_joint": 0.0})

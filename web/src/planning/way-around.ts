@@ -173,7 +173,7 @@ frames.listen((frame) => {
   report("warning", why);
 });
 
-// a plan is of one arm, and only for who may move it
+// a plan is for one arm, and for a page that may move it
 effect(() => {
   if (!mayMove.value) discard();
 });

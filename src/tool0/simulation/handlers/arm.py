@@ -29,9 +29,10 @@ from tool0.simulation.handlers.motion_checks import motion_plans
 from tool0.simulation.handlers.table import answer, handles
 from tool0.simulation.paths import trajectory_points
 from tool0.simulation.simulation import Simulation
+from tool0.simulation.tool_poses import pose_in_base, tool_in_flange
 
 if TYPE_CHECKING:
-    from tool0.kinematics.chain import ArmChain, Array
+    from tool0.kinematics.chain import ArmChain
     from tool0.kinematics.inverse import InverseKinematics
     from tool0.motion.path import Path
 
@@ -66,7 +67,7 @@ def _pose(simulation: Simulation, request: ReadToolPose) -> Transform:
 
     chain, model = simulation.arm(request.arm), simulation.description.model
     found = link_poses(model, simulation.snapshot.positions)
-    T_tip_tool = from_matrix(_tool(simulation, chain, request))
+    T_tip_tool = from_matrix(tool_in_flange(model, chain, request))
     T_root_tool = found[chain.tip] @ T_tip_tool
     if request.relative_to is None:
         return T_root_tool
@@ -98,8 +99,9 @@ def _solve(
                 f"near: '{joint}' is not a joint of the arm: {', '.join(names)}"
             )
         reference[names.index(joint)] = position
-    T_base_tool = _in_base(simulation, chain, request, positions)
-    T_base_tip = T_base_tool @ np.linalg.inv(_tool(simulation, chain, request))
+    model = simulation.description.model
+    T_base_tool = pose_in_base(model, chain, request, positions)
+    T_base_tip = T_base_tool @ np.linalg.inv(tool_in_flange(model, chain, request))
     return _kinematics(chain).solutions(T_base_tip, reference, request.branch)
 
 
@@ -149,8 +151,8 @@ def line_of(
     return plan_line(
         _kinematics(chain),
         np.array([positions[name] for name in chain.joint_names]),
-        _in_base(simulation, chain, request, positions),
-        _tool(simulation, chain, request),
+        pose_in_base(model, chain, request, positions),
+        tool_in_flange(model, chain, request),
         T_root_base=link_poses(model, positions)[chain.base].matrix,
         speed=request.speed,
         acceleration=request.acceleration,
@@ -184,36 +186,3 @@ def _at_rest(simulation: Simulation, name: str) -> Mapping[str, float]:
             "or cancel that"
         )
     return dict(zip(state.joint_names, now.positions, strict=True))
-
-
-def _tool(simulation: Simulation, chain: ArmChain, request: Any) -> Array:
-    """Return the tool's pose in the flange, shape (4, 4)."""
-    import numpy as np
-
-    from tool0.description.transform import as_matrix
-    from tool0.kinematics.chain import fixed_transform
-
-    T = np.eye(4) if request.tool is None else as_matrix(request.tool)
-    if request.tip is None or request.tip == chain.tip:
-        return T
-    model = simulation.description.model
-    T_tip_tool: Array = fixed_transform(model, chain.tip, request.tip).matrix @ T
-    return T_tip_tool
-
-
-def _in_base(
-    simulation: Simulation,
-    chain: ArmChain,
-    request: Any,
-    position: Mapping[str, float],
-) -> Array:
-    """Return the requested pose in the link that carries the arm, shape (4, 4)."""
-    from tool0.description.transform import as_matrix
-
-    model = simulation.description.model
-    found = link_poses(model, position)
-    T = as_matrix(request.pose)
-    if request.relative_to is not None:
-        T = found[model.link(request.relative_to).name].matrix @ T
-    T_base_tool: Array = found[chain.base].inverse().matrix @ T
-    return T_base_tool
