@@ -129,12 +129,7 @@ def pick_and_place(
     options = options or PickOptions()
     with contextlib.closing(GraspMonitor(robot, item, on_snapshot)) as monitor:
         picker = Picker(robot, item, options, monitor)
-
-        def task() -> None:
-            picker.take()
-            picker.put(into)
-
-        return measured(robot, picker, monitor, task)
+        return pick_into(robot, picker, monitor, into)
 
 
 class Picking(Protocol):
@@ -145,6 +140,24 @@ class Picking(Protocol):
     """Width of the gripped object, from the gripper's joint [m]."""
     force: float | None
     """Force of a pad on the object when it is lifted [N]."""
+
+    def take(self) -> None:
+        """Grip the object and lift it, or raise TaskFailure."""
+
+    def put(self, into: Bin) -> None:
+        """Carry it to a bin and release it, or raise TaskFailure."""
+
+
+def pick_into(
+    robot: Robot, picker: Picking, monitor: GraspMonitor, into: Bin
+) -> PickReport:
+    """Pick an object, place it in a bin, and report."""
+
+    def task() -> None:
+        picker.take()
+        picker.put(into)
+
+    return measured(robot, picker, monitor, task)
 
 
 def measured(

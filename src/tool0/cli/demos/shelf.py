@@ -23,7 +23,7 @@ from tool0.api.grasps import (
 from tool0.api.table import ITEM
 from tool0.cli.demos.hand import Hand, PickOptions
 from tool0.cli.demos.monitor import GraspMonitor
-from tool0.cli.demos.picker import DROP, measured
+from tool0.cli.demos.picker import DROP, pick_into
 from tool0.cli.demos.report import PickReport
 from tool0.description.config import Cell, CellRobot, DescriptionConfig
 from tool0.description.model import FLANGE
@@ -132,12 +132,7 @@ def pick_from_shelf(
     """
     with contextlib.closing(GraspMonitor(robot, item, on_snapshot)) as monitor:
         picker = ShelfPicker(robot, item, options, monitor)
-
-        def task() -> None:
-            picker.take()
-            picker.put(into)
-
-        return measured(robot, picker, monitor, task)
+        return pick_into(robot, picker, monitor, into)
 
 
 @final
