@@ -34,6 +34,7 @@ TITLES = {
     "objects": "Objects and contacts",
     "programs": "Programs of steps: check, run, save, export",
     "control_box": "Control box: pins, payload, program, power and stops",
+    "real_robot": "A real robot",
     "hardware": "Hardware components",
     "sensors": "Cameras and force-torque sensors",
     "recordings": "Recording",

@@ -137,7 +137,7 @@ def result_of(outcome: Outcome) -> Result:
 
 # ---- messages besides replies and states -------------------------------------------
 
-Mode = Literal["simulation", "view", "replay"]
+Mode = Literal["simulation", "hardware", "view", "replay"]
 
 
 class Hello(Struct, frozen=True, kw_only=True, tag="hello"):
@@ -150,7 +150,8 @@ class Hello(Struct, frozen=True, kw_only=True, tag="hello"):
     """Of the bring-up."""
     pid: int
     mode: Mode
-    """``view`` is a robot without physics and controllers, ``replay`` a recording."""
+    """``hardware`` is a real robot, ``view`` one without physics and controllers,
+    ``replay`` a recording."""
 
 
 class GoalEnded(Struct, frozen=True, kw_only=True, tag="goal_finished"):

@@ -124,6 +124,29 @@ class UrReport(Struct, frozen=True, kw_only=True):
     """Registers that are not zero, by name in RTDE: ``output_int_register_0``."""
 
 
+@final
+class RobotLink(Struct, frozen=True, kw_only=True):
+    """The connection to a real robot, and whether tool0 may move it."""
+
+    address: str
+    """Of the robot's controller."""
+    model: str = ""
+    """As the robot names its type: ``UR5``; empty until it is known."""
+    serial_number: str = ""
+    """Of the robot; empty until it is known."""
+    software: str = ""
+    """Version of PolyScope."""
+    is_connected: bool = True
+    """Whether states arrive; without them, the last ones are shown."""
+    is_remote: bool | None = None
+    """Whether the robot is under remote control; None if it does not say so (CB3)."""
+    is_enabled: bool = False
+    """Whether tool0 may move the arm, since ``enable_motion``."""
+    obstacles: tuple[str, ...] = ()
+    """Why ``enable_motion`` would be refused now, or what the user should know: a
+    sentence each."""
+
+
 _UNUSED: Final = (AnalogPin(),) * N_ANALOG
 _OFF: Final = (False,) * N_DIGITAL
 
@@ -177,6 +200,8 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     takes it again.  Empty if it did not."""
     ur: UrReport | None = None
     """State of UR's protocols; None unless they are served."""
+    link: RobotLink | None = None
+    """The connection to a real robot; None in a simulation."""
 
     @property
     def may_move(self) -> bool:

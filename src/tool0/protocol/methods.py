@@ -26,6 +26,7 @@ _MODULES: Final = (
     "objects",
     "programs",
     "control_box",
+    "real_robot",
     "hardware",
     "sensors",
     "recordings",

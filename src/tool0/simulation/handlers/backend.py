@@ -12,6 +12,7 @@ from tool0.protocol.controllers import SwitchControllers
 from tool0.protocol.gripper import Grip
 from tool0.protocol.motion import MoveJoints, PoseJoints, SteerJoints
 from tool0.protocol.poses import GoToPose
+from tool0.protocol.real_robot import DisableMotion, EnableMotion
 from tool0.protocol.replay import LoopReplay, ReadReplay, SeekReplay
 from tool0.protocol.request import Request, Response
 from tool0.protocol.running import EmergencyStop, Reset
@@ -33,6 +34,10 @@ _REASONS: Final[Mapping[type[Request[Any]], str]] = {
     **dict.fromkeys(
         (SeekReplay, LoopReplay, ReadReplay),
         "this robot is running; `tool0 replay FILE` replays a recording",
+    ),
+    **dict.fromkeys(
+        (EnableMotion, DisableMotion),
+        "only a real robot's motion is enabled; this one is simulated",
     ),
     PoseJoints: "joints are set directly in `tool0 view` only; in a simulation, steer "
     "a trajectory controller",

@@ -61,7 +61,7 @@ class Hello(TypedDict):
     version: str
     name: str
     pid: int
-    mode: Literal["simulation", "view", "replay"]
+    mode: Literal["simulation", "hardware", "view", "replay"]
 
 
 class _Outcome(TypedDict):
@@ -95,6 +95,17 @@ class AnalogPin(TypedDict):
     domain: Literal[0, 1]
 
 
+class RobotLink(TypedDict):
+    address: str
+    model: str
+    serial_number: str
+    software: str
+    is_connected: bool
+    is_remote: bool | None
+    is_enabled: bool
+    obstacles: list[str]
+
+
 class ControlBoxState(TypedDict):
     arm: str
     prefix: str
@@ -118,6 +129,7 @@ class ControlBoxState(TypedDict):
     taken_by: str
     motion_failure: str
     ur: Any | None
+    link: RobotLink | None
 
 
 class ControllerMotion(TypedDict):
