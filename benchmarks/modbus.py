@@ -39,15 +39,15 @@ READ_RTU = bytes.fromhex("0903 07d0 0003 040e")
 
 
 async def serve_ours(folder: Path) -> str:
-    from tool0.ur.robotiq.modbus_rtu import ModbusRtu
-    from tool0.ur.robotiq.modbus_tcp import ModbusTcp
-    from tool0.ur.robotiq.registers import (
+    from tool0.devices.robotiq_registers import (
         Activation,
         CommandRegisters,
         Fault,
         ObjectStatus,
         StatusRegisters,
     )
+    from tool0.ur.robotiq.modbus_rtu import ModbusRtu
+    from tool0.ur.robotiq.modbus_tcp import ModbusTcp
 
     status = StatusRegisters(
         is_activated=True,

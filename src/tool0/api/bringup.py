@@ -20,11 +20,13 @@ from tool0.description.config import (
 )
 from tool0.description.loading import load_description
 from tool0.description.scene import Scene
+from tool0.protocol.backend import Backend
 from tool0.protocol.channel import LocalChannel
 from tool0.simulation.bringup import start_simulation
 from tool0.simulation.config import ControlConfig, Names, SimulationConfig
 from tool0.simulation.handlers.backend import SimulationBackend
 from tool0.simulation.handlers.state import stop_after_freezes
+from tool0.simulation.simulation import Simulation
 
 logger = logging.getLogger(__name__)
 
@@ -126,7 +128,7 @@ def bringup(
     held = replace(simulation, paused=True) if is_recorded else simulation
     started = start_simulation(robot_description, control, held)
     stop_after_freezes(started)
-    recorded = Robot(LocalChannel(SimulationBackend(started)))
+    recorded = Robot(LocalChannel(_backend(started)))
     for warning in recorded.warnings:
         logger.warning("tool0: warning: %s", warning)
     if simulation.record is None:
@@ -139,6 +141,15 @@ def bringup(
     loop = recorded.simulation.loop
     loop.call(lambda: loop.set_paused(simulation.paused))
     return recorded
+
+
+def _backend(started: Simulation) -> Backend:
+    """Return the backend of a robot that was brought up."""
+    if started.core.own_drives is None:
+        return SimulationBackend(started)
+    from tool0.simulation.real_robot.backend import RealRobotBackend
+
+    return RealRobotBackend(started)
 
 
 def _with_given(config: Config, **keywords: object) -> Config:

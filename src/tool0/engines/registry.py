@@ -13,6 +13,7 @@ from typing import Any, Final, final
 
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
+from tool0.engines.real_robot.options import RealRobotOptions
 from tool0.errors import ConfigError, EngineUnavailableError, did_you_mean
 from tool0.hardware.engine import Engine
 from tool0.installation.machine import python_package_version
@@ -114,6 +115,18 @@ def _create_gazebo(
     )
 
 
+def _create_real_robot(
+    description: RobotDescription,
+    settings: EngineSettings,
+    options: RealRobotOptions,
+) -> Engine:
+    from tool0.engines.real_robot.engine import RealRobotEngine
+
+    return RealRobotEngine(
+        description, ground=-settings.spawn_z, scene=settings.scene, options=options
+    )
+
+
 _ENGINES: Final[dict[str, EngineDefinition]] = {
     "mujoco": EngineDefinition(
         options=MujocoEngineOptions,
@@ -123,6 +136,7 @@ _ENGINES: Final[dict[str, EngineDefinition]] = {
         runs_batches=True,
     ),
     "gazebo": EngineDefinition(options=GazeboEngineOptions, create=_create_gazebo),
+    "hardware": EngineDefinition(options=RealRobotOptions, create=_create_real_robot),
 }
 
 

@@ -25,6 +25,7 @@ class Request(
     frozen=True,
     kw_only=True,
     forbid_unknown_fields=True,
+    gc=False,
 ):
     """One operation on a running robot, answered by a ``Response``."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import final
 
 from tool0.description.grasp_frames import pad_links
@@ -42,6 +42,10 @@ class GripContacts:
         for hand in self._hands:
             if hand.changes(state, contacts):
                 self.gripping = tuple(h.name for h in self._hands if h.is_gripping)
+
+    def note(self, gripping: Collection[str]) -> None:
+        """Take over what grippers report by themselves."""
+        self.gripping = tuple(h.name for h in self._hands if h.name in gripping)
 
     def forget(self) -> None:
         """Forget what was gripped, as after a reset."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from tool0.description.camera import default_cameras, merged
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.robot import RobotDescription
+from tool0.hardware.own_drives import OwnDrives
 from tool0.protocol.bus import Bus
 from tool0.sensing.collisions import CollisionFinder
 from tool0.simulation.config import ControlConfig, SimulationConfig
@@ -30,7 +31,8 @@ def start_simulation(
     engine = setup.make_engine()
     collisions = CollisionFinder(model, engine.world.ground)
     try:
-        if not simulation.allow_penetration:
+        is_real = isinstance(engine, OwnDrives)
+        if not simulation.allow_penetration and not is_real:
             _require_pose(collisions, setup)
         executor = Executor(setup.make_core(engine))
         bus = Bus()

@@ -56,6 +56,24 @@ class Pacer:
 
 
 @final
+class FollowedClock:
+    """The pace of an engine that waits for its own clock in each step."""
+
+    overruns = 0
+
+    def wait_time(self) -> float:
+        """Return 0: the next tick is always due."""
+        return 0.0
+
+    def tick(self) -> int:
+        """Return how many ticks are due: one."""
+        return 1
+
+    def tick_further(self, count: int) -> None:
+        """Nothing is late."""
+
+
+@final
 class SpeedMeter:
     """Measures simulated per wall time, and late ticks, over about the last second."""
 

@@ -15,6 +15,7 @@ from tool0.description.scene import Scene
 from tool0.description.scene_state import Contact
 from tool0.errors import ConfigError
 from tool0.hardware.engine import Engine, JointState, joint_selector
+from tool0.hardware.own_drives import OwnDrives
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.kernel import Kernel
 from tool0.kernel.program import Ended, TickProgram
@@ -26,6 +27,7 @@ from tool0.sensing.stalls import StallMonitor
 from tool0.simulation.arms.arms import Arms
 from tool0.simulation.pull_springs import PullSprings
 from tool0.simulation.scene_objects import SceneObjects
+from tool0.simulation.wanted import WantedMotions
 
 
 @final
@@ -60,6 +62,9 @@ class Core:
         self.scene = SceneObjects(model, engine, scene or Scene())
         self.pulls = PullSprings(model, engine.joint_names, self.scene.wrenches)
         self.arms = Arms(model, engine, hardware, manager)
+        self.own_drives = engine if isinstance(engine, OwnDrives) else None
+        """The drives of a real robot; None for those of a simulated one."""
+        self._wanted = WantedMotions(model, hardware, manager, self.arms)
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
         self._steps_per_tick = _whole_multiple(self.control_period, engine.dt)
@@ -138,6 +143,14 @@ class Core:
     def _finish_tick(self, state: JointState, n_steps: int) -> None:
         """Execute the last steps of a tick, from ``state`` on."""
         engine, hardware, before = self.engine, self.hardware, self._before
+        if self.own_drives is not None:
+            self.own_drives.follow(self._wanted.look(state))
+            self._before = state
+            engine.step()
+            self.state = engine.read()
+            self.ticks += 1
+            self.arms.follow(self.own_drives.report, self.state)
+            return
         for _ in range(n_steps):
             before = state
             engine.write(hardware.efforts(state))
@@ -217,6 +230,9 @@ class Core:
 
     def check_contacts(self) -> None:
         """Find joints that push without moving, and grips, between two ticks."""
+        if self.own_drives is not None:
+            self.grip_contacts.note(self.own_drives.gripping)
+            return
         contacts = self.engine.world.contacts
         self.stall_monitor.look(self.state, contacts, self.wanted_positions)
         self.grip_contacts.look(self.state, contacts)

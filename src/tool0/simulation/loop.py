@@ -25,7 +25,7 @@ from tool0.protocol.bus import Bus, Faulted, GoalFinished, WasReset
 from tool0.protocol.freeze_meter import FreezeMeter
 from tool0.protocol.goals import Goal
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot, ticks_between_snapshots
-from tool0.simulation.clock import Pacer
+from tool0.simulation.clock import FollowedClock, Pacer
 from tool0.simulation.executor import Executor
 from tool0.simulation.publisher import Publisher
 
@@ -69,7 +69,7 @@ class Loop:
         self._bus = bus
         self.is_paused = paused
         self.speed = None if speed is None else _checked_speed(speed)
-        self._pacer = Pacer(core.control_period, speed or 1.0)
+        self._pacer = self._clock()
         self._publisher = Publisher(core, bus)
         default = ticks_between_snapshots(SNAPSHOT_PERIOD, core.control_period)
         self._default_snapshot_ticks = self._snapshot_ticks = default
@@ -409,9 +409,15 @@ class Loop:
         else:
             future.set_result(answer)
 
+    def _clock(self) -> Pacer | FollowedClock:
+        """Return what says when a tick is due."""
+        if self._core.own_drives is not None:
+            return FollowedClock()
+        return Pacer(self._core.control_period, self.speed or 1.0)
+
     def _restart_clock(self) -> None:
         overruns = self._pacer.overruns
-        self._pacer = Pacer(self._core.control_period, self.speed or 1.0)
+        self._pacer = self._clock()
         self._pacer.overruns = overruns
         self._publisher.restart_meter(overruns)
 

@@ -19,6 +19,7 @@ from tool0.description.scene_file import load_scene
 from tool0.engines.registry import make_engine
 from tool0.errors import ConfigError, ControlError
 from tool0.hardware.engine import Engine
+from tool0.hardware.own_drives import OwnDrives
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.simulation.config import ControlConfig, SimulationConfig
 from tool0.simulation.controllers import ControllerChoice, choose_controllers
@@ -84,19 +85,23 @@ class Setup:
         """Return a core at the initial pose, with its controllers running."""
         config, started, stopped, _ = self.choice
         hardware, manager = _hardware(self.description.model, engine, config)
+        is_real = isinstance(engine, OwnDrives)
         core = Core(
             model=self.description.model,
             engine=engine,
             hardware=hardware,
             manager=manager,
-            initial_position=self.position,
+            initial_position=engine.read().position if is_real else self.position,
             scene=self.scene,
-            control_period=self._control_period(engine.dt),
+            control_period=engine.dt if is_real else self._control_period(engine.dt),
             grasp_assist=self.options.grasp_assist,
         )
         for name in (*started, *stopped):
             manager.load(name)
         manager.switch(started, (), Strictness.STRICT, core.state)
+        if is_real:
+            for arm in core.arms:
+                arm.stop(core.state)
         return core
 
     def _control_period(self, dt: float) -> float | None:

@@ -12,13 +12,13 @@ import pytest
 from ur_box_rig import control_box
 
 import tool0
+from tool0.devices.rtde_packets import LENGTHS
 from tool0.errors import ControlError
 from tool0.protocol.arm_motion import ReturnArm, TakeArm
 from tool0.ur.control_box import UrControlBox
 from tool0.ur.moves import Moves
 from tool0.ur.rtde.inputs import InputRecipe
 from tool0.ur.rtde.outputs import OUTPUTS, OutputRecipe
-from tool0.ur.rtde.protocol import LENGTHS
 from tool0.ur.rtde_control.commands import Commands
 from tool0.ur.rtde_control.exchange import Exchange
 from tool0.ur.tool_contact import ToolHistory

@@ -24,8 +24,10 @@ from tool0.description.payload import Payload
 from tool0.description.scene_state import Contact
 from tool0.errors import ControlError
 from tool0.hardware.engine import Engine, JointState
+from tool0.hardware.own_drives import OwnDrives, RobotReport
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.protocol.control_box_state import (
+    Pose6,
     ProgramState,
     RobotMode,
     SafetyMode,
@@ -43,6 +45,12 @@ UNLOCK_AFTER: Final = 5.0
 """Simulated time from a protective stop until it can be unlocked [s]: dashboard server,
 ``unlock protective stop``
 (https://www.universal-robots.com/articles/ur/dashboard-server/dashboard-server-e-series-port-29999/)."""
+_OF_ITS_CONTROLLER: Final = "the robot's safety system; its pendant says why"
+_NO_MODE: Final = (
+    "controllers of freedrive and force mode are not supported on a real robot; take "
+    "the arm with a program"
+)
+_LOST: Final = "check power and network; tool0 tries again"
 _TOO_SOON: Final = (
     "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of "
     "protective stop before unlocking"
@@ -64,14 +72,21 @@ class Arm:
         manager: ControllerManager,
     ) -> None:
         self.name, self.parts = name, parts
-        self.box = ControlBox(name, parts.flange, model, hardware)
+        self._own_drives = engine if isinstance(engine, OwnDrives) else None
+        self.box = ControlBox(name, parts.flange, model, hardware, self._own_drives)
         self.motion = ArmMotion(name, parts, model, hardware, manager)
         """For a program that has taken the arm."""
         self.mode = ControllerMode(self.motion.spec, hardware, manager)
         """Freedrive and force mode of a controller."""
         self._model, self._engine = model, engine
         self._hardware, self._manager = hardware, manager
+        self._report: RobotReport | None = None
+        """What the controller of a real robot reported last."""
+        self._is_compliant = False
+        """Whether a real arm pushes with a force, or gives way, by itself."""
         self._joints = frozenset(joint.name for joint in parts.joints)
+        if self._own_drives is not None:  # its gripper moves only if the arm may
+            self._joints = frozenset(hardware.interfaces)
         self._modes = Modes()
         self._stopped: tuple[str, ...] = ()
         """The controllers that play starts."""
@@ -112,6 +127,42 @@ class Arm:
             self._watch_torques(state, period)
         if self.motion.has_returned(state.time):
             self._give_back(state)
+
+    # ---- a real robot ---------------------------------------------------------------
+
+    def follow(self, report: RobotReport, now: JointState) -> None:
+        """Show what the controller of a real robot reports, and stop what it stopped.
+
+        Nothing starts by itself: that takes ``play``.
+        """
+        if report is self._report:
+            return
+        last, self._report = self._report, report
+        payload = Payload(report.payload_mass, report.payload_center)
+        self.box.change(
+            link=report.link,
+            digital_inputs=report.digital_inputs,
+            digital_outputs=report.digital_outputs,
+            analog_inputs=report.analog_inputs,
+            analog_outputs=report.analog_outputs,
+            tool_analog_inputs=report.tool_analog_inputs,
+            tool_voltage=report.tool_voltage,
+            tool_current=report.tool_current,
+            tool_temperature=report.tool_temperature,
+            speed_slider=max(report.speed_slider, 0.0),
+            payload=payload,
+            tcp=report.tcp,
+        )
+        if report.safety_mode is SafetyMode.PROTECTIVE_STOP:
+            self.box.change(protective_stop=_OF_ITS_CONTROLLER)
+        self._set(now, report.robot_mode, report.safety_mode)
+        is_stopped = self.box.state.program is ProgramState.STOPPED
+        if report.program is ProgramState.STOPPED or report.motion_failure:
+            if not is_stopped:
+                self._stop(now)
+            self.box.change(motion_failure=report.motion_failure)
+        elif not is_stopped and last is not None and report.program is not last.program:
+            self.box.change(program=report.program)
 
     # ---- power and stops ------------------------------------------------------------
 
@@ -180,6 +231,9 @@ class Arm:
                 "the emergency stop is engaged; release it before playing the program"
             )
         self.require_ready()
+        if self._own_drives is not None:
+            self._own_drives.forgive()
+            self.box.change(motion_failure="")
         if not self.box.state.taken_by:
             self._start_again(now)
         self.box.change(program=ProgramState.PLAYING)
@@ -212,6 +266,8 @@ class Arm:
             ControlError: If the arm may not move.
         """
         self.require_ready()
+        if self._own_drives is not None:
+            self._own_drives.forgive()
         held = self.motion.desired(now)
         if not self.box.state.taken_by:
             self._resumes = self.box.state.program is ProgramState.PLAYING
@@ -287,6 +343,8 @@ class Arm:
             ControlError: If neither is so, or it may not move.
         """
         if controller_name is not None:
+            if self._own_drives is not None:
+                raise ControlError(_NO_MODE)
             self.require_ready()
             self.mode.start(controller_name, task, now)
             self._show_freedrive(task.is_freedrive, now)
@@ -296,6 +354,9 @@ class Arm:
             raise ControlError(
                 f"the arm '{self.name}' is in freedrive; end that before force mode"
             )
+        if self._own_drives is not None:
+            self._comply_by_itself(task, self._own_drives)
+            return
         self.end_torques(now)
         self.motion.comply(task, now)
         self._show_freedrive(task.is_freedrive, now)
@@ -346,7 +407,8 @@ class Arm:
             self.mode.end(controller_name, now, is_freedrive=is_freedrive)
             self._show_freedrive(self.mode.is_freedrive, now)
             return
-        if self.controller_to_stop().is_guided == is_freedrive:
+        controller = self.controller_to_stop()
+        if controller.is_guided == is_freedrive or self._own_drives is not None:
             self._stiffen(now)
 
     def note_restart(self, now: JointState, stopped: str = "") -> None:
@@ -385,7 +447,10 @@ class Arm:
 
         The last step was from ``before`` to ``after``, with these external ``forces``.
         """
-        wrench = self._wrench.read(before, after, forces)
+        if self._own_drives is not None:
+            wrench = self._own_drives.wrench
+        else:
+            wrench = self._wrench.read(before, after, forces)
         sample = self.motion.sample(now, wrench, self.box.state.motion_failure)
         if self.mode.is_on and not self.mode.is_freedrive:
             return structs.replace(sample, force_mode=True)
@@ -482,6 +547,14 @@ class Arm:
 
     def _obstacle(self) -> str:
         """Return why the arm may not move, and a remedy; empty if it may."""
+        link = self.box.state.link
+        if link is not None and not link.is_connected:
+            return f"the robot at {link.address} is not reached: {_LOST}"
+        if link is not None and not link.is_enabled:
+            return (
+                f"tool0 only reads the robot at {link.address}; enable its motion in "
+                "the panel or with `tool0 enable`"
+            )
         return self._modes.obstacle(self.name, self.box.state.protective_stop)
 
     def _stop_controllers(self, now: JointState) -> None:
@@ -510,7 +583,31 @@ class Arm:
             self.box.change(program=ProgramState.PLAYING)
         self.motion.preload_integrals(now)
 
+    def _comply_by_itself(self, task: ComplianceTask, own_drives: OwnDrives) -> None:
+        """Let a real robot be compliant: its own controller has that mode."""
+        from tool0.description.transform import from_matrix
+
+        frame = from_matrix(task.frame)
+        pose: Pose6 = (*frame.position, *frame.rotation_vector)
+        self._is_compliant = True
+        if task.is_freedrive:
+            own_drives.start_freedrive(task.free.tolist(), pose)
+            return
+        own_drives.start_force_mode(
+            pose,
+            task.free.tolist(),
+            task.wrench.tolist(),
+            task.kind,
+            task.limits.tolist(),
+        )
+
     def _stiffen(self, now: JointState) -> None:
+        if self._own_drives is not None:
+            if self._is_compliant:
+                self._is_compliant = False
+                self._own_drives.end_force_mode()
+                self._own_drives.end_freedrive()
+            return
         if self.motion.controller.is_compliant:
             self.motion.rest(now)
             self._show_freedrive(False, now)

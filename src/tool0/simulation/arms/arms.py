@@ -11,6 +11,7 @@ from tool0.description.parts import find_arms
 from tool0.description.scene_state import Contact
 from tool0.errors import ControlError, did_you_mean
 from tool0.hardware.engine import Engine, JointState
+from tool0.hardware.own_drives import RobotReport
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.protocol.control_box_state import ControlBoxState
 from tool0.protocol.state import ArmSample
@@ -77,6 +78,11 @@ class Arms:
         for arm in self._arms:
             if not arm.is_idle:
                 arm.tick(state, period)
+
+    def follow(self, report: RobotReport, now: JointState) -> None:
+        """Show what a real robot's controller reports, and stop what it stopped."""
+        for arm in self._arms:
+            arm.follow(report, now)
 
     def samples(
         self,

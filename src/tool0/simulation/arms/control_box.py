@@ -16,6 +16,7 @@ from tool0.description.model import FLANGE, RobotModel
 from tool0.description.payload import Payload
 from tool0.description.payload_bodies import modelled_payload
 from tool0.errors import ControlError
+from tool0.hardware.own_drives import OwnDrives
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.protocol.control_box_state import (
     AnalogDomain,
@@ -30,6 +31,7 @@ RAMP: Final = 5.0
 of 2 ms after a pause (ur_robot_driver, hardware_interface.cpp)."""
 MOST_VOLTAGE: Final = 10.0
 """Of an analogue pin [V]."""
+_WIRED: Final = "the inputs of a real robot are what their wires say"
 CURRENTS: Final = (0.004, 0.020)
 """Of an analogue pin [A]."""
 
@@ -39,9 +41,16 @@ class ControlBox:
     """The control box of one arm.  Only the thread of the tick may use it."""
 
     def __init__(
-        self, name: str, flange: str, model: RobotModel, hardware: RobotHardware
+        self,
+        name: str,
+        flange: str,
+        model: RobotModel,
+        hardware: RobotHardware,
+        own_drives: OwnDrives | None = None,
     ) -> None:
         self._flange, self._model, self._hardware = flange, model, hardware
+        self._own_drives = own_drives
+        """A real robot, whose own box has the pins; its report changes the state."""
         self.when_changed: Callable[[], None] = lambda: None
         """Called after each change of the state."""
         self.state = ControlBoxState(
@@ -73,12 +82,21 @@ class ControlBox:
         for pin, value in pins.items():
             _check_pin(pin, len(values), name)
             values[pin] = value
+        if self._own_drives is not None and pins:
+            if is_input:
+                raise ControlError(_WIRED)
+            self._own_drives.set_digital_outputs(pins)
+            return
         self.change(**{name: tuple(values)})
 
     def set_analog_output(self, pin: int, level: float, domain: AnalogDomain) -> None:
         """Set an analogue output to a ``level`` of its range, 0 … 1."""
         pins = list(self.state.analog_outputs)
         _check_pin(pin, len(pins), "analog_outputs")
+        if self._own_drives is not None:
+            is_voltage = domain is AnalogDomain.VOLTAGE
+            self._own_drives.set_analog_output(pin, level, is_voltage=is_voltage)
+            return
         lowest, highest = CURRENTS
         value = MOST_VOLTAGE * level
         if domain is AnalogDomain.CURRENT:
@@ -88,11 +106,20 @@ class ControlBox:
 
     def set_analog_input(self, pin: int, value: AnalogPin, *, is_of_tool: bool) -> None:
         """Set what an analogue input of the box or of the tool measures."""
+        if self._own_drives is not None:
+            raise ControlError(_WIRED)
         name = "tool_analog_inputs" if is_of_tool else "analog_inputs"
         pins = list(getattr(self.state, name))
         _check_pin(pin, len(pins), name)
         pins[pin] = value
         self.change(**{name: tuple(pins)})
+
+    def set_speed_slider(self, fraction: float) -> None:
+        """Slow down scaled trajectories, 0.01 … 1."""
+        if self._own_drives is not None:
+            self._own_drives.set_speed_slider(fraction)
+            return
+        self.change(speed_slider=fraction)
 
     def set_payload(self, payload: Payload | None) -> None:
         """Take this to be at the flange; None is what the description has."""

@@ -65,7 +65,7 @@ handles(SetAnalogInput, in_tick=True)(
     )
 )
 handles(SetSpeedSlider, in_tick=True)(
-    lambda sim, request: _box(sim, request).change(speed_slider=request.fraction)
+    lambda sim, request: _box(sim, request).set_speed_slider(request.fraction)
 )
 
 

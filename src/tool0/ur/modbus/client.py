@@ -6,7 +6,7 @@ import asyncio
 import errno
 from typing import Final, final
 
-from tool0.ur.modbus.frames import ERROR, HEADER, MAX_LENGTH
+from tool0.devices.modbus_frames import ERROR, HEADER, MAX_LENGTH
 from tool0.ur.waiting import within
 
 TIMEOUT: Final = 2.0

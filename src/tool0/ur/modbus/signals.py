@@ -15,13 +15,13 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, final
 
+from tool0.devices.modbus_frames import ModbusFunction
 from tool0.ur.modbus.client import (
     DISCONNECTED,
     ConnectionProblem,
     DeviceError,
     ModbusClient,
 )
-from tool0.ur.modbus.frames import ModbusFunction
 from tool0.ur.waiting import within
 
 MAX_SIGNALS: Final = 256

@@ -9,20 +9,20 @@ from dataclasses import replace
 from typing import Any, Final, Protocol, TypeVar, final
 
 from tool0.description.model import ParallelGripper
-from tool0.errors import Tool0Error
-from tool0.protocol.control_box_state import ControlBoxState, RobotMode
-from tool0.protocol.goals import GoalStarted
-from tool0.protocol.gripper import GraspState, Grip, ReadGripper
-from tool0.protocol.request import Request
-from tool0.protocol.state import Snapshot
-from tool0.ur.robotiq.counts import FULL, Counts
-from tool0.ur.robotiq.registers import (
+from tool0.devices.robotiq_counts import FULL, Counts
+from tool0.devices.robotiq_registers import (
     Activation,
     CommandRegisters,
     Fault,
     ObjectStatus,
     StatusRegisters,
 )
+from tool0.errors import Tool0Error
+from tool0.protocol.control_box_state import ControlBoxState, RobotMode
+from tool0.protocol.goals import GoalStarted
+from tool0.protocol.gripper import GraspState, Grip, ReadGripper
+from tool0.protocol.request import Request
+from tool0.protocol.state import Snapshot
 from tool0.ur.waiting import seen
 
 R = TypeVar("R")

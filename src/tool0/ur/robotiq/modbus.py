@@ -9,9 +9,9 @@ from __future__ import annotations
 import struct
 from typing import Final, final
 
-from tool0.ur.modbus.frames import ERROR, ModbusFunction, Refusal
+from tool0.devices.modbus_frames import ERROR, ModbusFunction, Refusal
+from tool0.devices.robotiq_registers import BLOCK_BYTES, CommandRegisters
 from tool0.ur.robotiq.gripper import RobotiqGripper
-from tool0.ur.robotiq.registers import BLOCK_BYTES, CommandRegisters
 
 COMMAND: Final = 1000
 """First register of the command, 0x03E8."""

@@ -13,11 +13,10 @@ import fcntl
 import os
 import termios
 import tty
-from functools import cache
 from pathlib import Path
 from typing import Final, final
 
-from tool0.ur.modbus.frames import ModbusFunction
+from tool0.devices.modbus_frames import ModbusFunction, checksum
 from tool0.ur.robotiq.gripper import RobotiqGripper
 from tool0.ur.robotiq.modbus import respond
 
@@ -29,26 +28,6 @@ MAX_FRAME: Final = 256
 """[bytes]"""
 PAUSE: Final = 0.05
 """Silence that ends a frame of unknown length [wall s]."""
-
-
-@cache
-def _table() -> tuple[int, ...]:
-    """Return the checksum's change by each byte."""
-    table = []
-    for byte in range(256):
-        crc = byte
-        for _ in range(8):
-            crc = crc >> 1 ^ 0xA001 if crc & 1 else crc >> 1
-        table.append(crc)
-    return tuple(table)
-
-
-def checksum(data: bytes) -> bytes:
-    """Return the CRC-16 of Modbus, low byte first (specification, appendix B)."""
-    table, crc = _table(), 0xFFFF
-    for byte in data:
-        crc = crc >> 8 ^ table[(crc ^ byte) & 0xFF]
-    return crc.to_bytes(2, "little")
 
 
 def frame_length(frame: bytes) -> int | None:

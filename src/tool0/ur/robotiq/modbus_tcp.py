@@ -8,8 +8,8 @@ from __future__ import annotations
 import socket
 from typing import Final, final
 
+from tool0.devices.modbus_frames import HEADER, MAX_LENGTH, Refusal
 from tool0.ur.listening import REQUEST_COST, Peer, Port
-from tool0.ur.modbus.frames import HEADER, MAX_LENGTH, Refusal
 from tool0.ur.robotiq.gripper import RobotiqGripper
 from tool0.ur.robotiq.modbus import refusal, respond
 

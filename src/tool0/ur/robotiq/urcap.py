@@ -17,9 +17,9 @@ import re
 from collections.abc import Callable
 from typing import Final, final
 
+from tool0.devices.robotiq_registers import CommandRegisters, StatusRegisters
 from tool0.ur.listening import REQUEST_COST, Peer, Port
 from tool0.ur.robotiq.gripper import RobotiqGripper
-from tool0.ur.robotiq.registers import CommandRegisters, StatusRegisters
 
 PORT: Final = 63352
 SLAVE: Final = 9

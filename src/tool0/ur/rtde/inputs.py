@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final, final
 
+from tool0.devices.rtde_packets import LENGTHS, layout
 from tool0.errors import TransportError
 from tool0.protocol.control_box import SetAnalogOutput, SetIO, SetSpeedSlider
 from tool0.protocol.control_box_state import AnalogDomain
 from tool0.ur.registers import N_BITS, N_NUMBERS
 from tool0.ur.rtde.outputs import FIRST_SINGLE_BIT, NOT_FOUND
-from tool0.ur.rtde.protocol import LENGTHS, layout
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox

@@ -12,9 +12,9 @@ from collections.abc import Callable, Sequence
 from struct import Struct
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, final
 
+from tool0.devices.rtde_packets import LENGTHS, layout
 from tool0.ur.registers import N_BITS, N_NUMBERS
 from tool0.ur.rtde import quantities as q
-from tool0.ur.rtde.protocol import LENGTHS, layout
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox

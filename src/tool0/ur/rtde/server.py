@@ -8,11 +8,7 @@ import math
 import struct
 from typing import TYPE_CHECKING, Final, final
 
-from tool0.errors import TransportError
-from tool0.ur.listening import Peer, Port
-from tool0.ur.rtde.inputs import IN_USE, InputClaims, InputRecipe
-from tool0.ur.rtde.outputs import NOT_FOUND, OutputRecipe, output_types
-from tool0.ur.rtde.protocol import (
+from tool0.devices.rtde_packets import (
     PORT,
     VERSIONS,
     Level,
@@ -22,6 +18,10 @@ from tool0.ur.rtde.protocol import (
     packet,
     text_packet,
 )
+from tool0.errors import TransportError
+from tool0.ur.listening import Peer, Port
+from tool0.ur.rtde.inputs import IN_USE, InputClaims, InputRecipe
+from tool0.ur.rtde.outputs import NOT_FOUND, OutputRecipe, output_types
 
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox

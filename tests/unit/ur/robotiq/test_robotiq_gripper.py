@@ -13,7 +13,7 @@ import tool0
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose
-from tool0.ur.robotiq.registers import Activation, Fault, ObjectStatus
+from tool0.devices.robotiq_registers import Activation, Fault, ObjectStatus
 
 pytestmark = pytest.mark.slow
 

@@ -7,8 +7,8 @@ import random
 import pytest
 
 from tool0.description.loading import assemble
-from tool0.ur.robotiq.counts import Counts
-from tool0.ur.robotiq.registers import (
+from tool0.devices.robotiq_counts import Counts
+from tool0.devices.robotiq_registers import (
     Activation,
     CommandRegisters,
     Fault,

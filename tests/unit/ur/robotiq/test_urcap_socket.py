@@ -13,8 +13,8 @@ from robotiq_rig import LONG, ServedGripper, serving_gripper
 from waits import until
 
 import tool0
+from tool0.devices.robotiq_registers import Activation
 from tool0.ur.listening import MAX_CLIENTS
-from tool0.ur.robotiq.registers import Activation
 from tool0.ur.robotiq.urcap import MAX_LINE, PORT, answer
 
 

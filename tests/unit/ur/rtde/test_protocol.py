@@ -2,10 +2,7 @@ import struct
 
 import pytest
 
-from tool0.errors import TransportError
-from tool0.ur.rtde.inputs import IN_USE, INPUTS, InputClaims
-from tool0.ur.rtde.outputs import NOT_FOUND, OUTPUTS, output_types
-from tool0.ur.rtde.protocol import (
+from tool0.devices.rtde_packets import (
     FORMATS,
     MAX_NAMES,
     Level,
@@ -16,6 +13,9 @@ from tool0.ur.rtde.protocol import (
     packet,
     text_packet,
 )
+from tool0.errors import TransportError
+from tool0.ur.rtde.inputs import IN_USE, INPUTS, InputClaims
+from tool0.ur.rtde.outputs import NOT_FOUND, OUTPUTS, output_types
 
 
 def test_packets_survive_any_cuts() -> None:

@@ -1,13 +1,15 @@
-"""What Modbus TCP clients and servers share: header, functions and exceptions.
+"""What Modbus clients and servers share: header, checksum, functions and exceptions.
 
 "MODBUS Application Protocol Specification V1.1b3" and "MODBUS Messaging on TCP/IP
-Implementation Guide V1.0b" (https://modbus.org).
+Implementation Guide V1.0b", "MODBUS over Serial Line Specification V1.02"
+(https://modbus.org).
 """
 
 from __future__ import annotations
 
 import struct
 from enum import IntEnum
+from functools import cache
 from typing import Final
 
 HEADER: Final = struct.Struct(">HHHB")
@@ -40,3 +42,23 @@ class Refusal(IntEnum):
     ILLEGAL_VALUE = 3
     NO_RESPONSE = 11
     """Of a gateway: the device behind it does not answer."""
+
+
+@cache
+def _table() -> tuple[int, ...]:
+    """Return the checksum's change by each byte."""
+    table = []
+    for byte in range(256):
+        crc = byte
+        for _ in range(8):
+            crc = crc >> 1 ^ 0xA001 if crc & 1 else crc >> 1
+        table.append(crc)
+    return tuple(table)
+
+
+def checksum(data: bytes) -> bytes:
+    """Return the CRC-16 of Modbus, low byte first (specification, appendix B)."""
+    table, crc = _table(), 0xFFFF
+    for byte in data:
+        crc = crc >> 8 ^ table[(crc ^ byte) & 0xFF]
+    return crc.to_bytes(2, "little")

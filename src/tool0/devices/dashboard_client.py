@@ -1,0 +1,99 @@
+"""A client of UR's dashboard server: one line, one line of answer.
+
+Commands and answers are those of UR's documents, see ``ur/dashboard.py``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import threading
+from typing import Final, final
+
+from tool0.errors import ControlError, TransportError
+
+PORT: Final = 29999
+_MOST_ANSWER: Final = 1 << 16
+
+
+@final
+class DashboardClient:
+    """Asks a robot's dashboard server; any thread may.  It connects when needed."""
+
+    def __init__(self, host: str, port: int = PORT, timeout: float = 5.0) -> None:
+        """``timeout`` is the longest wait for an answer [s]."""
+        self._address, self._timeout = (host, port), timeout
+        self._lock = threading.Lock()
+        self._socket: socket.socket | None = None
+        self._received = bytearray()
+
+    def ask(self, command: str) -> str:
+        """Send a command, and return the answer.
+
+        Raises:
+            TransportError: If the server is not there, or does not answer in time.
+        """
+        with self._lock:
+            try:
+                if self._socket is None:
+                    self._connect()
+                assert self._socket is not None
+                self._socket.sendall(f"{command}\n".encode())
+                return self._line()
+            except OSError as error:
+                self._drop()
+                host, port = self._address
+                raise TransportError(
+                    f"the dashboard server {host}:{port} does not answer "
+                    f"'{command}': {error or 'it closed the connection'}"
+                ) from None
+
+    def order(self, command: str, accepted: str) -> None:
+        """Send a command whose answer begins with ``accepted`` if it is carried out.
+
+        Raises:
+            ControlError: If the robot refuses, with its text.
+            TransportError: As ``ask``.
+        """
+        answer = self.ask(command)
+        if not answer.lower().startswith(accepted.lower()):
+            raise ControlError(f"the robot refuses '{command}': {answer}")
+
+    def find(self, command: str) -> str:
+        """Return an answer, or nothing if the server does not know the command."""
+        answer = self.ask(command)
+        unknown = ("could not understand", "error")
+        return "" if answer.lower().startswith(unknown) else answer
+
+    @property
+    def is_in_remote_control(self) -> bool | None:
+        """Whether clients may command the robot; None if it has no such mode (CB3)."""
+        answer = self.find("is in remote control").lower()
+        return answer == "true" if answer in {"true", "false"} else None
+
+    def close(self) -> None:
+        """End the connection."""
+        with self._lock:
+            self._drop()
+
+    def _connect(self) -> None:
+        self._socket = socket.create_connection(self._address, self._timeout)
+        self._received.clear()
+        self._line()  # the greeting
+
+    def _line(self) -> str:
+        assert self._socket is not None
+        while (end := self._received.find(b"\n")) < 0:
+            data = self._socket.recv(4096)
+            if not data or len(self._received) > _MOST_ANSWER:
+                raise ConnectionResetError("it closed the connection")
+            self._received += data
+        line = self._received[:end].decode(errors="replace").strip()
+        del self._received[: end + 1]
+        return line
+
+    def _drop(self) -> None:
+        connection, self._socket = self._socket, None
+        if connection is not None:
+            with contextlib.suppress(OSError):
+                connection.close()

@@ -1,0 +1,1 @@
+"""A real UR and its gripper behind the ``Engine`` protocol."""

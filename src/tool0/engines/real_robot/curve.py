@@ -1,0 +1,179 @@
+"""Sends the wanted motion to the program ahead of time, as knots of a curve."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from typing import Final, final
+
+from tool0.description.model import Joint
+from tool0.engines.real_robot.control_program import MessageKind
+from tool0.engines.real_robot.motion_link import Knot, MotionLink
+from tool0.hardware.own_drives import WantedMotion
+from tool0.protocol.state import ArmSetpoint
+
+HORIZON: Final = 0.24
+"""How far ahead knots are sent [s]: longer than the program follows them without
+hearing of tool0, so that it never runs out of them."""
+SPACING: Final = 0.008
+"""Between two knots [s].  A cubic is off by h⁴/384 of the fourth derivative: below
+1e-7 rad for every motion that a UR can make."""
+STREAM_AHEAD: Final = 0.1
+"""For how long a stream's velocities are assumed to last [s]: until the program takes
+tool0 for silent."""
+BEAT: Final = 0.01
+"""Longest time between two messages [s]."""
+_CHANGED: Final = 1e-7
+"""Difference from what was sent that makes a new motion [rad]."""
+_AT_REST: Final = 1e-9
+"""[rad/s]"""
+
+
+@final
+class CurveSender:
+    """Keeps the program's curve equal to the wanted motion."""
+
+    def __init__(
+        self, link: MotionLink, joints: Sequence[Joint], period: float
+    ) -> None:
+        """``period`` is that of the controller [s]."""
+        self._link, self._period = link, period
+        self._limits = [(j.limits.lower, j.limits.upper) for j in joints]
+        self._spacing = max(round(SPACING / period), 1)
+        self._ahead = round(HORIZON / period)
+        self._beat = max(round(BEAT / period), 1)
+        self._every = max(round(0.004 / period), 1)
+        self._sent: deque[Knot] = deque()
+        """Knots that are still ahead, and the last one."""
+        self._is_streaming = False
+        self._quiet = 0
+        """Periods since the last message."""
+        self._must_restart = True
+
+    def restart(self) -> None:
+        """Begin a new curve with the next motion, also after a stop."""
+        self._must_restart = True
+        self._sent.clear()
+
+    def follow(self, wanted: WantedMotion, now: float, step: int) -> None:
+        """Send what the program does not know yet.
+
+        Args:
+            wanted: The motion.
+            now: The time of the tick [s].
+            step: The program's period at that time.
+        """
+        self._quiet += 1
+        if wanted.is_streamed:
+            self._follow_stream(wanted, now, step)
+        else:
+            self._follow_curve(wanted, now, step)
+        if self._quiet >= self._beat:
+            self._link.beat()
+            self._quiet = 0
+
+    def _follow_curve(self, wanted: WantedMotion, now: float, step: int) -> None:
+        sent = self._sent
+        while len(sent) > 1 and sent[1].step <= step:
+            sent.popleft()
+        if self._is_streaming or not sent or self._has_changed(wanted, now, step):
+            self._is_streaming = False
+            self._send_anew(wanted, now, step)
+            return
+        last, end = sent[-1], step + self._ahead
+        if last.step + self._spacing > end:
+            return
+        knots = []
+        while last.step + self._spacing <= end:
+            following = self._knot(wanted, now, step, last.step + self._spacing)
+            if _rests(last) and _is_near(following.positions, last.positions):
+                # The program rests at its last knot; the next one begins a new curve.
+                break
+            knots.append(following)
+            last = following
+        if knots:
+            self._send(knots, MessageKind.KNOT)
+
+    def _has_changed(self, wanted: WantedMotion, now: float, step: int) -> bool:
+        """Return whether the wanted motion is another one than was sent."""
+        sent = self._sent
+        looked_at = {0, len(sent) // 2, len(sent) - 1}
+        for index in looked_at:
+            knot = sent[index]
+            if knot.step < step:
+                if not _rests(knot):
+                    continue
+                at = wanted.at(now)
+            else:
+                at = wanted.at(now + (knot.step - step) * self._period)
+            if not _is_near(at.positions, knot.positions):
+                return True
+        last = sent[-1]
+        if last.step < step and _rests(last):  # it rests: does it still?
+            ahead = wanted.at(now + self._ahead * self._period)
+            return not _is_near(ahead.positions, last.positions)
+        return False
+
+    def _send_anew(self, wanted: WantedMotion, now: float, step: int) -> None:
+        knots = [self._knot(wanted, now, step, step + 1)]
+        for k in range(step + self._spacing, step + self._ahead + 1, self._spacing):
+            following = self._knot(wanted, now, step, k)
+            last = knots[-1]
+            if _rests(last) and _is_near(following.positions, last.positions):
+                break
+            knots.append(following)
+        self._sent.clear()
+        self._send(knots, MessageKind.REPLACE)
+
+    def _follow_stream(self, wanted: WantedMotion, now: float, step: int) -> None:
+        if self._quiet < self._every and self._is_streaming:
+            return
+        self._is_streaming = True
+        following = wanted.at(now + self._period)
+        ahead = round(STREAM_AHEAD / self._period)
+        positions, velocities = self._extrapolated(following, ahead)
+        first = Knot(step + 1, following.positions, following.velocities)
+        sent = self._sent
+        is_same = (len(sent) == 1 and _rests(first) and _rests(sent[0])) and _is_near(
+            first.positions, sent[0].positions
+        )
+        if is_same and not self._must_restart:
+            return
+        sent.clear()
+        knots = [first]
+        if not _rests(first):
+            knots.append(Knot(step + 1 + ahead, positions, velocities))
+        self._send(knots, MessageKind.REPLACE)
+
+    def _extrapolated(
+        self, start: ArmSetpoint, periods: int
+    ) -> tuple[list[float], list[float]]:
+        """Return where a motion is after some periods, within the joints' ranges."""
+        positions, velocities = [], []
+        for q, v, (lower, upper) in zip(
+            start.positions, start.velocities, self._limits, strict=True
+        ):
+            end = q + v * periods * self._period
+            within = min(max(end, lower), upper)
+            positions.append(within)
+            velocities.append(v if within == end else 0.0)
+        return positions, velocities
+
+    def _knot(self, wanted: WantedMotion, now: float, step: int, at: int) -> Knot:
+        motion = wanted.at(now + (at - step) * self._period)
+        return Knot(at, motion.positions, motion.velocities)
+
+    def _send(self, knots: list[Knot], kind: MessageKind) -> None:
+        if self._must_restart and kind is MessageKind.REPLACE:
+            kind, self._must_restart = MessageKind.RESTART, False
+        self._link.send_knots(knots, kind)
+        self._sent.extend(knots)
+        self._quiet = 0
+
+
+def _rests(knot: Knot) -> bool:
+    return max(map(abs, knot.velocities)) < _AT_REST
+
+
+def _is_near(a: Sequence[float], b: Sequence[float]) -> bool:
+    return max(abs(x - y) for x, y in zip(a, b, strict=True)) < _CHANGED

@@ -1,0 +1,446 @@
+"""The engine ``hardware``: a real UR and its gripper in place of physics.
+
+Its state is what the robot reports, one for each period of the robot's controller.
+Efforts are not written: the drives are the robot's own, and follow motions.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final, NamedTuple, final
+
+from msgspec.structs import replace
+
+from tool0.description.model import ParallelGripper, RobotModel
+from tool0.description.parts import ArmParts, find_arms, find_grippers
+from tool0.description.robot import RobotDescription
+from tool0.description.scene import Scene
+from tool0.description.scene_state import Wrench
+from tool0.devices.robotiq_counts import FULL, Counts
+from tool0.devices.robotiq_registers import ObjectStatus
+from tool0.engines.real_robot.connection import RobotConnection
+from tool0.engines.real_robot.control_program import (
+    REGISTERS,
+    CommandKind,
+    ProgramMode,
+)
+from tool0.engines.real_robot.curve import CurveSender
+from tool0.engines.real_robot.declared_world import DeclaredWorld
+from tool0.engines.real_robot.flange_frames import FlangeFrames
+from tool0.engines.real_robot.options import RealRobotOptions
+from tool0.engines.real_robot.robot_state import StateReader, first_package
+from tool0.engines.real_robot.rtde_fields import program_state
+from tool0.errors import ConfigError
+from tool0.hardware.engine import JointState, NativeStepper, World
+from tool0.hardware.own_drives import (
+    OwnDrives,
+    RobotReport,
+    Wanted,
+    WantedGrip,
+    WantedMotion,
+)
+from tool0.protocol.control_box_state import Pose6, ProgramState, RobotLink
+
+logger = logging.getLogger(__name__)
+
+_HOLDING: Final = frozenset({ObjectStatus.MET_CLOSING, ObjectStatus.MET_OPENING})
+LOST: Final = "the connection to the robot was lost"
+STREAM_LOOK: Final = 0.1
+"""Between two looks at where a stream leads [s]."""
+SILENT: Final = (
+    "the robot did not hear of tool0 for 0.1 s, and stopped the arm on its path"
+)
+ENDED: Final = "tool0's program on the robot has ended"
+
+
+class _Fingers(NamedTuple):
+    """A gripper's joint, and those that follow it."""
+
+    geometry: ParallelGripper
+    counts: Counts
+    place: int
+    """Of the driven joint, in the order of the engine."""
+
+
+@final
+class RealRobotEngine(OwnDrives):
+    """A real robot: reads its state, and lets it follow motions.
+
+    Only the thread of the tick may use it, except ``brake`` and ``connection``.
+    """
+
+    name: Final = "hardware"
+
+    def __init__(
+        self,
+        description: RobotDescription,
+        *,
+        ground: float | None,
+        scene: Scene,
+        options: RealRobotOptions,
+    ) -> None:
+        """Connect to the robot, to read only.
+
+        Raises:
+            TransportError: If it is not there.
+            ConfigError: If the description is not of one arm, with a gripper or none.
+        """
+        model = description.model
+        self.arm_name, self.arm = _only_arm(model)
+        self._model = model
+        self.joint_names = tuple(joint.name for joint in model.movable_joints)
+        index = {name: i for i, name in enumerate(self.joint_names)}
+        self._arm_indices = [index[joint.name] for joint in self.arm.joints]
+        self._grippers = {
+            name: _Fingers(geometry, Counts(geometry), index[geometry.joint])
+            for name, geometry in find_grippers(model).items()
+        }
+        if len(self._grippers) > 1:
+            raise ConfigError("a real robot with several grippers is not supported")
+        self._followers = [
+            (index[joint.name], index[joint.mimic.joint], joint.mimic)
+            for joint in model.movable_joints
+            if joint.mimic is not None
+        ]
+        self._frames = FlangeFrames(model, self.arm)
+        self._declared = DeclaredWorld(scene, ground)
+        self.connection = RobotConnection(options, has_gripper=bool(self._grippers))
+        try:
+            rtde = self.connection.rtde
+            self.reader = StateReader(rtde, first_package(rtde))
+            """What the robot reports, newest first."""
+        except BaseException:
+            self.connection.close()
+            raise
+        self._period = self.reader.period
+        self._curve = CurveSender(self.connection.link, self.arm.joints, self._period)
+        self._arm_state = self.reader.state
+        self._fields: tuple[Any, ...] = ()
+        self._wanted_grips: Mapping[str, WantedGrip] = {}
+        self._efforts = [0.0] * len(self.joint_names)
+        self._is_enabled = False
+        self._has_followed = False
+        self._is_guided = False
+        self.guard: Callable[[WantedMotion, float], str] = lambda motion, now: ""
+        """Returns why a motion may not be sent; empty if it may."""
+        self._key: tuple[object, ...] = ()
+        """Of the motion that was looked at last."""
+        self._looked = -math.inf
+        """When that was [s]."""
+        self._failure = ""
+        self._report = self._first_report(options)
+
+    # ---- the engine -----------------------------------------------------------------
+
+    @property
+    def dt(self) -> float:
+        """The period of the robot's controller [s]."""
+        return self._period
+
+    @property
+    def world(self) -> World:
+        return self._declared
+
+    def reset(self, position: Sequence[float], time: float = 0.0) -> None:
+        """Nothing is reset: the robot is where it is."""
+
+    def read(self) -> JointState:
+        state = self._arm_state
+        n = len(self.joint_names)
+        position, velocity, effort = [0.0] * n, [0.0] * n, [0.0] * n
+        for k, i in enumerate(self._arm_indices):
+            position[i] = state.positions[k]
+            velocity[i] = state.velocities[k]
+            effort[i] = state.efforts[k]
+        for fingers in self._grippers.values():
+            self._read_gripper(fingers, position, effort)
+        for i, leader, mimic in self._followers:
+            position[i] = mimic.multiplier * position[leader] + mimic.offset
+        return JointState(state.tick * self._period, position, velocity, effort)
+
+    def _read_gripper(
+        self, fingers: _Fingers, position: list[float], effort: list[float]
+    ) -> None:
+        geometry, counts, i = fingers
+        gripper = self.connection.gripper
+        reading = None if gripper is None else gripper.reading
+        count = counts.open if reading is None else reading.position
+        position[i] = geometry.position(counts.opening(count))
+        if reading is not None and reading.object_status in _HOLDING:
+            wanted = self._wanted_grips.get(geometry.name)
+            force = geometry.force[1]
+            if wanted is not None and wanted.limits and wanted.limits.force:
+                force = wanted.limits.force
+            closes = reading.object_status is ObjectStatus.MET_CLOSING
+            push = force * geometry.lever(position[i])
+            effort[i] = push if closes else -push
+
+    def write(self, effort: Sequence[float]) -> None:
+        """Efforts are the robot's own."""
+
+    def set_brakes(self, torques: Mapping[int, float]) -> None:
+        """The brakes are the robot's own."""
+
+    @property
+    def has_rotors(self) -> bool:
+        return False
+
+    def set_rotors(self, inertias: Mapping[int, float]) -> None:
+        """The rotors are the robot's own."""
+
+    @property
+    def stepper(self) -> NativeStepper | None:
+        return None
+
+    def step(self) -> None:
+        """Wait for the robot's next period."""
+        client = self.connection.reconnected()
+        if client is not None:
+            self.reader.reconnect(client)
+        was_connected = self.reader.is_connected
+        self._arm_state = self.reader.next()
+        if was_connected and not self.reader.is_connected:
+            self._note_loss()
+        self._update_report()
+
+    def close(self) -> None:
+        self.connection.close()
+
+    # ---- its own drives -------------------------------------------------------------
+
+    def follow(self, wanted: Wanted) -> None:
+        if not self._is_enabled:
+            return
+        state, arm = self._arm_state, wanted.arm
+        if arm is None:
+            if self._has_followed:
+                self.connection.link.brake()
+                self._curve.restart()
+                self._has_followed = False
+            self.connection.link.beat()
+        elif state.step and not self._failure and not self._is_guided:
+            if reason := self._objection(arm, wanted.now.time):
+                self.connection.link.brake()
+                self._fail(reason)
+                return
+            self._has_followed = True
+            self._curve.follow(arm, wanted.now.time, state.step)
+        if wanted.grips != self._wanted_grips:
+            self._grip(wanted.grips)
+
+    def _objection(self, arm: WantedMotion, now: float) -> str:
+        """Return why a motion may not be sent; each is looked at once."""
+        if arm.is_streamed:
+            is_due = now - self._looked >= STREAM_LOOK
+        else:
+            is_due = arm.key != self._key
+        if not is_due:
+            return ""
+        self._key, self._looked = arm.key, now
+        return self.guard(arm, now)
+
+    def _grip(self, grips: Mapping[str, WantedGrip]) -> None:
+        """Send what has changed, once: a lost command is not repeated."""
+        before, self._wanted_grips = self._wanted_grips, grips
+        gripper = self.connection.gripper
+        for name, fingers in self._grippers.items():
+            wanted = grips.get(name)
+            if gripper is None or wanted is None or wanted == before.get(name):
+                continue
+            if name not in before and self._is_there(fingers, wanted):
+                continue  # a controller that has just started holds still
+            geometry, counts, _ = fingers
+            speed, force = geometry.speed[1], geometry.force[1]
+            if wanted.limits is not None:
+                speed = wanted.limits.speed or speed
+                force = wanted.limits.force or force
+            gripper.move(
+                counts.count(wanted.position),
+                _count(geometry.speed, speed),
+                _count(geometry.force, force),
+            )
+
+    def _is_there(self, fingers: _Fingers, wanted: WantedGrip) -> bool:
+        gripper = self.connection.gripper
+        reading = None if gripper is None else gripper.reading
+        count = fingers.counts.count(wanted.position)
+        return reading is None or abs(reading.position - count) <= 2
+
+    @property
+    def report(self) -> RobotReport:
+        return self._report
+
+    @property
+    def missing(self) -> int:
+        """Periods whose state did not arrive, while the link was there."""
+        return self.reader.missing
+
+    @property
+    def wrench(self) -> Wrench:
+        reader = self.reader
+        force = reader.fields.vector(reader.newest, "actual_TCP_force")
+        return self._frames.at_flange(
+            force, self._report.tcp, self._arm_state.positions
+        )
+
+    @property
+    def gripping(self) -> frozenset[str]:
+        gripper = self.connection.gripper
+        reading = None if gripper is None else gripper.reading
+        if reading is None or reading.object_status not in _HOLDING:
+            return frozenset()
+        return frozenset(fingers.geometry.name for fingers in self._grippers.values())
+
+    def brake(self) -> None:
+        self.connection.link.brake()
+
+    def set_digital_outputs(self, pins: Mapping[int, bool]) -> None:
+        for kind, first in (("standard", 0), ("configurable", 8)):
+            own = {k - first: v for k, v in pins.items() if first <= k < first + 8}
+            if own:
+                mask = sum(1 << pin for pin in own)
+                levels = sum(1 << pin for pin, level in own.items() if level)
+                self.connection.rtde.send(kind, (mask, levels))
+        for pin in range(16, 18):
+            if pin in pins:
+                self._command(CommandKind.TOOL_OUTPUT, (pin - 16, pins[pin]))
+
+    def set_analog_output(self, pin: int, value: float, *, is_voltage: bool) -> None:
+        kinds = (1 << pin) if is_voltage else 0
+        values = [0.0, 0.0]
+        values[pin] = value
+        self.connection.rtde.send("analog", (1 << pin, kinds, *values))
+
+    def set_speed_slider(self, fraction: float) -> None:
+        self.connection.rtde.send("slider", (1, fraction))
+
+    def start_force_mode(
+        self,
+        frame: Pose6,
+        selection: Sequence[bool],
+        wrench: Sequence[float],
+        kind: int,
+        limits: Sequence[float],
+    ) -> None:
+        numbers = (*frame, *map(float, selection), *wrench, kind, *limits)
+        self._command(CommandKind.FORCE_MODE, numbers)
+
+    def end_force_mode(self) -> None:
+        self._command(CommandKind.END_FORCE_MODE)
+
+    def start_freedrive(self, axes: Sequence[bool], frame: Pose6) -> None:
+        self._has_followed, self._is_guided = False, True
+        self._command(CommandKind.FREEDRIVE, (*map(float, axes), *frame))
+
+    def end_freedrive(self) -> None:
+        self._command(CommandKind.END_FREEDRIVE)
+        self._is_guided = False
+        self._curve.restart()
+
+    def _command(self, kind: CommandKind, arguments: Sequence[float] = ()) -> None:
+        self.connection.link.command(kind, arguments)
+
+    @property
+    def is_program_running(self) -> bool:
+        """Whether any program runs on the controller; any thread may ask."""
+        reader = self.reader
+        state = reader.fields.number(reader.newest, "runtime_state")
+        return program_state(state) is not ProgramState.STOPPED
+
+    @property
+    def is_program_ready(self) -> bool:
+        """Whether tool0's program counts its periods; any thread may ask."""
+        reader = self.reader
+        return bool(
+            self.is_program_running
+            and reader.fields.number(reader.newest, REGISTERS[1])
+            == ProgramMode.STARTING
+            and reader.state.step
+        )
+
+    # ---- who may move it ------------------------------------------------------------
+
+    def set_enabled(self, enabled: bool) -> None:
+        """Let the arm follow, or only read; in the thread of the tick."""
+        self._is_enabled, self._failure = enabled, ""
+        self._has_followed = False
+        self._wanted_grips = {}
+        self._curve.restart()
+        self._show(is_enabled=enabled)
+
+    def forgive(self) -> None:
+        """Follow again after the arm came to rest by itself: whoever asked has seen."""
+        self._failure = ""
+        self._curve.restart()
+
+    def show(self, **changes: Any) -> None:
+        """Show properties of the link; in the thread of the tick."""
+        self._show(**changes)
+
+    # ---- the report -----------------------------------------------------------------
+
+    def _first_report(self, options: RealRobotOptions) -> RobotReport:
+        reader = self.reader
+        self._fields = reader.fields.status(reader.newest)
+        boxes = reader.fields.boxes(reader.newest)
+        boxes["program"] = ProgramState.STOPPED
+        version = ".".join(map(str, self.connection.rtde.version[:3]))
+        link = RobotLink(address=options.address, software=version)
+        return RobotReport(link=link, **boxes)
+
+    def _update_report(self) -> None:
+        reader = self.reader
+        mode = reader.fields.number(reader.newest, REGISTERS[1])
+        fields = (
+            *reader.fields.status(reader.newest),
+            *(mode, reader.is_connected, self.connection.link.is_connected),
+        )
+        if fields == self._fields:
+            return
+        self._fields = fields
+        boxes = reader.fields.boxes(reader.newest)
+        is_ours = self._is_enabled and self.connection.link.is_connected
+        if self._is_enabled and not is_ours:
+            self._fail(ENDED if reader.is_connected else LOST)
+        if not is_ours:
+            boxes["program"] = ProgramState.STOPPED
+        elif self._has_followed and mode == ProgramMode.RESTING and not self._failure:
+            self._fail(SILENT)
+        link = replace(self._report.link, is_connected=reader.is_connected)
+        self._report = RobotReport(link=link, motion_failure=self._failure, **boxes)
+
+    def _note_loss(self) -> None:
+        """Nothing goes on by itself after that, also if the link is there again."""
+        logger.warning("%s", LOST)
+        self.connection.link.disconnect()
+        self.connection.note_loss()
+        if self._is_enabled:
+            self._fail(LOST)
+
+    def _fail(self, reason: str) -> None:
+        self._failure = self._failure or reason
+        self._has_followed = False
+        if reason != SILENT:
+            self._is_enabled = False
+            self._show(is_enabled=False)
+
+    def _show(self, **changes: Any) -> None:
+        link = replace(self._report.link, **changes)
+        self._report = replace(self._report, link=link, motion_failure=self._failure)
+
+
+def _only_arm(model: RobotModel) -> tuple[str, ArmParts]:
+    arms = find_arms(model)
+    if len(arms) != 1:
+        raise ConfigError(
+            f"a real robot is one arm; this description has {len(arms)}: "
+            "bring up each arm by itself"
+        )
+    return next(iter(arms.items()))
+
+
+def _count(span: tuple[float, float], value: float) -> int:
+    low, high = span
+    return min(max(round(FULL * (value - low) / (high - low)), 0), FULL)

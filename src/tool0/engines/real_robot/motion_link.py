@@ -1,0 +1,190 @@
+"""The connections of tool0's program on the controller: knots, stops and commands.
+
+The program connects back, on two sockets, and says a secret number first, so that no
+other process can take its place.  Messages are sent at once, from any thread.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import secrets
+import socket
+import struct
+import threading
+from collections.abc import Iterable, Sequence
+from typing import Final, NamedTuple, final
+
+from tool0.engines.real_robot.control_program import (
+    COMMAND_SCALE,
+    N_ARGUMENTS,
+    SCALE,
+    CommandKind,
+    MessageKind,
+)
+from tool0.errors import TransportError
+
+logger = logging.getLogger(__name__)
+
+_KNOT: Final = struct.Struct(">14i")
+_COMMAND: Final = struct.Struct(">30i")
+_HELLO: Final = struct.Struct(">2i")
+_KNOTS, _COMMANDS = 1, 2
+_SEND_TIMEOUT: Final = 0.05
+"""Longest wait for room in the socket's buffer [s]: with none, the link is lost."""
+_HELLO_TIMEOUT: Final = 2.0
+
+
+class Knot(NamedTuple):
+    """Where the joints are due at a period of the program."""
+
+    step: int
+    positions: Sequence[float]
+    """[rad]"""
+    velocities: Sequence[float]
+    """[rad/s]"""
+
+
+@final
+class MotionLink:
+    """Waits for the program, and sends it messages; any thread may."""
+
+    def __init__(self, host: str, port: int = 0) -> None:
+        """Listen on an address that the robot reaches.
+
+        Raises:
+            TransportError: If that is not possible.
+        """
+        self.token = secrets.randbelow(1 << 31)
+        """Which the program says first."""
+        self._lock = threading.Lock()
+        self._sockets: dict[int, socket.socket] = {}
+        self._n_commands = 0
+        try:
+            self._listener = socket.create_server((host, port), backlog=4)
+        except OSError as error:
+            raise TransportError(
+                f"cannot listen for the robot's program at {host}:{port}: {error}"
+            ) from None
+        self.address: tuple[str, int] = self._listener.getsockname()[:2]
+        """Where it listens."""
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether the program is there, as far as it is known."""
+        return len(self._sockets) == len((_KNOTS, _COMMANDS))
+
+    def accept(self, timeout: float) -> None:
+        """Wait for the program's connections, in place of earlier ones [s].
+
+        Raises:
+            TransportError: If they do not come in time.
+        """
+        self.disconnect()
+        found: dict[int, socket.socket] = {}
+        self._listener.settimeout(timeout)
+        try:
+            while len(found) < len((_KNOTS, _COMMANDS)):
+                connection, peer = self._listener.accept()
+                kind = self._greeted(connection)
+                if kind is None or kind in found:
+                    logger.warning("refused a connection of %s:%s", *peer[:2])
+                    connection.close()
+                else:
+                    found[kind] = connection
+        except OSError:
+            for connection in found.values():
+                connection.close()
+            host, port = self.address
+            raise TransportError(
+                f"the robot's program did not connect to {host}:{port} within "
+                f"{timeout:g} s: does a firewall block the port, or does the robot "
+                "reach this machine under another address (`callback_host`)?"
+            ) from None
+        with self._lock:
+            self._sockets = found
+
+    def _greeted(self, connection: socket.socket) -> int | None:
+        """Return which connection of the program this is; None if it is none."""
+        connection.settimeout(_HELLO_TIMEOUT)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        try:
+            data = connection.recv(_HELLO.size, socket.MSG_WAITALL)
+        except OSError:
+            return None
+        if len(data) != _HELLO.size:
+            return None
+        token, kind = _HELLO.unpack(data)
+        connection.settimeout(_SEND_TIMEOUT)
+        return kind if token == self.token and kind in {_KNOTS, _COMMANDS} else None
+
+    def send_knots(self, knots: Iterable[Knot], first: MessageKind) -> None:
+        """Send knots; ``first`` is how the first of them continues the curve."""
+        kind, data = first, bytearray()
+        for step, positions, velocities in knots:
+            numbers = (round(SCALE * x) for x in (*positions, *velocities))
+            data += _KNOT.pack(kind, step, *numbers)
+            kind = MessageKind.KNOT
+        if data:
+            self._send(_KNOTS, data)
+
+    def beat(self) -> None:
+        """Tell the program that tool0 is there."""
+        self._send(_KNOTS, _message(MessageKind.NOTHING))
+
+    def brake(self, periods: int = 0) -> None:
+        """Let the arm come to rest on its path, in that many periods or its own."""
+        self._send(_KNOTS, _message(MessageKind.BRAKE, periods))
+
+    def end(self) -> None:
+        """Let the arm come to rest, and the program end."""
+        self._send(_KNOTS, _message(MessageKind.END))
+
+    def command(self, kind: CommandKind, arguments: Sequence[float] = ()) -> int:
+        """Let the program execute a command; return its number.
+
+        Raises:
+            TransportError: If the program is not there.
+        """
+        filled = (*arguments, *[0.0] * (N_ARGUMENTS - len(arguments)))
+        numbers = [round(COMMAND_SCALE * x) for x in filled]
+        with self._lock:
+            self._n_commands = number = self._n_commands % 0x3FFFFFFF + 1
+        if not self._send(_COMMANDS, _COMMAND.pack(kind, number, *numbers)):
+            raise TransportError(
+                "tool0's program does not run on the robot; enable motion first"
+            )
+        return number
+
+    def _send(self, kind: int, data: bytes | bytearray) -> bool:
+        """Send a message; return whether the program was there."""
+        with self._lock:
+            connection = self._sockets.get(kind)
+            if connection is None:
+                return False
+            try:
+                connection.sendall(data)
+            except OSError:
+                self._drop()
+                return False
+        return True
+
+    def disconnect(self) -> None:
+        """Close the connections: the arm comes to rest, and the program ends."""
+        with self._lock:
+            self._drop()
+
+    def _drop(self) -> None:
+        for connection in self._sockets.values():
+            with contextlib.suppress(OSError):
+                connection.close()
+        self._sockets = {}
+
+    def close(self) -> None:
+        """End; the arm comes to rest."""
+        self.disconnect()
+        self._listener.close()
+
+
+def _message(kind: MessageKind, period: int = 0) -> bytes:
+    return _KNOT.pack(kind, period, *[0] * 12)

@@ -1,0 +1,50 @@
+"""Where a real robot is, and how its gripper is reached."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, final
+
+from tool0.errors import ConfigError
+
+MAX_PORT_BASE: Final = 65535 - 63352
+"""So that the largest port, the gripper's, exists."""
+GRIPPER_LINKS: Final = ("urcap", "modbus", "rtu", "none")
+"""Robotiq's URCap on port 63352; Modbus TCP; Modbus RTU at a serial port."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RealRobotOptions:
+    """The options of the engine ``hardware``."""
+
+    address: str = ""
+    """Of the robot's controller: a name or an IPv4 address."""
+    port_base: int = 0
+    """Added to the port numbers of a real robot: for a simulated controller."""
+    callback_host: str = ""
+    """This machine's address, as the robot reaches it; that of the connection to the
+    robot, if left out."""
+    callback_port: int = 0
+    """Where tool0's program on the robot connects; a free port, if 0."""
+    gripper: str = ""
+    """``urcap``, ``modbus``, ``modbus:HOST:PORT``, ``rtu:/dev/ttyUSB0`` or ``none``; by
+    default the URCap, if the description has a gripper."""
+
+    def __post_init__(self) -> None:
+        if not self.address:
+            raise ConfigError(
+                "the engine 'hardware' needs the robot's address: "
+                "`tool0 bringup --hardware 192.168.1.10`"
+            )
+        if not 0 <= self.port_base <= MAX_PORT_BASE:
+            raise ConfigError(
+                f"the base of the ports must be in [0, {MAX_PORT_BASE}], got "
+                f"{self.port_base}"
+            )
+        kind = self.gripper.partition(":")[0]
+        if kind and kind not in GRIPPER_LINKS:
+            raise ConfigError(
+                f"a gripper is reached by one of {', '.join(GRIPPER_LINKS)}, "
+                f"not by '{kind}'"
+            )

@@ -1,0 +1,171 @@
+"""The state of a real arm in control periods; packages may be late or lost."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from typing import Final, NamedTuple, final
+
+from tool0.devices.rtde_client import Package, RtdeClient
+from tool0.engines.real_robot.control_program import REGISTERS
+from tool0.engines.real_robot.rtde_fields import EFFORTS, Fields
+from tool0.errors import TransportError
+
+LOST_AFTER: Final = 0.1
+"""Without a package for that long, the link counts as lost [s]."""
+_FIRST_PACKAGE: Final = 2.0
+"""Longest wait for the first state [s]."""
+MOST_GAP: Final = 1.0
+"""Longest gap that is filled with interpolated states [s]; after a longer one, time
+goes on from there."""
+
+
+class ArmState(NamedTuple):
+    """The joints of the arm at one period."""
+
+    tick: int
+    """Control periods since the start."""
+    positions: tuple[float, ...]
+    """[rad]"""
+    velocities: tuple[float, ...]
+    """[rad/s]"""
+    efforts: tuple[float, ...]
+    """[N·m]"""
+    step: int
+    """The period of tool0's program at that time; 0 if it does not run."""
+
+
+@final
+class StateReader:
+    """Turns packages into one state for each control period.
+
+    Periods follow the robot's clock.  A package that is missing is interpolated, and
+    counted; while there are none, the last state is repeated at the pace of the wall
+    clock, so that requests are answered.  It belongs to the thread of the tick.
+    """
+
+    def __init__(self, client: RtdeClient, package: Package) -> None:
+        """Begin with a first package."""
+        self.period = 1.0 / client.rate
+        """[s]"""
+        self.is_connected = True
+        """Whether packages arrive."""
+        self.missing = 0
+        """Periods without a package so far, while the link was there."""
+        self.newest = package
+        """The newest package."""
+        self._waiting: deque[ArmState] = deque()
+        self._heard = time.monotonic()
+        self._due = self._heard
+        """When a repeated state is due, while there are no packages."""
+        self._offset = 0
+        """Between the robot's periods and ours."""
+        self._program_offset = 0
+        """Between the robot's periods and those of tool0's program."""
+        self._use(client)
+        self._offset = self._robot_period(package)
+        self.state = self._state_of(package, 0)
+
+    def _use(self, client: RtdeClient) -> None:
+        self._client = client
+        self.fields = Fields(client.columns)
+        self._efforts = next(name for name in EFFORTS if name in client.columns)
+
+    def reconnect(self, client: RtdeClient) -> None:
+        """Read from another connection."""
+        self._use(client)
+        self.is_connected = True
+        self._heard = time.monotonic()
+
+    def next(self) -> ArmState:
+        """Wait for the next period, and return its state."""
+        while not self._waiting:
+            if self.is_connected:
+                self._receive(LOST_AFTER)
+            else:
+                self._due = max(self._due + self.period, time.monotonic() - LOST_AFTER)
+                time.sleep(max(self._due - time.monotonic(), 0.0))
+                still = (0.0,) * len(self.state.positions)
+                repeated = self.state._replace(
+                    tick=self.state.tick + 1, velocities=still, step=0
+                )
+                self._waiting.append(repeated)
+        self.state = self._waiting.popleft()
+        return self.state
+
+    def _receive(self, timeout: float) -> None:
+        try:
+            packages = self._client.receive(timeout)
+        except TransportError:
+            packages = []
+            self.is_connected = False
+        if packages:
+            self._heard = time.monotonic()
+            for package in packages:
+                self._add(package)
+        elif not self.is_connected or time.monotonic() - self._heard >= LOST_AFTER:
+            self.is_connected = False
+            self._due = time.monotonic()
+
+    def _add(self, package: Package) -> None:
+        last = self._waiting[-1] if self._waiting else self.state
+        tick = self._robot_period(package) - self._offset
+        gap = tick - last.tick
+        if gap * self.period > MOST_GAP or gap < -MOST_GAP / self.period:
+            self._offset += gap - 1  # the robot was restarted, or away for long
+            tick, gap = last.tick + 1, 1
+        if gap <= 0:
+            return  # of a period that was repeated meanwhile
+        state = self._state_of(package, tick)
+        self.newest = package
+        self.missing += gap - 1
+        for k in range(1, gap):
+            part = k / gap
+            self._waiting.append(
+                state._replace(
+                    tick=last.tick + k,
+                    positions=_between(last.positions, state.positions, part),
+                    velocities=_between(last.velocities, state.velocities, part),
+                    step=state.step - (gap - k) if state.step else 0,
+                )
+            )
+        self._waiting.append(state)
+
+    def _state_of(self, package: Package, tick: int) -> ArmState:
+        fields = self.fields
+        step = int(fields.number(package, REGISTERS[0]))
+        if step:
+            # Both numbers are of one period; the program may write late by a few.
+            offset = tick - step
+            if not -1 <= offset - self._program_offset <= 3:
+                self._program_offset = offset
+            step = tick - self._program_offset
+        return ArmState(
+            tick,
+            fields.vector(package, "actual_q"),
+            fields.vector(package, "actual_qd"),
+            fields.vector(package, self._efforts),
+            step,
+        )
+
+    def _robot_period(self, package: Package) -> int:
+        time: float = self.fields.number(package, "timestamp")
+        return round(time / self.period)
+
+
+def first_package(client: RtdeClient) -> Package:
+    """Wait for a package.
+
+    Raises:
+        TransportError: If none comes.
+    """
+    packages = client.receive(_FIRST_PACKAGE)
+    if not packages:
+        raise TransportError(f"{client.peer} sends no states; is the robot booting?")
+    return packages[-1]
+
+
+def _between(
+    a: tuple[float, ...], b: tuple[float, ...], part: float
+) -> tuple[float, ...]:
+    return tuple(x + part * (y - x) for x, y in zip(a, b, strict=True))

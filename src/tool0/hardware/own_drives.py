@@ -1,0 +1,157 @@
+"""Drives that are not ours: those of a real robot, which follow motions by themselves.
+
+An engine with such drives takes no efforts.  It is told in every tick which motion is
+wanted from now on, and reports what the robot's own controller says.
+"""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple, final
+
+from msgspec import Struct
+
+from tool0.description.drive_limits import DriveLimits
+from tool0.description.scene_state import Wrench
+from tool0.hardware.engine import JointState
+from tool0.protocol.control_box_state import (
+    AnalogPin,
+    Pose6,
+    ProgramState,
+    RobotLink,
+    RobotMode,
+    SafetyMode,
+)
+from tool0.protocol.state import ArmSetpoint
+
+
+@final
+class WantedMotion(NamedTuple):
+    """How an arm shall move from now on, until something else is wanted."""
+
+    at: Callable[[float], ArmSetpoint]
+    """Returns position, velocity and acceleration of its joints at a time [s]."""
+    is_streamed: bool = False
+    """Whether it is known only for the end of this tick, and assumed to go on with the
+    same velocities."""
+    target: tuple[float, ...] = ()
+    """Where it ends; empty for a stream [rad]."""
+    key: tuple[object, ...] = ()
+    """Equal as long as it is the same motion, at whatever speed."""
+
+
+@final
+class WantedGrip(NamedTuple):
+    """Where the fingers of a gripper shall be."""
+
+    position: float
+    """Of the driven joint, in the end [rad | m]."""
+    limits: DriveLimits | None
+    """Speed and force; those of the gripper, if left out."""
+
+
+@final
+class Wanted(NamedTuple):
+    """What the controllers want."""
+
+    now: JointState
+    """The measured state at the start of the tick."""
+    arm: WantedMotion | None
+    """None if nothing moves or holds it: it comes to rest."""
+    grips: Mapping[str, WantedGrip]
+    """By gripper; those that no controller commands are left alone."""
+
+
+@final
+class RobotReport(Struct, frozen=True, kw_only=True):
+    """What a robot's controller reports besides its motion."""
+
+    link: RobotLink
+    robot_mode: RobotMode
+    safety_mode: SafetyMode
+    program: ProgramState
+    """Of tool0's program on the controller: without it, nothing can move the arm."""
+    motion_failure: str = ""
+    """Why the arm came to rest by itself; empty if it did not."""
+    speed_slider: float
+    speed_scaling: float
+    digital_inputs: tuple[bool, ...]
+    digital_outputs: tuple[bool, ...]
+    analog_inputs: tuple[AnalogPin, ...]
+    analog_outputs: tuple[AnalogPin, ...]
+    tool_analog_inputs: tuple[AnalogPin, ...]
+    tool_voltage: int
+    tool_current: float
+    tool_temperature: float
+    payload_mass: float
+    """[kg]"""
+    payload_center: tuple[float, float, float]
+    """In the flange [m]."""
+    tcp: Pose6
+
+
+class OwnDrives(abc.ABC):
+    """The drives of a real robot, as the tick uses them."""
+
+    @abc.abstractmethod
+    def follow(self, wanted: Wanted) -> None:
+        """Let the robot move as it is wanted, before the step of a tick."""
+
+    @property
+    @abc.abstractmethod
+    def report(self) -> RobotReport:
+        """The newest report: the same object until something changes."""
+
+    @property
+    @abc.abstractmethod
+    def wrench(self) -> Wrench:
+        """Measured external force and torque on the tool, in the flange's axes."""
+
+    @property
+    @abc.abstractmethod
+    def gripping(self) -> frozenset[str]:
+        """The grippers that report an object between their fingers."""
+
+    @abc.abstractmethod
+    def set_digital_outputs(self, pins: Mapping[int, bool]) -> None:
+        """Set pins; TransportError if the robot is not reached."""
+
+    @abc.abstractmethod
+    def set_analog_output(self, pin: int, value: float, *, is_voltage: bool) -> None:
+        """Set a pin to a part of its range, 0 … 1; TransportError as above."""
+
+    @abc.abstractmethod
+    def set_speed_slider(self, fraction: float) -> None:
+        """Set the speed slider, 0.01 … 1; TransportError as above."""
+
+    @abc.abstractmethod
+    def start_force_mode(
+        self,
+        frame: Pose6,
+        selection: Sequence[bool],
+        wrench: Sequence[float],
+        kind: int,
+        limits: Sequence[float],
+    ) -> None:
+        """Push with a force, as URScript's ``force_mode``; TransportError as above."""
+
+    @abc.abstractmethod
+    def end_force_mode(self) -> None:
+        """End that."""
+
+    @abc.abstractmethod
+    def start_freedrive(self, axes: Sequence[bool], frame: Pose6) -> None:
+        """Let the arm be moved by hand; TransportError as above."""
+
+    @abc.abstractmethod
+    def end_freedrive(self) -> None:
+        """End that: the arm holds where it is."""
+
+    @abc.abstractmethod
+    def forgive(self) -> None:
+        """Follow again after the arm came to rest by itself."""
+
+    @abc.abstractmethod
+    def brake(self) -> None:
+        """Bring the arm to rest at once; any thread may call this."""

@@ -1,0 +1,1 @@
+"""A real robot as the backend of its clients."""

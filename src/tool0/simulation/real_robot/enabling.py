@@ -1,0 +1,244 @@
+"""Whether tool0 may move a real arm: what must be so, and how it begins."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from collections.abc import Callable
+from typing import Final, final
+
+import numpy as np
+
+from tool0.description.payload_bodies import modelled_payload
+from tool0.engines.real_robot.control_program import control_program
+from tool0.engines.real_robot.engine import RealRobotEngine
+from tool0.engines.real_robot.flange_frames import FlangeFrames
+from tool0.errors import ControlError
+from tool0.protocol.control_box_state import (
+    POWERED,
+    UNSTOPPED,
+    ControlBoxState,
+    RobotLink,
+)
+from tool0.protocol.real_robot import EnableMotion
+from tool0.simulation.simulation import Simulation
+
+logger = logging.getLogger(__name__)
+
+FIRST_SLIDER: Final = 0.25
+"""The speed slider when motion is enabled; a lower one is left."""
+CALIBRATION_TOLERANCE: Final = 0.5e-3
+"""Distance between the flange as the robot reports it and as the description has it,
+from which the kinematics differ [m]: calibrations of URs are off by a millimetre or
+two."""
+PAYLOAD_TOLERANCE: Final = (0.1, 0.1)
+"""Difference of payloads that counts as equal: [kg], and relative."""
+CB3_ARMS: Final = frozenset({"UR3", "UR5", "UR10"})
+PROGRAM_TIMEOUT: Final = 5.0
+"""Longest wait for tool0's program to start [s]."""
+CHANGE_TIMEOUT: Final = 10.0
+"""Longest wait until the robot has changed as it was asked [s]: releasing the brakes
+takes seconds."""
+_POLL: Final = 0.02
+
+
+@final
+class Enabling:
+    """Finds what keeps tool0 from moving the arm, and starts its program.
+
+    It asks the robot, and takes time: never in the thread of the tick.
+    """
+
+    def __init__(self, simulation: Simulation, engine: RealRobotEngine) -> None:
+        self._simulation, self._engine = simulation, engine
+        self._frames = FlangeFrames(simulation.description.model, engine.arm)
+
+    # ---- what is known --------------------------------------------------------------
+
+    @property
+    def box(self) -> ControlBoxState:
+        """The newest state of the arm's control box."""
+        return self._simulation.snapshot.control_boxes[0]
+
+    def look(self) -> RobotLink:
+        """Ask the robot who it is, and show that with what would keep it from moving.
+
+        Raises:
+            TransportError: If the dashboard server does not answer.
+        """
+        dashboard = self._engine.connection.dashboard
+        model = dashboard.find("get robot model")
+        serial = dashboard.find("get serial number")
+        is_remote = dashboard.is_in_remote_control
+        loop = self._simulation.loop
+        loop.call(
+            lambda: self._engine.show(
+                model=model, serial_number=serial, is_remote=is_remote
+            )
+        )
+        obstacles = tuple(self._obstacles(model, is_remote=is_remote))
+        loop.call(lambda: self._engine.show(obstacles=obstacles))
+        link = self.box.link
+        assert link is not None  # a real robot has one
+        return link
+
+    def _obstacles(self, model: str, *, is_remote: bool | None) -> list[str]:
+        """Return what keeps the arm from moving, a sentence each."""
+        found, box = [], self.box
+        if is_remote is False:
+            found.append(
+                "the robot is under local control; choose Remote Control on the pendant"
+            )
+        found += self._wrong_type(model)
+        if (distance := self.calibration_distance()) > CALIBRATION_TOLERANCE:
+            found.append(
+                f"the robot's calibration puts the flange {1e3 * distance:.1f} mm from "
+                "where the description has it; use a description with its calibration, "
+                "or accept that (`--accept-calibration`)"
+            )
+        found += self._wrong_payload(box)
+        if box.safety_mode not in UNSTOPPED:
+            found.append(
+                f"the safety mode is {box.safety_mode.name}; the pendant has its cause"
+            )
+        elif box.robot_mode not in POWERED:
+            found.append(
+                "the arm is not powered, or its brakes are on; release them with "
+                "`tool0 power release-brakes`, or on the pendant"
+            )
+        gripper = self._engine.connection.gripper
+        if gripper is not None and gripper.problem:
+            logger.warning("the gripper: %s", gripper.problem)
+        return found
+
+    def _wrong_type(self, model: str) -> list[str]:
+        robots = self._simulation.description.robots
+        if not robots or robots[0].arm is None or not model:
+            return []
+        expected = robots[0].arm.name
+        name = expected.upper()
+        is_e_series = self._engine.connection.rtde.version.is_e_series
+        is_known_cb3 = name in CB3_ARMS
+        if model.upper().removesuffix("E") != name.removesuffix("E") or (
+            is_known_cb3 == is_e_series
+        ):
+            series = "an e-Series or later" if is_e_series else "a CB3"
+            return [
+                f"the robot is a {model} ({series}), not the {expected} of this "
+                "description; choose it with `--arm`"
+            ]
+        return []
+
+    def calibration_distance(self) -> float:
+        """Return how far the flange is from where the description has it [m]."""
+        reader = self._engine.reader
+        package, fields = reader.newest, reader.fields
+        reported = self._frames.reported_flange(
+            fields.vector(package, "actual_TCP_pose"),
+            fields.vector(package, "tcp_offset"),
+        )
+        modelled = self._frames.flange(fields.vector(package, "actual_q"))
+        return float(np.linalg.norm(reported[:3, 3] - modelled[:3, 3]))
+
+    def _wrong_payload(self, box: ControlBoxState) -> list[str]:
+        model, flange = self._simulation.description.model, self._engine.arm.flange
+        expected = modelled_payload(model, flange).mass
+        absolute, relative = PAYLOAD_TOLERANCE
+        most = max(absolute, relative * expected)
+        if math.isclose(box.payload.mass, expected, abs_tol=most):
+            return []
+        return [
+            f"the robot expects a payload of {box.payload.mass:.2f} kg, and the "
+            f"description has {expected:.2f} kg at the flange; set it with "
+            f"`tool0 payload --mass {expected:.2f}`, or in the robot's installation"
+        ]
+
+    # ---- beginning and end ----------------------------------------------------------
+
+    def enable(self, request: EnableMotion) -> None:
+        """Start tool0's program on the robot, and let the controllers hold the arm.
+
+        Raises:
+            ControlError: If something keeps the arm from moving, with all reasons.
+            TransportError: If the robot is not reached.
+        """
+        link = self.look()
+        if link.is_enabled:
+            raise ControlError("the robot's motion is enabled already")
+        if request.serial_number.strip() != link.serial_number and link.serial_number:
+            raise ControlError(
+                f"the serial number is not '{request.serial_number}': read it from the "
+                "nameplate of the robot that you want to move"
+            )
+        obstacles = [
+            text
+            for text in link.obstacles
+            if not (request.accept_calibration and "calibration" in text)
+        ]
+        if obstacles:
+            raise ControlError("the robot may not move: " + "; ".join(obstacles))
+        if self._engine.is_program_running:
+            raise ControlError(
+                "another program runs on the robot; stop it on the pendant or with "
+                "`stop` on the dashboard server"
+            )
+        if self.box.speed_slider > FIRST_SLIDER:
+            self._engine.set_speed_slider(FIRST_SLIDER)
+            self.wait(
+                lambda: self.box.speed_slider <= FIRST_SLIDER + 0.005,
+                "the speed slider did not move to 25 %",
+            )
+        self._start_program()
+        arm = self._simulation.core.arms.find(None)
+
+        def begin() -> None:
+            self._engine.set_enabled(True)
+            arm.follow(self._engine.report, self._simulation.core.state)
+            arm.play(self._simulation.core.state)
+
+        self._simulation.loop.call(begin)
+        logger.info("the motion of %s is enabled", link.address)
+
+    def _start_program(self) -> None:
+        connection = self._engine.connection
+        options, motion_link = connection.options, connection.link
+        host, port = motion_link.address
+        script = control_program(
+            options.callback_host or host, port, motion_link.token, self._engine.dt
+        )
+        connection.send(script)
+        motion_link.accept(PROGRAM_TIMEOUT)
+        try:
+            self.wait(
+                lambda: self._engine.is_program_ready,
+                "tool0's program did not start on the robot; its log says why",
+            )
+        except ControlError:
+            motion_link.disconnect()
+            raise
+
+    def disable(self) -> None:
+        """Bring the arm to rest, and end tool0's program."""
+        self._engine.connection.link.end()
+        simulation = self._simulation
+
+        def end() -> None:
+            self._engine.set_enabled(False)
+            arm = simulation.core.arms.find(None)
+            arm.stop(simulation.core.state)
+
+        simulation.loop.call(end, urgent=True)
+
+    def wait(self, is_so: Callable[[], bool], otherwise: str) -> None:
+        """Wait until the robot reports what was asked of it.
+
+        Raises:
+            ControlError: If it does not, with the text ``otherwise``.
+        """
+        end = time.monotonic() + CHANGE_TIMEOUT
+        bus = self._simulation.bus
+        while not is_so():
+            if time.monotonic() > end:
+                raise ControlError(otherwise)
+            bus.newer_than(bus.latest, _POLL)
