@@ -20,6 +20,7 @@ from tool0.description.config import (
 )
 from tool0.description.loading import load_description
 from tool0.description.scene import Scene
+from tool0.engines.registry import HARDWARE
 from tool0.protocol.backend import Backend
 from tool0.protocol.channel import LocalChannel
 from tool0.simulation.bringup import start_simulation
@@ -43,6 +44,7 @@ def bringup(
     args: Mapping[str, Argument] | None = None,
     ros2_control: bool | None = None,
     engine: str | None = None,
+    hardware: str | None = None,
     scene: Scene | File | None = None,
     controllers_file: File | Sequence[File] | None = None,
     controllers: Names | None = None,
@@ -74,6 +76,7 @@ def bringup(
         ros2_control: Whether the catalogue's robots have `<ros2_control>` tags, and
             with them the controllers of ROS 2 (docs/ros2.md).
         engine: The physics engine: "mujoco", or "gazebo" (docs/gazebo.md).
+        hardware: The address of a real robot, instead of an engine (docs/hardware.md).
         scene: The objects around the robot: a value, a YAML file, or a built-in scene
             (``table_and_bin``, ``table_and_cubes``, ``shelf``).
         controllers_file: YAML of ros_control or ros2_control, one file or several;
@@ -105,6 +108,12 @@ def bringup(
         args=args,
         ros2_control=ros2_control,
     )
+    if hardware is not None:
+        engine = HARDWARE
+        options = {**simulation.engine_options, "address": hardware}
+        simulation = replace(simulation, engine_options=options)
+        if ros2_control is None and _is_of_catalogue(description, control):
+            description = replace(description, ros2_control=True)
     if gripper is not UNSET:
         description = replace(description, gripper=gripper)
     control = _with_given(
@@ -141,6 +150,12 @@ def bringup(
     loop = recorded.simulation.loop
     loop.call(lambda: loop.set_paused(simulation.paused))
     return recorded
+
+
+def _is_of_catalogue(description: DescriptionConfig, control: ControlConfig) -> bool:
+    """Return whether nothing was said about drives and controllers."""
+    chosen = (description.robot, description.transmission_hw_interface)
+    return chosen == (None, None) and control.controllers_file is None
 
 
 def _backend(started: Simulation) -> Backend:

@@ -165,12 +165,12 @@ class Robot(AbstractContextManager["Robot"]):
         Raises:
             ControlError: If the simulation runs in another process.
         """
-        from tool0.simulation.handlers.backend import SimulationBackend
+        from tool0.simulation.simulation import Simulation
 
-        backend = backend_of(self.channel)
-        if not isinstance(backend, SimulationBackend):
+        states = backend_of(self.channel).states
+        if not isinstance(states, Simulation):
             raise ControlError("this robot is not simulated")
-        return backend.simulation
+        return states
 
     @property
     def engine(self) -> Engine:

@@ -208,9 +208,12 @@ class ModbusTcp:
         return body
 
     def _exactly(self, count: int) -> bytes:
-        data = self._socket.recv(count, socket.MSG_WAITALL)
-        if len(data) != count:
-            raise TransportError(f"{self.peer} has closed the connection")
+        data = b""
+        while len(data) < count:
+            received = self._socket.recv(count - len(data))
+            if not received:
+                raise TransportError(f"{self.peer} has closed the connection")
+            data += received
         return data
 
     def close(self) -> None:

@@ -19,6 +19,10 @@ from tool0.hardware.engine import Engine
 from tool0.installation.machine import python_package_version
 
 
+HARDWARE: Final = "hardware"
+"""The engine of a real robot."""
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EngineSettings:
@@ -136,7 +140,7 @@ _ENGINES: Final[dict[str, EngineDefinition]] = {
         runs_batches=True,
     ),
     "gazebo": EngineDefinition(options=GazeboEngineOptions, create=_create_gazebo),
-    "hardware": EngineDefinition(options=RealRobotOptions, create=_create_real_robot),
+    HARDWARE: EngineDefinition(options=RealRobotOptions, create=_create_real_robot),
 }
 
 

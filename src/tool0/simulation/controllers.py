@@ -37,6 +37,9 @@ DEFAULT_STOPPED_CONTROLLERS = (
 defines.  In a cell, those of each robot, with its name as prefix."""
 
 
+UNSCALED = "joint_trajectory_controller"
+SCALED = "scaled_joint_trajectory_controller"
+
 _CHOOSE = "choose with --controllers 'NAME ...' (in Python: controllers=)"
 
 
@@ -52,11 +55,12 @@ class ControllerChoice(NamedTuple):
 
 
 def choose_controllers(
-    description: RobotDescription, control: ControlConfig
+    description: RobotDescription, control: ControlConfig, *, is_real: bool = False
 ) -> ControllerChoice:
     """Return the controllers that the options name, or the default ones.
 
-    Of a YAML of yours, those that drive joints without doubt are started, too.
+    Of a YAML of yours, those that drive joints without doubt are started, too.  A real
+    robot (``is_real``) is moved by the controller that follows its speed slider.
 
     Raises:
         ConfigError: If the YAML does not define one of the names, or is wrong.
@@ -64,6 +68,10 @@ def choose_controllers(
     config = _config(description, control)
     prefixes = ("", *controller_prefixes(description))
     to_start, to_stop = _defaults(description, control, config)
+    if is_real and SCALED in to_stop:
+        swap = {UNSCALED: SCALED, SCALED: UNSCALED}
+        to_start = [swap.get(name, name) for name in to_start]
+        to_stop = [swap.get(name, name) for name in to_stop]
     started = _existing(config, control.controllers, to_start, prefixes)
     stopped = _existing(config, control.stopped_controllers, to_stop, prefixes)
     findings = []

@@ -16,7 +16,7 @@ from tool0.description.poses import PoseStore
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.scene_file import load_scene
-from tool0.engines.registry import make_engine
+from tool0.engines.registry import HARDWARE, make_engine
 from tool0.errors import ConfigError, ControlError
 from tool0.hardware.engine import Engine
 from tool0.hardware.own_drives import OwnDrives
@@ -52,7 +52,8 @@ class Setup:
             Tool0Error: If an option or a file is wrong.
         """
         scene = chosen_scene(description, options.scene)
-        choice = choose_controllers(description, control)
+        is_real = options.engine == HARDWARE
+        choice = choose_controllers(description, control, is_real=is_real)
         poses = PoseStore(description)
         position = _initial_position(description.model, poses, control.initial_pose)
         return Setup(

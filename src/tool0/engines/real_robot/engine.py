@@ -420,6 +420,8 @@ class RealRobotEngine(OwnDrives):
             self._fail(LOST)
 
     def _fail(self, reason: str) -> None:
+        if not self._failure:
+            logger.warning("the arm comes to rest: %s", reason)
         self._failure = self._failure or reason
         self._has_followed = False
         if reason != SILENT:

@@ -108,11 +108,14 @@ class MotionLink:
         """Return which connection of the program this is; None if it is none."""
         connection.settimeout(_HELLO_TIMEOUT)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        data = b""
         try:
-            data = connection.recv(_HELLO.size, socket.MSG_WAITALL)
+            while len(data) < _HELLO.size:
+                received = connection.recv(_HELLO.size - len(data))
+                if not received:
+                    return None
+                data += received
         except OSError:
-            return None
-        if len(data) != _HELLO.size:
             return None
         token, kind = _HELLO.unpack(data)
         connection.settimeout(_SEND_TIMEOUT)
