@@ -6,11 +6,13 @@ import os
 import signal
 import socket
 from contextlib import closing
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from processes import Watch, descendants, has_ended, listening
 from ros import Bringup
+from rtde_rig import RtdeClient
 from ur_address import free_host
 from waits import until
 
@@ -67,6 +69,36 @@ def test_it_starts_again_after_its_death_and_ends_with_a_bringup_that_is_killed(
         bringup.process.kill()
         assert watch.all_ended(10.0)
         assert not is_open(host)
+
+
+def test_no_state_is_left_out_after_the_process_did_not_run_for_a_while() -> None:
+    host = free_host()
+    with (
+        closing(
+            Bringup(os.environ, "--ur", "--arm", "ur5e", "--ur-host", host)
+        ) as bringup,
+        pytest.MonkeyPatch.context() as patch,
+    ):
+        bringup.wait()
+        patch.setenv("XDG_RUNTIME_DIR", bringup.runtime_folder)
+        process = interface_process(bringup)
+        assert process is not None
+        with tool0.connect() as robot, closing(RtdeClient(host)) as client:
+            client.receive(["timestamp"])
+            client.start()
+            (first,) = client.sample()
+            for _ in range(3):
+                start = robot.time
+                os.kill(process, signal.SIGSTOP)
+                until(lambda start=start: robot.time > start + 0.3, "the robot's time")
+                os.kill(process, signal.SIGCONT)
+                last = robot.time
+                times = [first]
+                while times[-1] < last:
+                    times += client.sample()
+                steps = {round(1e3 * (b - a)) for a, b in pairwise(times)}
+                assert steps <= {2, 0}  # while it waits, the last one is repeated
+                first = times[-1]
 
 
 def test_a_port_in_use_ends_the_bringup_with_its_name() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import math
 from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple, final
 
@@ -94,6 +95,9 @@ class StateStream:
         """Whether each has received a complete state."""
         self._last: Snapshot | None = None
         """The newest that was sent."""
+        self._due_time = -math.inf
+        """Of the last one that was due by the rate [s]: changes come in between, and
+        delay none."""
         self._pace = _Pace.of(request, states.snapshot.speed)
         self._subscription: Subscription | None = None
         self._is_waking = False
@@ -221,12 +225,15 @@ class StateStream:
             return False  # from before the subscription
         before, pace = self._last, self._pace
         if before is None:
+            self._due_time = now.time
             return True
-        elapsed = now.time - before.time
+        elapsed = now.time - self._due_time
         period = 0.0 if pace.is_fast else 1.0 / pace.rate - _ROUNDING
+        if elapsed != 0.0 and not 0.0 <= elapsed < period:
+            self._due_time = now.time
+            return True
         return (
-            (elapsed != 0.0 and not 0.0 <= elapsed < period)
-            or now.controllers is not before.controllers
+            now.controllers is not before.controllers
             or now.control_boxes is not before.control_boxes
             or now.is_paused != before.is_paused
             or now.is_stopped != before.is_stopped

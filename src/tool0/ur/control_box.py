@@ -129,7 +129,10 @@ class UrControlBox:
         self.modbus = Signals(lambda: self.programs.is_running)
         """Of the units that programs read and write."""
         self.when_updated: set[Callable[[], None]] = set()
-        """Called for each update."""
+        """Called for each update; of several that come together, for the newest."""
+        self.when_shown: set[Callable[[], None]] = set()
+        """Called for each one that is shown, in order, also of several that come
+        together: to send it."""
         index = {name: k for k, name in enumerate(first.joint_names)}
         self._indices = [index[name] for name in self.chain.joint_names]
         self._waiting: list[asyncio.Future[None]] = []
@@ -166,14 +169,19 @@ class UrControlBox:
 
     # ---- updates --------------------------------------------------------------------
 
+    def show(self, snapshot: Snapshot) -> None:
+        """Show the robot after an update that another one follows at once.
+
+        Nobody acts on it: what programs answer comes after the last one.
+        """
+        self._show(snapshot)
+        _call(self.when_shown)
+
     def take(self, snapshot: Snapshot) -> None:
         """Show the robot after another update, and tell everyone."""
         self._show(snapshot)
-        for callback in tuple(self.when_updated):
-            try:
-                callback()
-            except Exception:  # one must not stop the others
-                logger.exception("an update could not be shown")
+        _call(self.when_updated)
+        _call(self.when_shown)
         waiting, self._waiting = self._waiting, []
         for future in waiting:
             if not future.done():
@@ -427,6 +435,14 @@ class UrControlBox:
         x, y, z = self.posture(target=target).flange.rotate(self.tcp[:3])
         torque = (tx - y * fz + z * fy, ty - z * fx + x * fz, tz - x * fy + y * fx)
         return (fx, fy, fz, *torque)
+
+
+def _call(callbacks: Collection[Callable[[], None]]) -> None:
+    for callback in tuple(callbacks):
+        try:
+            callback()
+        except Exception:  # one must not stop the others
+            logger.exception("an update could not be shown")
 
 
 def _six(values: Sequence[float]) -> Six:

@@ -15,6 +15,7 @@ from tool0.protocol.robot import ReadInfo
 from tool0.protocol.socket_channel import SocketChannel
 from tool0.ur.control_box import UrControlBox, box_states
 from tool0.ur.options import UrArm, UrOptions
+from tool0.ur.updates import Updates
 
 logger = logging.getLogger(__name__)
 
@@ -89,12 +90,11 @@ async def serve(
     loop = asyncio.get_running_loop()
     has_ended = asyncio.Event()
     boxes: list[UrControlBox] = []
+    updates = Updates(boxes)
 
     def take() -> None:
-        """Show the newest state: a busy process leaves out those before it."""
-        newest = subscription.pending() if boxes else []
-        for box in boxes if newest else ():
-            box.take(newest[-1])
+        if boxes and (arrived := subscription.pending()):
+            updates.show(arrived)
 
     def refuse(error: Tool0Error) -> None:
         for box in boxes:

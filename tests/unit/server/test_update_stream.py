@@ -89,6 +89,22 @@ def test_every_update_comes_once_and_in_order(listener: Listener) -> None:
     assert "command" not in first
 
 
+def test_changes_in_between_delay_no_update(
+    robot: tool0.Robot, listener: Listener
+) -> None:
+    robot.pause()
+    robot.step(2 - robot.snapshot.tick % 2)
+    listener.connection.call(following("control_boxes", rate=500.0))
+    start = listener.next()["tick"]
+    assert start % 2 == 0
+    robot.step(1)
+    robot.arm.control_box.set_digital_output(0, True)
+    robot.step(1)
+    ticks = [listener.next()["tick"], listener.next()["tick"]]
+    robot.arm.control_box.set_digital_output(0, False)
+    assert ticks == [start + 1, start + 2]  # the change, and what is due
+
+
 def test_names_and_controllers_come_only_when_they_change(
     robot: tool0.Robot, listener: Listener
 ) -> None:

@@ -63,13 +63,13 @@ class ClientInterface:
         """
         for number, port in self._ports.items():
             await port.listen(host, port_base + number)
-        self._box.when_updated.add(self._show)
+        self._box.when_shown.add(self._show)
         self._box.messages.listeners.add(self._tell)
         self._heart = asyncio.create_task(self._beat())
 
     async def close(self) -> None:
         """Close the ports, and end secondary programs."""
-        self._box.when_updated.discard(self._show)
+        self._box.when_shown.discard(self._show)
         self._box.messages.listeners.discard(self._tell)
         if self._heart is not None:
             self._heart.cancel()

@@ -61,12 +61,12 @@ class RtdeServer:
     async def start(self, host: str, port_base: int) -> None:
         """Listen; TransportError if the port is in use."""
         await self._port.listen(host, port_base + PORT)
-        self._box.when_updated.add(self._publish)
+        self._box.when_shown.add(self._publish)
         self._heart = asyncio.create_task(self._beat())
 
     async def close(self) -> None:
         """End the connections and the port."""
-        self._box.when_updated.discard(self._publish)
+        self._box.when_shown.discard(self._publish)
         if self._heart is not None:
             self._heart.cancel()
         await self._port.close()
