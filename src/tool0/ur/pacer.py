@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final, final
 if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
-CATCH_UP: Final = 0.02
+CATCH_UP: Final = 0.1
 """How late a step may begin and still count from when it was due [s]."""
 _ROUNDING: Final = 1e-9
 

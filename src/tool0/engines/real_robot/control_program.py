@@ -62,8 +62,9 @@ LONGEST_VECTOR_PERIOD: Final = 0.004
 FIRST_REGISTER: Final = 24
 """Output registers that the program writes: integers from this one on.  UR keeps those
 below for fieldbuses."""
-REGISTERS: Final = tuple(f"output_int_register_{FIRST_REGISTER + k}" for k in range(2))
-"""Periods since the program began, 0 without it; and its ``ProgramMode``."""
+REGISTERS: Final = tuple(f"output_int_register_{FIRST_REGISTER + k}" for k in range(3))
+"""Periods since the program began, 0 without it; its ``ProgramMode``; and the
+``StopCause``, if it came to rest."""
 
 
 class MessageKind(IntEnum):
@@ -93,6 +94,19 @@ class ProgramMode(IntEnum):
     """After braking, until a ``RESTART``."""
     GUIDED = 4
     """Freedrive."""
+
+
+class StopCause(IntEnum):
+    """Why the program brought the arm to rest."""
+
+    TOLD = 1
+    """By ``BRAKE``."""
+    SILENT = 2
+    """No message for ``SILENCE``."""
+    RAN_OUT = 3
+    """The last knot was not the end of the motion."""
+    TOO_FAR = 4
+    """New knots were beyond ``MOST_JUMP``."""
 
 
 class CommandKind(IntEnum):
@@ -152,7 +166,7 @@ def control_program(host: str, port: int, token: int, period: float) -> str:
         **{f"REGISTER_{k}": FIRST_REGISTER + k for k in range(len(REGISTERS))},
         **{
             item.name: int(item)
-            for kinds in (MessageKind, ProgramMode, CommandKind)
+            for kinds in (MessageKind, ProgramMode, StopCause, CommandKind)
             for item in kinds
         },
     }

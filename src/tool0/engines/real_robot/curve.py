@@ -12,12 +12,15 @@ from tool0.engines.real_robot.motion_link import Knot, MotionLink
 from tool0.hardware.own_drives import WantedMotion
 from tool0.protocol.state import ArmSetpoint
 
-HORIZON: Final = 0.24
+HORIZON: Final = 0.2
 """How far ahead knots are sent [s]: longer than the program follows them without
 hearing of tool0, so that it never runs out of them."""
-SPACING: Final = 0.008
-"""Between two knots [s].  A cubic is off by h⁴/384 of the fourth derivative: below
-1e-7 rad for every motion that a UR can make."""
+SPACING: Final = 0.012
+"""Between two knots [s].  A cubic is off by h⁴/384 of the fourth derivative, and by h²/32
+of a step in the acceleration between two knots: 45 µrad for 10 rad/s²."""
+MOST_LAG: Final = 0.04
+"""How far the program's periods may be off before it gets new knots [s]: a real
+controller misses none, a simulated one may."""
 STREAM_AHEAD: Final = 0.1
 """For how long a stream's velocities are assumed to last [s]: until the program takes
 tool0 for silent."""
@@ -48,6 +51,9 @@ class CurveSender:
         self._is_streaming = False
         self._quiet = 0
         """Periods since the last message."""
+        self._step = 0
+        """The program's period now, as the knots that were sent assume it."""
+        self._most_lag = round(MOST_LAG / period)
         self._must_restart = True
 
     def restart(self) -> None:
@@ -64,6 +70,7 @@ class CurveSender:
             step: The program's period at that time.
         """
         self._quiet += 1
+        step = self._continued(step)
         if wanted.is_streamed:
             self._follow_stream(wanted, now, step)
         else:
@@ -71,6 +78,18 @@ class CurveSender:
         if self._quiet >= self._beat:
             self._link.beat()
             self._quiet = 0
+
+    def _continued(self, step: int) -> int:
+        """Return the program's period for knots that continue those before."""
+        self._step += 1
+        sent = self._sent
+        rests = not sent or (sent[-1].step < self._step and _rests(sent[-1]))
+        if rests or self._is_streaming:
+            self._step = step
+        elif abs(step - self._step) > self._most_lag:
+            self._step = step
+            sent.clear()
+        return self._step
 
     def _follow_curve(self, wanted: WantedMotion, now: float, step: int) -> None:
         sent = self._sent

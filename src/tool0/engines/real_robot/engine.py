@@ -25,6 +25,7 @@ from tool0.engines.real_robot.control_program import (
     REGISTERS,
     CommandKind,
     ProgramMode,
+    StopCause,
 )
 from tool0.engines.real_robot.curve import CurveSender
 from tool0.engines.real_robot.declared_world import DeclaredWorld
@@ -49,9 +50,12 @@ _HOLDING: Final = frozenset({ObjectStatus.MET_CLOSING, ObjectStatus.MET_OPENING}
 LOST: Final = "the connection to the robot was lost"
 STREAM_LOOK: Final = 0.1
 """Between two looks at where a stream leads [s]."""
-SILENT: Final = (
-    "the robot did not hear of tool0 for 0.1 s, and stopped the arm on its path"
-)
+CAUSES: Final = {
+    StopCause.SILENT: "the robot did not hear of tool0 for 0.1 s",
+    StopCause.RAN_OUT: "the robot ran out of knots: tool0 or the network was late",
+    StopCause.TOO_FAR: "a new motion was too far from the present one",
+}
+AT_REST: Final = "the arm came to rest by itself"
 ENDED: Final = "tool0's program on the robot has ended"
 
 
@@ -407,7 +411,8 @@ class RealRobotEngine(OwnDrives):
         if not is_ours:
             boxes["program"] = ProgramState.STOPPED
         elif self._has_followed and mode == ProgramMode.RESTING and not self._failure:
-            self._fail(SILENT)
+            cause = int(reader.fields.number(reader.newest, REGISTERS[2]))
+            self._fail(CAUSES.get(StopCause(cause), AT_REST) if cause else AT_REST)
         link = replace(self._report.link, is_connected=reader.is_connected)
         self._report = RobotReport(link=link, motion_failure=self._failure, **boxes)
 
@@ -424,7 +429,7 @@ class RealRobotEngine(OwnDrives):
             logger.warning("the arm comes to rest: %s", reason)
         self._failure = self._failure or reason
         self._has_followed = False
-        if reason != SILENT:
+        if reason in {LOST, ENDED}:
             self._is_enabled = False
             self._show(is_enabled=False)
 

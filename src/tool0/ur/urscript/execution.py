@@ -328,6 +328,8 @@ class Execution:
             self._look_at_time()
 
     def _look_at_time(self) -> None:
-        if self.box.time != self._period:
-            self._period = self.box.time
-            self._used = max(self._used - PER_PERIOD, 0)
+        elapsed, self._period = self.box.time - self._period, self.box.time
+        if elapsed:
+            # A process that was late sees several periods at once.
+            periods = max(round(elapsed * self.box.rate), 1)
+            self._used = max(self._used - PER_PERIOD * periods, 0)
