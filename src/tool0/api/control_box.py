@@ -26,6 +26,7 @@ from tool0.protocol.control_box import (
     UnlockProtectiveStop,
 )
 from tool0.protocol.control_box_state import AnalogDomain, ControlBoxState
+from tool0.protocol.real_robot import DisableMotion, EnableMotion
 from tool0.protocol.request import Place, checked_value
 
 
@@ -152,6 +153,30 @@ class ControlBox:
     def restart_safety(self) -> None:
         """Clear what the safety system has stopped; the arm is switched off then."""
         self._channel.call(RestartSafety(arm=self._arm))
+
+    def enable_motion(
+        self, serial_number: str, *, accept_calibration: bool = False
+    ) -> None:
+        """Let tool0 move this real arm, until the session ends or `disable_motion`.
+
+        Args:
+            serial_number: Of the robot that you have in view, as its nameplate has it.
+            accept_calibration: Move although the robot's calibration is another one
+                than the description's: poses are off by millimetres.
+
+        Raises:
+            ControlError: If it may not move, with all reasons.
+        """
+        request = EnableMotion(
+            arm=self._arm,
+            serial_number=serial_number,
+            accept_calibration=accept_calibration,
+        )
+        self._channel.call(request)
+
+    def disable_motion(self) -> None:
+        """Bring a real arm to rest, and only read its state from now on."""
+        self._channel.call(DisableMotion(arm=self._arm))
 
     def set_tcp(self, pose: Sequence[float]) -> None:
         """Set the tool centre point, for clients of UR's protocols.

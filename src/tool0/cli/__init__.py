@@ -43,6 +43,10 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "step": ("simulation", "advance a paused simulation by some control periods"),
     "reset": ("simulation", "return to time zero and the initial pose"),
     "estop": ("simulation", "engage or release the emergency stop"),
+    "hardware": (
+        "hardware",
+        "let a real robot move, or stop it; its power, payload and speed",
+    ),
     "gazebo": ("installing", "install Gazebo 11, or show which one is used"),
     "ros1": (
         "installing",

@@ -33,6 +33,7 @@ from tool0.description.units import (
     Radians,
     read_number,
 )
+from tool0.engines.registry import HARDWARE
 from tool0.errors import ConfigError
 from tool0.ros1.options import Ros1Options
 from tool0.ros2.options import Ros2Options
@@ -59,6 +60,38 @@ class EngineOptions:
         if self.gazebo_gui:
             options["gui"] = True
         return options
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HardwareOptions:
+    """A real robot, in place of a simulation."""
+
+    hardware: str | None = None
+    """Address of the robot's controller; tool0 only reads its state until you enable
+    its motion with `tool0 hardware enable`."""
+    hardware_port_base: int = 0
+    """Added to the port numbers of a robot, for a simulated controller."""
+    callback_host: str | None = None
+    """This machine's address as the robot reaches it, if it is not the one that reaches
+    the robot."""
+    callback_port: int = 0
+    """Port at which tool0's program on the robot connects; a free one if not given."""
+    gripper_link: str | None = None
+    """How the gripper is reached: urcap, modbus, modbus:HOST:PORT, rtu:/dev/ttyUSB0 or
+    none; the URCap's socket if not given."""
+
+    def given(self) -> dict[str, object]:
+        """Return the options of the engine; none without a robot."""
+        if self.hardware is None:
+            return {}
+        return {
+            "address": self.hardware,
+            "port_base": self.hardware_port_base,
+            "callback_host": self.callback_host or "",
+            "callback_port": self.callback_port,
+            "gripper": self.gripper_link or "",
+        }
 
 
 @final
@@ -185,6 +218,7 @@ class BringupOptions:
     control: ControlConfig = field(default_factory=ControlConfig)
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
     engine: EngineOptions = field(default_factory=EngineOptions)
+    hardware: HardwareOptions = field(default_factory=HardwareOptions)
     run: RunOptions = field(default_factory=RunOptions)
     panel: PanelOptions = field(default_factory=PanelOptions)
     ros: Ros1Options = field(default_factory=Ros1Options)
@@ -198,6 +232,13 @@ class BringupOptions:
                 "--ur-active-gripper need --ur"
             )
         self.ur.options()  # raises for a wrong one
+        if self.hardware.hardware is None and self.hardware != HardwareOptions():
+            raise ConfigError(
+                "--hardware-port-base, --callback-host, --callback-port and "
+                "--gripper-link need --hardware"
+            )
+        if self.hardware.hardware is not None:
+            self._check_hardware()
         if self.simulation.overwrite and self.simulation.record is None:
             raise ConfigError("--overwrite needs --record")
         if not self.run.ros2 and self.ros2 != Ros2NodeOptions():
@@ -208,14 +249,44 @@ class BringupOptions:
                 "--roscore, --ns, --tf-pub-rate and --camera-rate need --ros1"
             )
 
+    def _check_hardware(self) -> None:
+        """Raise ConfigError for what is of a simulation only."""
+        usual = SimulationConfig()
+        simulated = {
+            "--engine": self.simulation.engine != usual.engine,
+            "--speed": self.simulation.speed != usual.speed,
+            "--no-realtime": not self.simulation.realtime,
+            "--paused": self.simulation.paused,
+            "--grasp-assist": self.simulation.grasp_assist,
+            "--world and --gazebo-gui": self.engine != EngineOptions(),
+        }
+        for option, is_given in simulated.items():
+            if is_given:
+                raise ConfigError(
+                    f"{option}: not with --hardware, which is no simulation"
+                )
+
     def full_description(self) -> DescriptionConfig:
-        """Return ``description`` with the tags that ROS 2's controllers need."""
-        if not self.run.ros2:
-            return self.description
-        return replace(self.description, ros2_control=True)
+        """Return ``description`` with the tags that ROS 2's controllers need.
+
+        A real robot has these controllers, too: one of them follows its speed slider.
+        """
+        is_ros2 = self.run.ros2 or (
+            self.hardware.hardware is not None
+            and not self.run.ros1
+            and self.description.robot is None
+            and self.control.controllers_file is None
+        )
+        return (
+            replace(self.description, ros2_control=True)
+            if is_ros2
+            else (self.description)
+        )
 
     def full_simulation(self) -> SimulationConfig:
         """Return ``simulation`` with the options of its engine."""
+        if options := self.hardware.given():
+            return replace(self.simulation, engine=HARDWARE, engine_options=options)
         return replace(self.simulation, engine_options=self.engine.given())
 
 

@@ -74,9 +74,11 @@ def greeting(
     name = description.title
     pace = "real time" if simulation.realtime else "as fast as possible"
     joints = counted(len(description.model.transmissions), "driven joint")
+    first = f"{name} is up in {robot.engine.name}: {joints}, {pace}"
+    if options.hardware.hardware is not None:
+        first = _real_robot(robot, name)
     lines = [
-        f"{name} is up in {robot.engine.name}: {joints}, {pace}"
-        f"{', paused' if simulation.paused else ''}",
+        f"{first}{', paused' if simulation.paused else ''}",
         *columns(
             [(f"  {row.name}", row.state, row.type) for row in robot.controllers()]
         ).splitlines(),
@@ -91,6 +93,22 @@ def greeting(
         if run.remote:
             lines += ["From another terminal:", *_examples(robot, run.name)]
         lines.append("Ctrl-C ends it.")
+    return "\n".join(lines)
+
+
+def _real_robot(robot: Robot, name: str) -> str:
+    """Return what a user must know before a real robot moves."""
+    link = robot.arm.control_box.state.link
+    assert link is not None  # it is a real robot
+    who = f"{link.model} {link.serial_number}, PolyScope {link.software}"
+    lines = [
+        f"REAL ROBOT: {name} at {link.address} ({who}); tool0 only reads its state",
+        "UR's safety system is the only safety function: keep the pendant's emergency "
+        "stop in reach.",
+        "tool0 has not been run on real hardware yet (docs/hardware.md).",
+        *(f"  before it may move: {text}" for text in link.obstacles),
+        "  tool0 hardware enable   lets it move",
+    ]
     return "\n".join(lines)
 
 

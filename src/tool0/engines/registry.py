@@ -18,7 +18,6 @@ from tool0.errors import ConfigError, EngineUnavailableError, did_you_mean
 from tool0.hardware.engine import Engine
 from tool0.installation.machine import python_package_version
 
-
 HARDWARE: Final = "hardware"
 """The engine of a real robot."""
 

@@ -49,7 +49,7 @@ class RobotConnection:
         self.host: Final = options.address
         self.rtde = self._connected()
         self.dashboard = DashboardClient(self.host, base + DASHBOARD_PORT)
-        local = options.callback_host or self.rtde.local_address
+        local = self.rtde.local_address
         with contextlib.ExitStack() as failed:
             failed.callback(self.rtde.close)
             self.link = MotionLink(local, options.callback_port)

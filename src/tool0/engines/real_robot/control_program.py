@@ -35,7 +35,7 @@ N_COMMAND: Final = 30
 N_ARGUMENTS: Final = N_COMMAND - 2
 N_RING: Final = 64
 """Knots that the program keeps."""
-EMPTY: Final = 0.12
+EMPTY: Final = 0.05
 """How long after its last knot the program follows a motion that does not end with it
 [s]."""
 SILENCE: Final = 0.1

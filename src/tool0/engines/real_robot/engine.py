@@ -223,7 +223,6 @@ class RealRobotEngine(OwnDrives):
                 self.connection.link.brake()
                 self._curve.restart()
                 self._has_followed = False
-            self.connection.link.beat()
         elif state.step and not self._failure and not self._is_guided:
             if reason := self._objection(arm, wanted.now.time):
                 self.connection.link.brake()

@@ -26,6 +26,8 @@ from tool0.errors import TransportError
 
 logger = logging.getLogger(__name__)
 
+BEAT: Final = 0.02
+"""Between two messages that say nothing but that tool0 is there [s]."""
 _KNOT: Final = struct.Struct(">14i")
 _COMMAND: Final = struct.Struct(">30i")
 _HELLO: Final = struct.Struct(">2i")
@@ -58,6 +60,7 @@ class MotionLink:
         self.token = secrets.randbelow(1 << 31)
         """Which the program says first."""
         self._lock = threading.Lock()
+        self._ends = threading.Event()
         self._sockets: dict[int, socket.socket] = {}
         self._n_commands = 0
         try:
@@ -68,6 +71,10 @@ class MotionLink:
             ) from None
         self.address: tuple[str, int] = self._listener.getsockname()[:2]
         """Where it listens."""
+        self._heart = threading.Thread(
+            target=self._beat, name="tool0 heartbeat", daemon=True
+        )
+        self._heart.start()
 
     @property
     def is_connected(self) -> bool:
@@ -131,9 +138,11 @@ class MotionLink:
         if data:
             self._send(_KNOTS, data)
 
-    def beat(self) -> None:
-        """Tell the program that tool0 is there."""
-        self._send(_KNOTS, _message(MessageKind.NOTHING))
+    def _beat(self) -> None:
+        """Tell the program that tool0 and the network are there, from now on."""
+        message = _message(MessageKind.NOTHING)
+        while not self._ends.wait(BEAT):
+            self._send(_KNOTS, message)
 
     def brake(self, periods: int = 0) -> None:
         """Let the arm come to rest on its path, in that many periods or its own."""
@@ -185,6 +194,8 @@ class MotionLink:
 
     def close(self) -> None:
         """End; the arm comes to rest."""
+        self._ends.set()
+        self._heart.join()
         self.disconnect()
         self._listener.close()
 

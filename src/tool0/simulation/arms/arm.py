@@ -553,7 +553,7 @@ class Arm:
         if link is not None and not link.is_enabled:
             return (
                 f"tool0 only reads the robot at {link.address}; enable its motion in "
-                "the panel or with `tool0 enable`"
+                "the panel or with `tool0 hardware enable`"
             )
         return self._modes.obstacle(self.name, self.box.state.protective_stop)
 

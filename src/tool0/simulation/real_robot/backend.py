@@ -7,6 +7,7 @@ from typing import Any, Final, cast, final
 
 from msgspec.structs import replace
 
+from tool0.description.payload_bodies import modelled_payload
 from tool0.engines.real_robot.engine import RealRobotEngine
 from tool0.errors import ControlError, TransportError
 from tool0.protocol.arm import MoveLinear, MoveTo
@@ -196,11 +197,11 @@ class RealRobotBackend:
         box.look()
 
     def _set_payload(self, request: SetPayload) -> None:
-        if request.mass is None:
-            raise ControlError(
-                "a real robot has no description to return to: give the mass"
-            )
         mass, center = request.mass, request.center_of_gravity
+        if mass is None:
+            model = self.simulation.description.model
+            expected = modelled_payload(model, self._engine.arm.flange)
+            mass, center = expected.mass, expected.center_of_gravity
         x, y, z = center
         self._beside("payload", f"set_payload({mass!r}, [{x!r}, {y!r}, {z!r}])")
         box = self._enabling

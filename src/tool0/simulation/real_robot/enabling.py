@@ -105,7 +105,7 @@ class Enabling:
         elif box.robot_mode not in POWERED:
             found.append(
                 "the arm is not powered, or its brakes are on; release them with "
-                "`tool0 power release-brakes`, or on the pendant"
+                "`tool0 hardware release-brakes`, or on the pendant"
             )
         gripper = self._engine.connection.gripper
         if gripper is not None and gripper.problem:
@@ -151,7 +151,7 @@ class Enabling:
         return [
             f"the robot expects a payload of {box.payload.mass:.2f} kg, and the "
             f"description has {expected:.2f} kg at the flange; set it with "
-            f"`tool0 payload --mass {expected:.2f}`, or in the robot's installation"
+            "`tool0 hardware payload`, or in the robot's installation"
         ]
 
     # ---- beginning and end ----------------------------------------------------------

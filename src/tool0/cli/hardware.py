@@ -1,0 +1,181 @@
+"""``tool0 hardware``: whether a real robot may move, its power, payload and speed."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Annotated, Final
+
+from tool0.cli.connection import DEFAULT, Bringup
+from tool0.cli.parameters import AsJson, Option
+from tool0.cli.text import print_json
+from tool0.errors import ConfigError, ControlError
+
+if TYPE_CHECKING:
+    from tool0.api.control_box import ControlBox
+    from tool0.api.robot import Robot
+    from tool0.protocol.control_box_state import ControlBoxState, RobotLink
+
+Percent = Annotated[float, Option(is_positional=True, metavar="PERCENT")]
+
+
+def _box(robot: Robot) -> ControlBox:
+    """Return the control box of a real arm, or raise ControlError."""
+    box = robot.arm.control_box
+    _link(box.state)
+    return box
+
+
+def _link(state: ControlBoxState) -> RobotLink:
+    if state.link is None:
+        raise ControlError(
+            "this robot is simulated; `tool0 hardware` is for a real one"
+        )
+    return state.link
+
+
+def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
+    """Print which robot it is, its modes, and what keeps it from moving.
+
+    Args:
+        as_json: Print one JSON object.
+    """
+    with bringup.connect() as robot:
+        state = _box(robot).state
+    link = _link(state)
+    if as_json:
+        print_json(
+            {
+                "link": link,
+                "robot_mode": state.robot_mode.name,
+                "safety_mode": state.safety_mode.name,
+                "program": state.program.value,
+                "speed_slider": state.speed_slider,
+            }
+        )
+        return
+    remote = {True: "remote control", False: "local control", None: "CB3"}
+    print(
+        f"robot: {link.model} {link.serial_number} at {link.address}, "
+        f"PolyScope {link.software}, {remote[link.is_remote]}"
+    )
+    print(f"link: {'connected' if link.is_connected else 'LOST'}")
+    print(
+        f"modes: {state.robot_mode.name}, safety {state.safety_mode.name}, "
+        f"program {state.program.value}, speed {state.speed_slider:.0%}"
+    )
+    print(f"motion: {'enabled' if link.is_enabled else 'not enabled'}")
+    if state.motion_failure:
+        print(f"stopped: {state.motion_failure}")
+    for text in link.obstacles:
+        print(f"before it may move: {text}")
+
+
+def enable(
+    *,
+    serial: str | None = None,
+    accept_calibration: bool = False,
+    bringup: Bringup = DEFAULT,
+) -> None:
+    """Let tool0 move the robot, at 25 % of its speed at first.
+
+    It asks for the serial number on the robot's nameplate, so that the right robot
+    moves.
+
+    Args:
+        serial: The serial number, instead of asking for it.
+        accept_calibration: Move although the robot's calibration is not that of the
+            description: poses are off by millimetres.
+    """
+    with bringup.connect() as robot:
+        box = _box(robot)
+        link = _link(box.state)
+        if serial is None:
+            if not sys.stdin.isatty():
+                raise ConfigError("enable: give --serial, as nobody can be asked")
+            print(
+                f"{link.model} at {link.address}: is its area clear, and the "
+                "emergency stop in reach?"
+            )
+            serial = input("Serial number on its nameplate: ")
+        box.enable_motion(serial, accept_calibration=accept_calibration)
+        slider = box.state.speed_slider
+    print(
+        f"the robot may move, at {slider:.0%} of its speed; "
+        "`tool0 hardware speed` changes that"
+    )
+
+
+def disable(*, bringup: Bringup = DEFAULT) -> None:
+    """Bring the robot to rest, and only read its state from now on."""
+    with bringup.connect() as robot:
+        _box(robot).disable_motion()
+
+
+def play(*, bringup: Bringup = DEFAULT) -> None:
+    """Let the controllers hold the arm again, after it was stopped."""
+    with bringup.connect() as robot:
+        _box(robot).play()
+
+
+def power_on(*, bringup: Bringup = DEFAULT) -> None:
+    """Switch the arm on; its brakes stay on."""
+    with bringup.connect() as robot:
+        _box(robot).power_on()
+
+
+def power_off(*, bringup: Bringup = DEFAULT) -> None:
+    """Switch the arm off."""
+    with bringup.connect() as robot:
+        _box(robot).power_off()
+
+
+def release_brakes(*, bringup: Bringup = DEFAULT) -> None:
+    """Release the brakes; the arm is switched on first, if it is off."""
+    with bringup.connect() as robot:
+        _box(robot).release_brakes()
+
+
+def unlock(*, bringup: Bringup = DEFAULT) -> None:
+    """End a protective stop, once its cause is known; nothing moves by that."""
+    with bringup.connect() as robot:
+        _box(robot).unlock()
+
+
+def payload(*, mass: float | None = None, bringup: Bringup = DEFAULT) -> None:
+    """Tell the robot what its flange carries.
+
+    Args:
+        mass: Of gripper and load [kg], with the centre of mass of the description; what
+            the description has at the flange, if not given.
+    """
+    with bringup.connect() as robot:
+        box = _box(robot)
+        box.clear_payload()
+        if mass is not None:
+            box.set_payload(mass, box.state.payload.center_of_gravity)
+
+
+def speed(percent: Percent, *, bringup: Bringup = DEFAULT) -> None:
+    """Move the speed slider.
+
+    Args:
+        percent: Of the programmed speed, 1 to 100.
+    """
+    if not 1.0 <= percent <= 100.0:
+        raise ConfigError(f"speed: {percent:g} % is not from 1 to 100")
+    with bringup.connect() as robot:
+        _box(robot).set_speed_slider(percent / 100.0)
+
+
+hardware: Final = {
+    "show": show,
+    "enable": enable,
+    "disable": disable,
+    "play": play,
+    "power-on": power_on,
+    "power-off": power_off,
+    "release-brakes": release_brakes,
+    "unlock": unlock,
+    "payload": payload,
+    "speed": speed,
+}

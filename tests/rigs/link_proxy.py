@@ -1,0 +1,166 @@
+"""A network that fails, between tool0 and a robot: TCP proxies in a thread.
+
+A lost segment of TCP delays all that follows it: here by ``RECOVERY``, a fast
+retransmission (one round trip and the three packets after it), since streams of this
+rate never wait for a timeout.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import random
+import socket
+import threading
+from collections.abc import Coroutine, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, Final, final
+
+RECOVERY: Final = 0.06
+"""[wall s]"""
+_CHUNK: Final = 1 << 16
+
+Address = tuple[str, int]
+
+
+@final
+class LinkProxy:
+    """Forwards ports, with faults that may change at any time."""
+
+    def __init__(self, routes: Mapping[Address, Address], seed: int = 0) -> None:
+        """Listen at each address, and forward to the other one."""
+        self.jitter = 0.0
+        """Each chunk is late by a random time up to this [wall s], in order."""
+        self.loss = 0.0
+        """Part of the chunks that are lost at first."""
+        self._random = random.Random(seed)
+        self._routes = routes
+        self._loop = asyncio.new_event_loop()
+        self._flows = asyncio.Event()
+        self._flows.set()
+        self._accepts = True
+        self._writers: set[asyncio.StreamWriter] = set()
+        self._servers: list[asyncio.Server] = []
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
+        self._run(self._listen())
+
+    def hold(self) -> None:
+        """Deliver nothing in either direction, as with a pulled cable."""
+        self._loop.call_soon_threadsafe(self._flows.clear)
+
+    def release(self) -> None:
+        """Deliver again what was held, and all that follows."""
+        self._loop.call_soon_threadsafe(self._flows.set)
+
+    def cut(self) -> None:
+        """Reset all connections, and accept no others until ``mend``."""
+        self._run(self._cut())
+
+    def mend(self) -> None:
+        """Accept connections again."""
+        self._accepts = True
+        self.release()
+
+    def close(self) -> None:
+        self._run(self._cut())
+        self._run(self._end())
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()
+
+    def _run(self, action: Coroutine[Any, Any, None]) -> None:
+        asyncio.run_coroutine_threadsafe(action, self._loop).result(10.0)
+
+    async def _listen(self) -> None:
+        for (host, port), target in self._routes.items():
+
+            async def serve(
+                reader: asyncio.StreamReader,
+                writer: asyncio.StreamWriter,
+                target: Address = target,
+            ) -> None:
+                await self._serve(reader, writer, target)
+
+            self._servers.append(await asyncio.start_server(serve, host, port))
+
+    async def _serve(
+        self,
+        reader: asyncio.StreamReader,
+        writer: asyncio.StreamWriter,
+        target: Address,
+    ) -> None:
+        if not self._accepts:
+            writer.transport.abort()
+            return
+        try:
+            far_reader, far_writer = await asyncio.open_connection(*target)
+        except OSError:
+            writer.transport.abort()
+            return
+        for one in (writer, far_writer):
+            one.get_extra_info("socket").setsockopt(
+                socket.IPPROTO_TCP, socket.TCP_NODELAY, 1
+            )
+            self._writers.add(one)
+        await asyncio.gather(
+            self._pump(reader, far_writer), self._pump(far_reader, writer)
+        )
+
+    async def _pump(
+        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        """Deliver chunks in order, each when it is due."""
+        queue: asyncio.Queue[tuple[float, bytes]] = asyncio.Queue()
+        deliver = self._loop.create_task(self._deliver(queue, writer))
+        due = 0.0
+        with contextlib.suppress(OSError):
+            while data := await reader.read(_CHUNK):
+                late = self._random.uniform(0.0, self.jitter) if self.jitter else 0.0
+                if self.loss and self._random.random() < self.loss:
+                    late += RECOVERY
+                due = max(due, self._loop.time() + late)
+                queue.put_nowait((due, data))
+        queue.put_nowait((due, b""))
+        await deliver
+
+    async def _deliver(
+        self, queue: asyncio.Queue[tuple[float, bytes]], writer: asyncio.StreamWriter
+    ) -> None:
+        with contextlib.suppress(OSError):
+            while True:
+                due, data = await queue.get()
+                if (wait := due - self._loop.time()) > 0.0:
+                    await asyncio.sleep(wait)
+                await self._flows.wait()
+                if not data:
+                    break
+                writer.write(data)
+                await writer.drain()
+        self._writers.discard(writer)
+        writer.close()
+
+    async def _end(self) -> None:
+        for server in self._servers:
+            server.close()
+        tasks = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _cut(self) -> None:
+        self._accepts = False
+        for writer in tuple(self._writers):
+            writer.transport.abort()
+        self._writers.clear()
+        self._flows.set()
+
+
+@contextmanager
+def link_proxy(routes: Mapping[Address, Address], seed: int = 0) -> Iterator[LinkProxy]:
+    """Forward ports until the end of the block."""
+    proxy = LinkProxy(routes, seed)
+    try:
+        yield proxy
+    finally:
+        proxy.close()

@@ -1,0 +1,213 @@
+"""A real robot, on tool0's own UR controller in another process: reading and moving."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import closing
+
+import pytest
+from raises_naming import raises_naming
+from real_robot_rig import RealRobotRig, real_robot
+from ros import Bringup
+from ur_address import free_host
+from waits import until
+
+import tool0
+from tool0.errors import ControlError, NotOfferedError
+from tool0.protocol.control_box_state import ProgramState, RobotMode, SafetyMode
+from tool0.protocol.goals import GoalStatus
+
+ELBOW = "elbow_joint"
+SUCCEEDED = GoalStatus.SUCCEEDED
+
+
+@pytest.fixture(scope="module")
+def rig() -> Iterator[RealRobotRig]:
+    with real_robot() as made:
+        yield made
+
+
+@pytest.fixture
+def moving(rig: RealRobotRig) -> RealRobotRig:
+    """The rig, with its motion enabled and at rest in the same pose."""
+    link = rig.state.link
+    assert link is not None
+    if not link.is_enabled:
+        rig.enable()
+    elif rig.state.program is not ProgramState.PLAYING:
+        rig.box.play()
+    (goal,) = rig.robot.move_joints({ELBOW: 1.57}, speed=0.3)
+    assert goal.wait(30.0).status is SUCCEEDED
+    return rig
+
+
+def test_it_only_reads_until_somebody_enables_its_motion(rig: RealRobotRig) -> None:
+    link = rig.state.link
+    assert link is not None
+    assert (link.model, link.software) == ("UR5", "3.15.8")
+    assert not link.is_enabled
+    assert not link.obstacles
+    with rig.twin() as twin:
+        joints = twin.snapshot.positions
+    here = rig.robot.snapshot.positions
+    arm = rig.robot.arm.joint_names
+    assert [here[k] for k in arm] == pytest.approx([joints[k] for k in arm], abs=1e-3)
+    assert here["finger_joint"] == pytest.approx(joints["finger_joint"], abs=0.02)
+    with raises_naming(ControlError, "only reads the robot", "enable"):
+        rig.robot.move_joints({ELBOW: 1.0})
+    with raises_naming(ControlError, "only reads the robot"):
+        rig.box.play()
+    with raises_naming(ControlError, "serial number is not '1'", "nameplate"):
+        rig.box.enable_motion("1")
+    with raises_naming(NotOfferedError, "reset", "cannot be put into a pose"):
+        rig.robot.reset()
+    with raises_naming(NotOfferedError, "pause", "cannot be held"):
+        rig.robot.pause()
+
+
+def test_a_move_ends_where_it_was_sent(moving: RealRobotRig) -> None:
+    with moving.twin() as twin:
+        (goal,) = moving.robot.move_joints({ELBOW: 1.2}, speed=0.5)
+        assert goal.wait(30.0).status is SUCCEEDED
+        until(
+            lambda: abs(twin.snapshot.positions[ELBOW] - 1.2) < 1e-3,
+            lambda: f"the elbow at 1.2, not {twin.snapshot.positions[ELBOW]}",
+        )
+    # the other joints have stayed
+    pan = moving.robot.snapshot.positions["shoulder_pan_joint"]
+    assert pan == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_motion_that_is_too_fast_for_the_slider_is_scaled(
+    moving: RealRobotRig,
+) -> None:
+    moving.box.set_speed_slider(0.25)
+    until(lambda: moving.state.speed_scaling == 0.25, "the slider")
+    fastest = 0.0
+    with moving.robot.subscribe() as states:
+        (goal,) = moving.robot.move_joints({ELBOW: 1.2}, speed=1.0)
+        while not goal.status.is_terminal:
+            states.next(5.0)
+            fastest = max(fastest, abs(moving.robot.snapshot.velocities[ELBOW]))
+    limit = moving.robot.joint_limits[ELBOW].velocity
+    assert 0.15 * limit < fastest < 0.27 * limit
+    moving.box.set_speed_slider(1.0)
+    until(lambda: moving.state.speed_scaling == 1.0, "the slider")
+
+
+def test_pins_payload_and_tool_are_those_of_the_robot(moving: RealRobotRig) -> None:
+    with moving.twin() as twin:
+        box = twin.arm.control_box
+        moving.box.set_digital_output(3, True)
+        until(lambda: box.state.digital_outputs[3], "pin 3 of the robot")
+        moving.box.set_digital_output(3, False)
+        box.set_digital_input(5, True)
+        until(lambda: moving.state.digital_inputs[5], "the input")
+        moving.box.set_payload(1.5, (0.0, 0.0, 0.05))
+        assert box.state.payload.mass == pytest.approx(1.5)
+        moving.box.clear_payload()
+        assert moving.state.payload.mass == pytest.approx(0.92, abs=0.01)
+        moving.box.set_tool_voltage(24)
+        until(lambda: box.state.tool_voltage == 24, "the tool's voltage")
+    with raises_naming(ControlError, "what their wires say"):
+        moving.box.set_digital_input(5, False)
+
+
+def test_the_gripper_moves(moving: RealRobotRig) -> None:
+    gripper = moving.robot.gripper
+    moving.robot.grip(opening=0.03)
+    until(lambda: abs(gripper.opening - 0.03) < 2e-3, "the gripper at 30 mm")
+    moving.robot.grip(opening=0.08)
+    until(lambda: abs(gripper.opening - 0.08) < 2e-3, "the gripper at 80 mm")
+
+
+def test_a_move_into_the_arm_itself_is_refused(moving: RealRobotRig) -> None:
+    with raises_naming(tool0.Tool0Error, "collide"):
+        moving.robot.move_joints({ELBOW: -2.95, "shoulder_lift_joint": -0.3})
+    trajectory = [tool0.TrajectoryPoint(positions=(-2.95,), time_from_start=30.0)]
+    with raises_naming(ControlError, "collide"):
+        name = "scaled_joint_trajectory_controller"
+        controller = moving.robot.trajectory_controller(name)
+        goal = controller.follow(trajectory, joint_names=(ELBOW,))
+        goal.wait(30.0)
+        raise ControlError(moving.state.motion_failure)
+    assert moving.robot.snapshot.positions[ELBOW] == pytest.approx(1.57, abs=0.02)
+
+
+def test_a_protective_stop_stops_it_until_it_is_unlocked_and_played(
+    moving: RealRobotRig,
+) -> None:
+    with moving.twin() as twin:
+        (goal,) = moving.robot.move_joints({ELBOW: 0.8}, speed=0.2)
+        until(lambda: moving.robot.snapshot.positions[ELBOW] < 1.5, "motion")
+        twin.arm.control_box.stop_protectively("a test")
+        assert goal.wait(10.0).status is not SUCCEEDED
+        until(
+            lambda: moving.state.safety_mode is SafetyMode.PROTECTIVE_STOP, "the stop"
+        )
+        with raises_naming(ControlError, "protective stop"):
+            moving.robot.move_joints({ELBOW: 0.8})
+        with raises_naming(ControlError, "refuses 'unlock protective stop'"):
+            moving.box.unlock()  # from 5 s on, as on a UR
+        here = moving.robot.snapshot.positions[ELBOW]
+        twin_box = twin.arm.control_box
+        until(lambda: _unlocked(moving), "5 s after the stop", period=0.2)
+        assert twin_box.state.safety_mode is SafetyMode.NORMAL
+        assert moving.robot.snapshot.positions[ELBOW] == pytest.approx(here, abs=5e-3)
+    link = moving.state.link
+    assert link is not None
+    assert not link.is_enabled  # its program has ended
+    moving.enable()
+
+
+def _unlocked(rig: RealRobotRig) -> bool:
+    try:
+        rig.box.unlock()
+    except ControlError:
+        return False
+    return True
+
+
+def test_a_program_that_is_stopped_on_the_pendant_ends_the_motion(
+    moving: RealRobotRig,
+) -> None:
+    (goal,) = moving.robot.move_joints({ELBOW: 0.8}, speed=0.2)
+    until(lambda: moving.robot.snapshot.positions[ELBOW] < 1.5, "motion")
+    dashboard = moving.dashboard()
+    assert dashboard.ask("stop") == "Stopped"
+    dashboard.close()
+    assert goal.wait(10.0).status is not SUCCEEDED
+    until(lambda: moving.state.program is ProgramState.STOPPED, "its program's end")
+    assert "program on the robot has ended" in moving.state.motion_failure
+    moving.enable()
+
+
+def test_power_off_and_on(moving: RealRobotRig) -> None:
+    moving.box.power_off()
+    assert moving.state.robot_mode is RobotMode.POWER_OFF
+    with raises_naming(ControlError, "enable"):
+        moving.robot.move_joints({ELBOW: 1.0})
+    moving.box.release_brakes()
+    assert moving.state.robot_mode is RobotMode.RUNNING
+    moving.enable()
+
+
+def test_a_second_client_is_refused_with_the_reason(rig: RealRobotRig) -> None:
+    with raises_naming(tool0.Tool0Error, "IN_USE", "another client"):
+        tool0.bringup(arm="ur5", hardware=rig.host)
+
+
+def test_another_arm_than_described_is_not_moved() -> None:
+    host = free_host()
+    words = ("--ur", "--arm", "ur10", "--gripper", "none", "--ur-host", host)
+    with closing(Bringup(os.environ, *words)) as simulated:
+        simulated.wait()
+        with tool0.bringup(arm="ur5e", gripper=None, hardware=host) as robot:
+            link = robot.arm.control_box.state.link
+            assert link is not None
+            wrong = "the robot is a UR10 (a CB3), not the ur5e of this description"
+            assert any(text.startswith(wrong) for text in link.obstacles)
+            assert any("calibration" in text for text in link.obstacles)
+            with raises_naming(ControlError, wrong, "--arm", "mm from"):
+                robot.arm.control_box.enable_motion(link.serial_number)
