@@ -56,6 +56,8 @@ CAUSES: Final = {
     StopCause.TOO_FAR: "a new motion was too far from the present one",
 }
 AT_REST: Final = "the arm came to rest by itself"
+RESTART_TIME: Final = 0.1
+"""Longest time until the program shows that it follows again [s]."""
 ENDED: Final = "tool0's program on the robot has ended"
 
 
@@ -126,6 +128,9 @@ class RealRobotEngine(OwnDrives):
         self._efforts = [0.0] * len(self.joint_names)
         self._is_enabled = False
         self._has_followed = False
+        self._rests_since = 0
+        """The tick up to which the program has not rested by itself."""
+        self._patience = round(RESTART_TIME / self._period)
         self._is_guided = False
         self.guard: Callable[[WantedMotion, float], str] = lambda motion, now: ""
         """Returns why a motion may not be sent; empty if it may."""
@@ -396,24 +401,34 @@ class RealRobotEngine(OwnDrives):
     def _update_report(self) -> None:
         reader = self.reader
         mode = reader.fields.number(reader.newest, REGISTERS[1])
+        self._watch_program(int(mode))
         fields = (
             *reader.fields.status(reader.newest),
             *(mode, reader.is_connected, self.connection.link.is_connected),
+            self._failure,
         )
         if fields == self._fields:
             return
         self._fields = fields
         boxes = reader.fields.boxes(reader.newest)
-        is_ours = self._is_enabled and self.connection.link.is_connected
+        is_running = boxes["program"] is not ProgramState.STOPPED
+        is_linked = self.connection.link.is_connected
+        is_ours = self._is_enabled and is_linked and is_running
         if self._is_enabled and not is_ours:
             self._fail(ENDED if reader.is_connected else LOST)
         if not is_ours:
             boxes["program"] = ProgramState.STOPPED
-        elif self._has_followed and mode == ProgramMode.RESTING and not self._failure:
-            cause = int(reader.fields.number(reader.newest, REGISTERS[2]))
-            self._fail(CAUSES.get(StopCause(cause), AT_REST) if cause else AT_REST)
         link = replace(self._report.link, is_connected=reader.is_connected)
         self._report = RobotReport(link=link, motion_failure=self._failure, **boxes)
+
+    def _watch_program(self, mode: int) -> None:
+        """Note that the program brought the arm to rest by itself."""
+        if mode != ProgramMode.RESTING or not self._has_followed or self._failure:
+            self._rests_since = self._arm_state.tick
+        elif self._arm_state.tick - self._rests_since > self._patience:
+            reader = self.reader
+            cause = int(reader.fields.number(reader.newest, REGISTERS[2]))
+            self._fail(CAUSES.get(StopCause(cause), AT_REST) if cause else AT_REST)
 
     def _note_loss(self) -> None:
         """Nothing goes on by itself after that, also if the link is there again."""

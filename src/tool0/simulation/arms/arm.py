@@ -550,12 +550,14 @@ class Arm:
         link = self.box.state.link
         if link is not None and not link.is_connected:
             return f"the robot at {link.address} is not reached: {_LOST}"
+        if reason := self._modes.obstacle(self.name, self.box.state.protective_stop):
+            return reason
         if link is not None and not link.is_enabled:
             return (
                 f"tool0 only reads the robot at {link.address}; enable its motion in "
                 "the panel or with `tool0 hardware enable`"
             )
-        return self._modes.obstacle(self.name, self.box.state.protective_stop)
+        return ""
 
     def _stop_controllers(self, now: JointState) -> None:
         names = tuple(

@@ -35,6 +35,8 @@ two."""
 PAYLOAD_TOLERANCE: Final = (0.1, 0.1)
 """Difference of payloads that counts as equal: [kg], and relative."""
 CB3_ARMS: Final = frozenset({"UR3", "UR5", "UR10"})
+PROGRAM_END: Final = 1.0
+"""Longest wait for a program of ours to end [s]."""
 PROGRAM_TIMEOUT: Final = 5.0
 """Longest wait for tool0's program to start [s]."""
 CHANGE_TIMEOUT: Final = 10.0
@@ -178,11 +180,13 @@ class Enabling:
         ]
         if obstacles:
             raise ControlError("the robot may not move: " + "; ".join(obstacles))
-        if self._engine.is_program_running:
-            raise ControlError(
-                "another program runs on the robot; stop it on the pendant or with "
-                "`stop` on the dashboard server"
-            )
+        # Our own last one may be about to end.
+        self.wait(
+            lambda: not self._engine.is_program_running,
+            "another program runs on the robot; stop it on the pendant or with `stop` "
+            "on the dashboard server",
+            PROGRAM_END,
+        )
         if self.box.speed_slider > FIRST_SLIDER:
             self._engine.set_speed_slider(FIRST_SLIDER)
             self.wait(
@@ -230,13 +234,18 @@ class Enabling:
 
         simulation.loop.call(end, urgent=True)
 
-    def wait(self, is_so: Callable[[], bool], otherwise: str) -> None:
+    def wait(
+        self,
+        is_so: Callable[[], bool],
+        otherwise: str,
+        timeout: float = CHANGE_TIMEOUT,
+    ) -> None:
         """Wait until the robot reports what was asked of it.
 
         Raises:
             ControlError: If it does not, with the text ``otherwise``.
         """
-        end = time.monotonic() + CHANGE_TIMEOUT
+        end = time.monotonic() + timeout
         bus = self._simulation.bus
         while not is_so():
             if time.monotonic() > end:
