@@ -13,6 +13,7 @@ import { engageOnEscape } from "./panels/estop";
 import { LogPanel } from "./panels/log";
 import { MotionPanel } from "./panels/motion";
 import { ObjectsPanel } from "./panels/objects";
+import { RealRobotBar } from "./panels/real-robot-bar";
 import { RobotBar } from "./panels/robot-bar";
 import { ShortcutHelp } from "./panels/shortcut-help";
 import { Toasts } from "./panels/toasts";
@@ -102,6 +103,7 @@ export function App() {
       <a class="skip" href="#controls">
         {t("app.skip")}
       </a>
+      <RealRobotBar />
       <TopBar />
       <Confirmation />
       <ShortcutHelp />

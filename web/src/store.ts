@@ -19,6 +19,11 @@ export const status = signal<Status | null>(null);
 /** Oldest first, the last few hundred. */
 export const notices = signal<readonly Notice[]>([]);
 
+/** Whether the robot is real: what the page does moves steel. */
+export const isReal = computed(() => view.value?.mode === "hardware");
+/** Whether the robot has controllers, simulated or real: neither a picture nor a recording. */
+export const isLive = computed(() => isReal.value || view.value?.mode === "simulation");
+
 export const joints = computed<readonly JointInfo[]>(
   () => view.value?.robot.joints ?? [],
 );

@@ -41,6 +41,7 @@ function box(changes: Partial<ControlBox> = {}): ControlBox {
     taken_by: "",
     motion_failure: "",
     ur: null,
+    link: null,
     ...changes,
   };
 }

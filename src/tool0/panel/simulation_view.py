@@ -68,7 +68,7 @@ class SimulationView:
         first = states.snapshot
         limits = {name: found.limits for name, found in info.joint_limits.items()}
         self.info = ViewInfo(
-            mode="simulation",
+            mode=backend.mode,
             engine=info.engine,
             control_period=info.control_period,
             grasp_assist=info.grasp_assist,

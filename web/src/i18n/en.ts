@@ -145,6 +145,23 @@ export const en = {
 
   "estop.engage": "E-STOP",
   "estop.engageLong": "E-STOP (Esc): brake every joint",
+  "estop.stop": "STOP",
+  "estop.stopLong":
+    "STOP (Esc): bring the robot to rest. The emergency stop is on the pendant",
+  "real.title": "REAL ROBOT",
+  "real.safety":
+    "UR's safety system is the only safety function; the emergency stop is on the pendant.",
+  "real.lost": "Connection to the robot lost",
+  "real.reading": "tool0 only reads its state",
+  "real.enabled": "tool0 may move it",
+  "real.enable": "Enable motion…",
+  "real.disable": "Disable motion",
+  "real.play": "Hold with the controllers",
+  "real.stopped": "It came to rest: {reason}",
+  "real.obstacles": "Before it may move:",
+  "real.confirm":
+    "Enable the motion of {model} {serial} at {address}? You see this robot, its area is clear, and the emergency stop is in reach.",
+  "real.slider": "{percent} % speed",
   "estop.requested": "Stop requested…",
   "estop.release": "Hold for 1 s to release",
   "estop.banner":
@@ -497,6 +514,7 @@ export const en = {
   "program.discard": "Discard the changes that were not saved?",
   "program.discardIt": "Discard",
   "program.check": "Check",
+  "program.holdToRun": "Hold for 1 s to run",
   "program.run": "Run",
   "program.pause": "Pause",
   "program.resume": "Continue",

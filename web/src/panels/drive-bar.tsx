@@ -3,7 +3,7 @@ import { disable, enable, endReason, isDriving } from "../driving";
 import { shown } from "../frames";
 import { t } from "../i18n";
 import { robots } from "../robots";
-import { connectionState, status, view } from "../store";
+import { connectionState, isLive, status } from "../store";
 import { Toggle } from "../ui/toggle";
 
 function state(): string {
@@ -15,7 +15,7 @@ function state(): string {
 }
 
 export function DriveBar() {
-  if (view.value?.mode !== "simulation") return null;
+  if (!isLive.value) return null;
   const isEnded = endReason.value !== null && !isDriving.value;
   return (
     <div class="drive-bar">

@@ -3,7 +3,7 @@ import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { sendRequest } from "../connection";
 import { t } from "../i18n";
-import { status, unlessOffered, view } from "../store";
+import { isLive, isReal, status, unlessOffered } from "../store";
 import { EmergencyIcon } from "../ui/icons";
 
 /** The status follows the answer within a tenth of a second; no longer wait is needed. */
@@ -13,7 +13,7 @@ const CONFIRMED_WITHIN_MS = 1000;
 export const stopRequested = signal(false);
 
 function hasEmergencyStop(): boolean {
-  return view.value?.mode === "simulation";
+  return isLive.value;
 }
 
 async function engage(): Promise<void> {
@@ -63,7 +63,7 @@ export function EmergencyStop() {
     };
   }, []);
   if (!hasEmergencyStop()) return null;
-  const long = t("estop.engageLong");
+  const long = t(isReal.value ? "estop.stopLong" : "estop.engageLong");
   return (
     <button
       type="button"
@@ -79,7 +79,7 @@ export function EmergencyStop() {
       {...unlessOffered("emergency_stop")}
     >
       <EmergencyIcon />
-      {t("estop.engage")}
+      {t(isReal.value ? "estop.stop" : "estop.engage")}
     </button>
   );
 }

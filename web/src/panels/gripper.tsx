@@ -3,7 +3,7 @@ import { connection } from "../connection";
 import { mayMove } from "../driving";
 import { t } from "../i18n";
 import type { GripperInfo, GripperState, ErrorInfo } from "../protocol";
-import { view, status } from "../store";
+import { isLive, status } from "../store";
 import { Badge } from "../ui/badge";
 import type { Tone } from "../ui/badge";
 import { Button } from "../ui/button";
@@ -69,7 +69,7 @@ export function GripperPanel({ gripper, isNamed }: GripperPanelProps) {
       });
   };
   const disabled = !mayMove.value;
-  const isReal = view.value?.mode === "simulation";
+  const isReal = isLive.value;
   const opening = dragged ?? sent ?? actual;
   const named = (label: string) => `${gripper.name}: ${label}`;
 

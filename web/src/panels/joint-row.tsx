@@ -1,12 +1,13 @@
 /** One joint: its slider, its commanded value as a number, and its actual position. */
 import type { Signal } from "@preact/signals";
 import { useRef } from "preact/hooks";
+import { holdStill } from "../driving";
 import { frames } from "../frames";
 import { language, t } from "../i18n";
 import { useLive } from "../live";
 import type { JointInfo } from "../protocol";
 import { withoutPrefix } from "../robots";
-import { view, jointIndex } from "../store";
+import { isReal, jointIndex, view } from "../store";
 import { fixed, NumberField } from "../ui/number-field";
 import { placeThumb, share, Slider } from "../ui/slider";
 import { angleUnit, limitsOf, spanOf, unitOf } from "../units";
@@ -87,6 +88,7 @@ export function JointRow({ joint, goal, editable = false, onChange }: JointRowPr
           root={root}
           input={slider}
           onInput={change}
+          {...(isReal.value && { onChange: () => void holdStill() })}
           onDoubleClick={() => {
             if (!disabled) onChange(position());
           }}

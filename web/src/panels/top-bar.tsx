@@ -1,6 +1,6 @@
 import { language, speak, t } from "../i18n";
 import { silence } from "../silence";
-import { connectionState, offers, status, view } from "../store";
+import { connectionState, isLive, offers, status, view } from "../store";
 import { Badge } from "../ui/badge";
 import type { Tone } from "../ui/badge";
 import { Segmented } from "../ui/choice";
@@ -30,7 +30,7 @@ export function TopBar() {
   const robot = view.value?.robot;
   const isNarrow = useMedia(NARROW);
   const hasMenu = useMedia(MEDIUM);
-  const hasTime = view.value?.mode === "simulation";
+  const hasTime = isLive.value;
   return (
     <header class="bar">
       <div class="brand">

@@ -1,4 +1,5 @@
 /** Check, run, pause, step and stop; what the program does, and its preview. */
+import { computed, signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { mayMove } from "../../driving";
 import { t } from "../../i18n";
@@ -22,9 +23,10 @@ import {
 } from "../../program/running";
 import { pathText } from "../../program/steps";
 import type { PlannedMotion, ProgramRun } from "../../protocol";
-import { unlessOffered } from "../../store";
+import { isReal, unlessOffered } from "../../store";
 import { Badge, type Tone } from "../../ui/badge";
 import { Button } from "../../ui/button";
+import { HoldButton } from "../../ui/hold-button";
 import { PauseIcon, PlayIcon, StepIcon, StopIcon } from "../../ui/icons";
 import { whileHeld } from "../../ui/held";
 import { fixed } from "../../ui/number-field";
@@ -38,6 +40,15 @@ const TONES: Record<ProgramRun["state"], Tone> = {
   failed: "warning",
   stopped: "neutral",
 };
+
+/** A real robot runs the first program of a session only while somebody looks at it. */
+const wasHeld = signal(false);
+const mustHold = computed(() => isReal.value && !wasHeld.value);
+
+function startHeld(): Promise<void> {
+  wasHeld.value = true;
+  return start();
+}
 
 export function RunBar() {
   const state = run.value?.state;
@@ -63,6 +74,15 @@ export function RunBar() {
             <PauseIcon />
             {t("program.pause")}
           </Button>
+        ) : mustHold.value && !isPaused && mayMove.value && !isEmpty ? (
+          <HoldButton
+            key="hold"
+            data-testid="program-hold"
+            onHeld={() => void startHeld()}
+          >
+            <PlayIcon />
+            {t("program.holdToRun")}
+          </HoldButton>
         ) : (
           <Button
             key="run"
