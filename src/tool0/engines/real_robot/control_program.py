@@ -84,6 +84,11 @@ class MessageKind(IntEnum):
     """Come to rest, and end the program."""
 
 
+KINDS: Final = 8
+"""The first integer of a message is its kind, and this times the number of messages that
+belong to it."""
+
+
 class ProgramMode(IntEnum):
     """What the program does."""
 
@@ -150,6 +155,7 @@ def control_program(host: str, port: int, token: int, period: float) -> str:
         "GAIN": GAIN,
         "SOFTNESS": 1.0 / GAIN,
         "N_KNOT": N_KNOT,
+        "KINDS": KINDS,
         "N_COMMAND": N_COMMAND,
         "N_RING": N_RING,
         "SCALE": SCALE,

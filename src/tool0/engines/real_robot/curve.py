@@ -17,6 +17,10 @@ HORIZON: Final = 0.2
 SPACING: Final = 0.012
 """Between two knots [s].  A cubic is off by h⁴/384 of the fourth derivative, and by
 h²/32 of a step in the acceleration between two knots: 45 µrad for 10 rad/s²."""
+RENEWAL: Final = 0.04
+"""Between two curves in place of each other [s], if the next one is ``CLOSE``."""
+CLOSE: Final = 1e-3
+"""Difference of motions that may wait for the next renewal [rad]."""
 MOST_LAG: Final = 0.04
 """How far the program's periods may be off before it gets new knots [s]: a real
 controller misses none, a simulated one may."""
@@ -47,6 +51,9 @@ class CurveSender:
         self._is_streaming = False
         self._quiet = 0
         """Periods since the last message."""
+        self._renewal = round(RENEWAL / period)
+        self._renewed = 0
+        """When the whole curve was sent last, as a period of the program."""
         self._step = 0
         """The program's period now, as the knots that were sent assume it."""
         self._most_lag = round(MOST_LAG / period)
@@ -88,9 +95,14 @@ class CurveSender:
         sent = self._sent
         while len(sent) > 1 and sent[1].step <= step:
             sent.popleft()
-        if self._is_streaming or not sent or self._has_changed(wanted, now, step):
-            self._is_streaming = False
+        if self._is_streaming or not sent:
             self._send_anew(wanted, now, step)
+            return
+        if self._has_changed(wanted, now, step):
+            # What changes all the time, as with the slider, is not sent all the time.
+            is_due = step - self._renewed >= self._renewal
+            if is_due or not self._is_close(wanted, now, step):
+                self._send_anew(wanted, now, step)
             return
         last, end = sent[-1], step + self._ahead
         if last.step + self._spacing > end:
@@ -126,7 +138,17 @@ class CurveSender:
             return not _is_near(ahead.positions, last.positions)
         return False
 
+    def _is_close(self, wanted: WantedMotion, now: float, step: int) -> bool:
+        """Return whether what was sent serves until the next renewal."""
+        at = step + 2 * self._renewal
+        knot = min(self._sent, key=lambda one: abs(one.step - at))
+        if knot.step < step:
+            return False
+        soon = wanted.at(now + (knot.step - step) * self._period)
+        return _is_near(soon.positions, knot.positions, CLOSE)
+
     def _send_anew(self, wanted: WantedMotion, now: float, step: int) -> None:
+        self._is_streaming, self._renewed = False, step
         knots = [self._knot(wanted, now, step, step + 1)]
         for k in range(step + self._spacing, step + self._ahead + 1, self._spacing):
             following = self._knot(wanted, now, step, k)
@@ -187,5 +209,5 @@ def _rests(knot: Knot) -> bool:
     return max(map(abs, knot.velocities)) < _AT_REST
 
 
-def _is_near(a: Sequence[float], b: Sequence[float]) -> bool:
-    return max(abs(x - y) for x, y in zip(a, b, strict=True)) < _CHANGED
+def _is_near(a: Sequence[float], b: Sequence[float], by: float = _CHANGED) -> bool:
+    return max(abs(x - y) for x, y in zip(a, b, strict=True)) < by

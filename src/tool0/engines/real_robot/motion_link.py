@@ -12,11 +12,12 @@ import secrets
 import socket
 import struct
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Final, NamedTuple, final
 
 from tool0.engines.real_robot.control_program import (
     COMMAND_SCALE,
+    KINDS,
     N_ARGUMENTS,
     SCALE,
     CommandKind,
@@ -128,9 +129,9 @@ class MotionLink:
         connection.settimeout(_SEND_TIMEOUT)
         return kind if token == self.token and kind in {_KNOTS, _COMMANDS} else None
 
-    def send_knots(self, knots: Iterable[Knot], first: MessageKind) -> None:
+    def send_knots(self, knots: Sequence[Knot], first: MessageKind) -> None:
         """Send knots; ``first`` is how the first of them continues the curve."""
-        kind, data = first, bytearray()
+        kind, data = first + KINDS * (len(knots) - 1), bytearray()
         for step, positions, velocities in knots:
             numbers = (round(SCALE * x) for x in (*positions, *velocities))
             data += _KNOT.pack(kind, step, *numbers)
