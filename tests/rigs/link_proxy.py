@@ -16,7 +16,7 @@ from collections.abc import Coroutine, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Final, final
 
-RECOVERY: Final = 0.06
+RECOVERY: Final = 0.055
 """[wall s]"""
 _CHUNK: Final = 1 << 16
 
@@ -103,9 +103,10 @@ class LinkProxy:
                 socket.IPPROTO_TCP, socket.TCP_NODELAY, 1
             )
             self._writers.add(one)
-        await asyncio.gather(
-            self._pump(reader, far_writer), self._pump(far_reader, writer)
-        )
+        with contextlib.suppress(asyncio.CancelledError):  # at the end
+            await asyncio.gather(
+                self._pump(reader, far_writer), self._pump(far_reader, writer)
+            )
 
     async def _pump(
         self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter

@@ -9,8 +9,8 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import pytest
 from link_proxy import LinkProxy, link_proxy
-from pytest import MonkeyPatch
 from ros import Bringup
 from ur_address import free_host
 from ur_rig import DashboardLines
@@ -54,7 +54,7 @@ class RealRobotRig:
 
     def twin(self) -> tool0.Robot:
         """Return a connection to the simulated robot behind the controller."""
-        with MonkeyPatch.context() as patch:
+        with pytest.MonkeyPatch.context() as patch:
             patch.setenv("XDG_RUNTIME_DIR", self.simulated.runtime_folder)
             return tool0.connect()
 
@@ -77,7 +77,8 @@ def real_robot(arm: str = "ur5", *words: str, **options: Any) -> Iterator[RealRo
         port = probe.getsockname()[1]
     routes = {(near, number): (host, number) for number in PORTS}
     routes[near, port] = ("127.0.0.1", port)
-    command = ("--ur", "--ur-active-gripper", "--arm", arm, "--ur-host", host)
+    usual = ("--ur-active-gripper", "--dt", "0.002")  # half of the processor time
+    command = ("--ur", *usual, "--arm", arm, "--ur-host", host)
     with closing(Bringup(os.environ, *command, *words)) as simulated:
         simulated.wait()
         engine = {"callback_host": near, "callback_port": port}

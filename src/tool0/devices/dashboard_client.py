@@ -6,6 +6,7 @@ Commands and answers are those of UR's documents, see ``ur/dashboard.py``.
 from __future__ import annotations
 
 import contextlib
+import select
 import socket
 import threading
 from typing import Final, final
@@ -35,6 +36,8 @@ class DashboardClient:
         """
         with self._lock:
             try:
+                if self._socket is not None and self._has_ended():
+                    self._drop()
                 if self._socket is None:
                     self._connect()
                 assert self._socket is not None
@@ -80,6 +83,11 @@ class DashboardClient:
         self._socket = socket.create_connection(self._address, self._timeout)
         self._received.clear()
         self._line()  # the greeting
+
+    def _has_ended(self) -> bool:
+        """Return whether the server has closed the connection since the last answer."""
+        assert self._socket is not None
+        return bool(select.select([self._socket], [], [], 0.0)[0])  # it speaks unasked
 
     def _line(self) -> str:
         assert self._socket is not None

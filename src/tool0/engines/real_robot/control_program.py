@@ -85,8 +85,8 @@ class MessageKind(IntEnum):
 
 
 KINDS: Final = 8
-"""The first integer of a message is its kind, and this times the number of messages that
-belong to it."""
+"""The first integer of a message is its kind, and this times the number of messages
+that belong to it."""
 
 
 class ProgramMode(IntEnum):

@@ -8,6 +8,7 @@ from typing import Final, final
 
 from tool0.description.model import Joint
 from tool0.engines.real_robot.control_program import MessageKind
+from tool0.engines.real_robot.lag import MOST, LagMeter
 from tool0.engines.real_robot.motion_link import Knot, MotionLink
 from tool0.hardware.own_drives import WantedMotion
 from tool0.protocol.state import ArmSetpoint
@@ -58,21 +59,32 @@ class CurveSender:
         """The program's period now, as the knots that were sent assume it."""
         self._most_lag = round(MOST_LAG / period)
         self._must_restart = True
+        self._lag = LagMeter(period)
+        self._lead = 0.0
+        """By how much the curve is ahead of what is wanted [s]: the robot follows it
+        that late."""
 
     def restart(self) -> None:
         """Begin a new curve with the next motion, also after a stop."""
         self._must_restart = True
         self._sent.clear()
 
-    def follow(self, wanted: WantedMotion, now: float, step: int) -> None:
+    def follow(
+        self, wanted: WantedMotion, now: float, step: int, measured: Sequence[float]
+    ) -> None:
         """Send what the program does not know yet.
 
         Args:
             wanted: The motion.
             now: The time of the tick [s].
             step: The program's period at that time.
+            measured: Positions of the joints at that time [rad].
         """
         self._quiet += 1
+        if not wanted.is_streamed:
+            present = wanted.at(now)
+            self._lag.observe(present.positions, present.velocities, measured)
+        now += self._lead
         step = self._continued(step)
         if wanted.is_streamed:
             self._follow_stream(wanted, now, step)
@@ -149,6 +161,8 @@ class CurveSender:
 
     def _send_anew(self, wanted: WantedMotion, now: float, step: int) -> None:
         self._is_streaming, self._renewed = False, step
+        if _is_at_rest(wanted.at(now)):  # so that no motion jumps by that
+            self._lead = min(max(self._lead + self._lag.take(), -MOST), MOST)
         knots = [self._knot(wanted, now, step, step + 1)]
         for k in range(step + self._spacing, step + self._ahead + 1, self._spacing):
             following = self._knot(wanted, now, step, k)
@@ -203,6 +217,10 @@ class CurveSender:
         self._link.send_knots(knots, kind)
         self._sent.extend(knots)
         self._quiet = 0
+
+
+def _is_at_rest(motion: ArmSetpoint) -> bool:
+    return max(map(abs, motion.velocities)) < _AT_REST
 
 
 def _rests(knot: Knot) -> bool:

@@ -234,7 +234,7 @@ class RealRobotEngine(OwnDrives):
                 self._fail(reason)
                 return
             self._has_followed = True
-            self._curve.follow(arm, wanted.now.time, state.step)
+            self._curve.follow(arm, wanted.now.time, state.step, state.positions)
         if wanted.grips != self._wanted_grips:
             self._grip(wanted.grips)
 

@@ -13,6 +13,8 @@ from tool0.errors import TransportError
 
 LOST_AFTER: Final = 0.1
 """Without a package for that long, the link counts as lost [s]."""
+OFFSETS: Final = 25
+"""Periods over which the program's own is compared with the robot's."""
 _FIRST_PACKAGE: Final = 2.0
 """Longest wait for the first state [s]."""
 MOST_GAP: Final = 1.0
@@ -60,8 +62,9 @@ class StateReader:
         """When a repeated state is due, while there are no packages."""
         self._offset = 0
         """Between the robot's periods and ours."""
-        self._program_offset = 0
-        """Between the robot's periods and those of tool0's program."""
+        self._program_offsets: deque[int] = deque(maxlen=OFFSETS)
+        """Between the robot's periods and those of tool0's program, lately: the program
+        writes its period late by some, never early."""
         self._use(client)
         self._offset = self._robot_period(package)
         self.state = self._state_of(package, 0)
@@ -135,11 +138,10 @@ class StateReader:
         fields = self.fields
         step = int(fields.number(package, REGISTERS[0]))
         if step:
-            # Both numbers are of one period; the program may write late by a few.
-            offset = tick - step
-            if not -1 <= offset - self._program_offset <= 3:
-                self._program_offset = offset
-            step = tick - self._program_offset
+            self._program_offsets.append(tick - step)
+            step = tick - min(self._program_offsets)
+        else:
+            self._program_offsets.clear()
         return ArmState(
             tick,
             fields.vector(package, "actual_q"),

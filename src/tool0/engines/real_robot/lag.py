@@ -1,0 +1,55 @@
+"""How late a robot follows its setpoints, measured while it moves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, final
+
+MEMORY: Final = 2.0
+"""In which a measurement loses its weight [s of motion]."""
+SLOW: Final = 0.05
+"""A slower arm tells nothing [rad/s]."""
+MOST: Final = 0.08
+"""Largest lag, and largest lead, that is made up for [s]."""
+ENOUGH: Final = 0.2
+"""Motion that must have been seen [s]."""
+
+
+@final
+class LagMeter:
+    """Finds the delay that explains the distance of the joints from their setpoints.
+
+    It is that of least squares: sum(v e) / sum(v²), with the velocities v of the
+    setpoints and their distances e.
+    """
+
+    def __init__(self, period: float) -> None:
+        """``period`` is between two measurements [s]."""
+        self._keep = 1.0 - period / MEMORY
+        self._period = period
+        self._products = self._squares = self._seen = 0.0
+
+    def observe(
+        self,
+        wanted: Sequence[float],
+        velocities: Sequence[float],
+        measured: Sequence[float],
+    ) -> None:
+        """Take a setpoint and what was measured at its time into account."""
+        squares = sum(v * v for v in velocities)
+        if squares < SLOW * SLOW:
+            return
+        errors = zip(velocities, wanted, measured, strict=True)
+        self._products = self._keep * self._products + sum(
+            v * (q - p) for v, q, p in errors
+        )
+        self._squares = self._keep * self._squares + squares
+        self._seen += self._period
+
+    def take(self) -> float:
+        """Return the delay that is to be made up for [s], and begin again."""
+        if self._seen < ENOUGH:
+            return 0.0
+        lag = self._products / self._squares
+        self._products = self._squares = self._seen = 0.0
+        return lag
