@@ -108,12 +108,6 @@ def bringup(
         args=args,
         ros2_control=ros2_control,
     )
-    if hardware is not None:
-        engine = HARDWARE
-        options = {**simulation.engine_options, "address": hardware}
-        simulation = replace(simulation, engine_options=options)
-        if ros2_control is None and _is_of_catalogue(description, control):
-            description = replace(description, ros2_control=True)
     if gripper is not UNSET:
         description = replace(description, gripper=gripper)
     control = _with_given(
@@ -125,12 +119,18 @@ def bringup(
     simulation = _with_given(
         simulation,
         engine=engine,
+        hardware=hardware,
         scene=scene,
         realtime=realtime,
         speed=speed,
         paused=paused,
         record=record,
     )
+    if simulation.hardware is not None:
+        options = {**simulation.engine_options, "address": simulation.hardware}
+        simulation = replace(simulation, engine=HARDWARE, engine_options=options)
+        if ros2_control is None and _is_of_catalogue(description, control):
+            description = replace(description, ros2_control=True)
     robot_description = load_description(description, spawn_z=simulation.spawn_z)
     is_recorded = simulation.record is not None
     # a recording begins at time zero

@@ -33,7 +33,6 @@ from tool0.description.units import (
     Radians,
     read_number,
 )
-from tool0.engines.registry import HARDWARE
 from tool0.errors import ConfigError
 from tool0.ros1.options import Ros1Options
 from tool0.ros2.options import Ros2Options
@@ -65,11 +64,8 @@ class EngineOptions:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HardwareOptions:
-    """A real robot, in place of a simulation."""
+    """Further options of a real robot."""
 
-    hardware: str | None = None
-    """Address of the robot's controller; tool0 only reads its state until you enable
-    its motion with `tool0 hardware enable`."""
     hardware_port_base: int = 0
     """Added to the port numbers of a robot, for a simulated controller."""
     callback_host: str | None = None
@@ -82,11 +78,8 @@ class HardwareOptions:
     none; the URCap's socket if not given."""
 
     def given(self) -> dict[str, object]:
-        """Return the options of the engine; none without a robot."""
-        if self.hardware is None:
-            return {}
+        """Return the options, by the engine's own names."""
         return {
-            "address": self.hardware,
             "port_base": self.hardware_port_base,
             "callback_host": self.callback_host or "",
             "callback_port": self.callback_port,
@@ -232,12 +225,12 @@ class BringupOptions:
                 "--ur-active-gripper need --ur"
             )
         self.ur.options()  # raises for a wrong one
-        if self.hardware.hardware is None and self.hardware != HardwareOptions():
+        if self.simulation.hardware is None and self.hardware != HardwareOptions():
             raise ConfigError(
                 "--hardware-port-base, --callback-host, --callback-port and "
                 "--gripper-link need --hardware"
             )
-        if self.hardware.hardware is not None:
+        if self.simulation.hardware is not None:
             self._check_hardware()
         if self.simulation.overwrite and self.simulation.record is None:
             raise ConfigError("--overwrite needs --record")
@@ -272,7 +265,7 @@ class BringupOptions:
         A real robot has these controllers, too: one of them follows its speed slider.
         """
         is_ros2 = self.run.ros2 or (
-            self.hardware.hardware is not None
+            self.simulation.hardware is not None
             and not self.run.ros1
             and self.description.robot is None
             and self.control.controllers_file is None
@@ -285,9 +278,9 @@ class BringupOptions:
 
     def full_simulation(self) -> SimulationConfig:
         """Return ``simulation`` with the options of its engine."""
-        if options := self.hardware.given():
-            return replace(self.simulation, engine=HARDWARE, engine_options=options)
-        return replace(self.simulation, engine_options=self.engine.given())
+        is_real = self.simulation.hardware is not None
+        own = self.hardware.given() if is_real else self.engine.given()
+        return replace(self.simulation, engine_options=own)
 
 
 def _pose(words: list[str]) -> str | dict[str, float]:

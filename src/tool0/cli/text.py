@@ -75,7 +75,7 @@ def greeting(
     pace = "real time" if simulation.realtime else "as fast as possible"
     joints = counted(len(description.model.transmissions), "driven joint")
     first = f"{name} is up in {robot.engine.name}: {joints}, {pace}"
-    if options.hardware.hardware is not None:
+    if simulation.hardware is not None:
         first = _real_robot(robot, name)
     lines = [
         f"{first}{', paused' if simulation.paused else ''}",

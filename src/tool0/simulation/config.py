@@ -46,6 +46,9 @@ class SimulationConfig:
 
     engine: str = "mujoco"
     """Physics engine: mujoco, or gazebo (`tool0 gazebo install`)."""
+    hardware: str | None = None
+    """Address of a real robot's controller, instead of an engine; tool0 only reads its
+    state until its motion is enabled (docs/hardware.md)."""
     engine_options: Mapping[str, object] = field(default_factory=dict)
     """Options of the engine by name; Gazebo has ``world`` (a world file instead of an
     empty world with ground) and ``gui`` (True opens gzclient)."""

@@ -109,6 +109,8 @@ def test_every_command_that_prints_data_prints_json() -> None:
     )
     acts = ("load", "unload", "start", "stop", "switch", "save", "delete")
     acts += ("add", "remove", "place", "install", "uninstall")
+    acts += ("enable", "disable", "play", "power-on", "power-off", "release-brakes")
+    acts += ("unlock", "payload", "speed")
     flags = {
         words: {item.flag for item in parameters_of(function, READERS)}
         for words, function in FUNCTIONS.items()

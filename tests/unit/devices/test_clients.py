@@ -34,9 +34,8 @@ def server(serve: Serve) -> Iterator[int]:
                     connection, _ = listener.accept()
                 except OSError:
                     return
-                with connection:
-                    with suppress(OSError):
-                        serve(connection)
+                with connection, suppress(OSError):
+                    serve(connection)
 
         threading.Thread(target=run, daemon=True).start()
         yield listener.getsockname()[1]

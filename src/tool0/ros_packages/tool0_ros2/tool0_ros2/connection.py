@@ -73,7 +73,7 @@ class Connection:
                 f"the bring-up '{name}' speaks protocol {protocol}, this "
                 f"node {PROTOCOL}; run both from the same version of tool0"
             )
-        if hello["mode"] != "simulation":
+        if hello["mode"] not in {"simulation", "hardware"}:
             raise TransportError(
                 f"'{name}' is a robot without physics; start one with `tool0 bringup`"
             )
