@@ -65,6 +65,7 @@ class StateReader:
         self._program_offsets: deque[int] = deque(maxlen=OFFSETS)
         """Between the robot's periods and those of tool0's program, lately: the program
         writes its period late by some, never early."""
+        self._last_step = 0
         self._use(client)
         self._offset = self._robot_period(package)
         self.state = self._state_of(package, 0)
@@ -138,6 +139,9 @@ class StateReader:
         fields = self.fields
         step = int(fields.number(package, REGISTERS[0]))
         if step:
+            if step < self._last_step:  # another run of the program
+                self._program_offsets.clear()
+            self._last_step = step
             self._program_offsets.append(tick - step)
             step = tick - min(self._program_offsets)
         else:
