@@ -52,6 +52,8 @@ class EngineDefinition:
     """The Python package whose version decides the results; None if none does."""
     is_deterministic: bool = False
     """Whether equal input gives bit-identical results."""
+    is_real: bool = False
+    """Whether it is a real robot, and no physics."""
     runs_batches: bool = False
     """Whether ``tool0.Batch`` simulates its copies with this engine."""
 
@@ -139,13 +141,15 @@ _ENGINES: Final[dict[str, EngineDefinition]] = {
         runs_batches=True,
     ),
     "gazebo": EngineDefinition(options=GazeboEngineOptions, create=_create_gazebo),
-    HARDWARE: EngineDefinition(options=RealRobotOptions, create=_create_real_robot),
+    HARDWARE: EngineDefinition(
+        options=RealRobotOptions, create=_create_real_robot, is_real=True
+    ),
 }
 
 
 def engine_names() -> tuple[str, ...]:
-    """Return the names of the registered engines."""
-    return tuple(_ENGINES)
+    """Return the names of the registered engines with physics."""
+    return tuple(name for name, engine in _ENGINES.items() if not engine.is_real)
 
 
 def register_engine(name: str, definition: EngineDefinition) -> None:

@@ -517,7 +517,7 @@ class Arm:
         reason = self.box.state.protective_stop
         if safety is not SafetyMode.PROTECTIVE_STOP:
             reason = ""
-        if self._hardware.is_stopped:
+        if self._hardware.is_stopped and self._own_drives is None:
             robot, safety = RobotMode.POWER_OFF, SafetyMode.ROBOT_EMERGENCY_STOP
         self.box.change(robot_mode=robot, safety_mode=safety, protective_stop=reason)
 

@@ -82,7 +82,7 @@ _REASONS: Final[Mapping[type[Request[Any]], str]] = {
     ReactivateGripper: "activate a real gripper on the pendant",
     ReportUr: "a real robot has its own interfaces",
 }
-_LOADED: Final = "the robot did not {}"
+_DID_NOT: Final = "the robot did not {}"
 
 
 @final
@@ -103,6 +103,8 @@ class RealRobotBackend:
         self._engine = engine
         self._inner = SimulationBackend(simulation)
         self._enabling = Enabling(simulation, engine)
+        self._guard: PathGuard | None = None
+        """From the first enabling on: it loads what the rest does not need."""
         self._handlers: Mapping[type[Request[Any]], Callable[[Any], None]] = {
             EnableMotion: self._enable,
             DisableMotion: lambda _: self._enabling.disable(),
@@ -156,9 +158,9 @@ class RealRobotBackend:
     # ---- what the robot's own controller does ---------------------------------------
 
     def _enable(self, request: EnableMotion) -> None:
-        if "guard" not in vars(self):
-            self.guard = PathGuard(self.simulation, self._engine.arm_name)
-            self._engine.guard = self.guard
+        if self._guard is None:
+            self._guard = PathGuard(self.simulation, self._engine.arm_name)
+            self._engine.guard = self._guard
         self._enabling.enable(request)
 
     def _power(self, command: str, mode: RobotMode) -> None:
@@ -175,7 +177,7 @@ class RealRobotBackend:
             if mode is not RobotMode.POWER_OFF
             else (mode,)
         )
-        box.wait(lambda: box.box.robot_mode in wanted, _LOADED.format(command))
+        box.wait(lambda: box.box.robot_mode in wanted, _DID_NOT.format(command))
         box.look()
 
     def _unlock(self, _: UnlockProtectiveStop) -> None:
@@ -183,7 +185,7 @@ class RealRobotBackend:
         dashboard.order("unlock protective stop", "Protective stop releasing")
         box = self._enabling
         box.wait(
-            lambda: box.box.safety_mode in UNSTOPPED, _LOADED.format("unlock its stop")
+            lambda: box.box.safety_mode in UNSTOPPED, _DID_NOT.format("unlock its stop")
         )
         box.look()
 
@@ -192,7 +194,7 @@ class RealRobotBackend:
         dashboard.order("restart safety", "Restarting safety")
         box = self._enabling
         box.wait(
-            lambda: box.box.safety_mode in UNSTOPPED, _LOADED.format("restart safety")
+            lambda: box.box.safety_mode in UNSTOPPED, _DID_NOT.format("restart safety")
         )
         box.look()
 
@@ -207,7 +209,7 @@ class RealRobotBackend:
         box = self._enabling
         box.wait(
             lambda: abs(box.box.payload.mass - mass) < 1e-3,
-            _LOADED.format(f"accept a payload of {mass:g} kg"),
+            _DID_NOT.format(f"accept a payload of {mass:g} kg"),
         )
         box.look()
 
@@ -220,7 +222,7 @@ class RealRobotBackend:
                 max(abs(a - b) for a, b in zip(box.box.tcp, request.pose, strict=True))
                 < 1e-4
             ),
-            _LOADED.format("accept the TCP"),
+            _DID_NOT.format("accept the TCP"),
         )
 
     def _set_io(self, request: SetIO) -> None:
@@ -237,7 +239,7 @@ class RealRobotBackend:
                 )
                 and request.tool_voltage in {None, box.box.tool_voltage}
             ),
-            _LOADED.format("set its outputs"),
+            _DID_NOT.format("set its outputs"),
         )
 
     def _beside(self, name: str, *lines: str) -> None:

@@ -79,7 +79,10 @@ class Enabling:
                 model=model, serial_number=serial, is_remote=is_remote
             )
         )
-        obstacles = tuple(self._obstacles(model, is_remote=is_remote))
+        obstacles = (
+            *self._obstacles(model, is_remote=is_remote),
+            *self._wrong_calibration(),
+        )
         loop.call(lambda: self._engine.show(obstacles=obstacles))
         link = self.box.link
         assert link is not None  # a real robot has one
@@ -93,12 +96,6 @@ class Enabling:
                 "the robot is under local control; choose Remote Control on the pendant"
             )
         found += self._wrong_type(model)
-        if (distance := self.calibration_distance()) > CALIBRATION_TOLERANCE:
-            found.append(
-                f"the robot's calibration puts the flange {1e3 * distance:.1f} mm from "
-                "where the description has it; use a description with its calibration, "
-                "or accept that (`--accept-calibration`)"
-            )
         found += self._wrong_payload(box)
         if box.safety_mode not in UNSTOPPED:
             found.append(
@@ -131,6 +128,16 @@ class Enabling:
                 "description; choose it with `--arm`"
             ]
         return []
+
+    def _wrong_calibration(self) -> list[str]:
+        distance = self.calibration_distance()
+        if distance <= CALIBRATION_TOLERANCE:
+            return []
+        return [
+            f"the robot's calibration puts the flange {1e3 * distance:.1f} mm from where "
+            "the description has it; use a description with its calibration, or accept "
+            "that (`--accept-calibration`)"
+        ]
 
     def calibration_distance(self) -> float:
         """Return how far the flange is from where the description has it [m]."""
@@ -173,11 +180,9 @@ class Enabling:
                 f"the serial number is not '{request.serial_number}': read it from the "
                 "nameplate of the robot that you want to move"
             )
-        obstacles = [
-            text
-            for text in link.obstacles
-            if not (request.accept_calibration and "calibration" in text)
-        ]
+        obstacles = self._obstacles(link.model, is_remote=link.is_remote)
+        if not request.accept_calibration:
+            obstacles += self._wrong_calibration()
         if obstacles:
             raise ControlError("the robot may not move: " + "; ".join(obstacles))
         # Our own last one may be about to end.
