@@ -134,9 +134,9 @@ class Enabling:
         if distance <= CALIBRATION_TOLERANCE:
             return []
         return [
-            f"the robot's calibration puts the flange {1e3 * distance:.1f} mm from where "
-            "the description has it; use a description with its calibration, or accept "
-            "that (`--accept-calibration`)"
+            f"the robot's calibration puts the flange {1e3 * distance:.1f} mm from "
+            "where the description has it; use a description with its calibration, or "
+            "accept that (`--accept-calibration`)"
         ]
 
     def calibration_distance(self) -> float:
