@@ -61,7 +61,7 @@ export function GripperPanel({ gripper, isNamed }: GripperPanelProps) {
       .request("grip", {
         gripper: gripper.name,
         opening: opening / 1000,
-        ...(isReal && { speed, force }),
+        ...(hasDrive && { speed, force }),
       })
       .then((refused) => {
         setProblem(refused);
@@ -69,7 +69,7 @@ export function GripperPanel({ gripper, isNamed }: GripperPanelProps) {
       });
   };
   const disabled = !mayMove.value;
-  const isReal = isLive.value;
+  const hasDrive = isLive.value;
   const opening = dragged ?? sent ?? actual;
   const named = (label: string) => `${gripper.name}: ${label}`;
 
@@ -79,7 +79,7 @@ export function GripperPanel({ gripper, isNamed }: GripperPanelProps) {
         <h2>
           {t("gripper.title")} {isNamed && <code class="muted">{gripper.name}</code>}
         </h2>
-        {now && isReal && (
+        {now && hasDrive && (
           <span role="status" title={`gOBJ ${String(now.gobj)}`}>
             <Badge tone={TONES[now.motion]} data-testid="gripper-state">
               {describeGripper(now)}
@@ -135,7 +135,7 @@ export function GripperPanel({ gripper, isNamed }: GripperPanelProps) {
           onCommit={grip}
         />
       </div>
-      {isReal && (
+      {hasDrive && (
         <>
           <Setting
             caption={t("gripper.speed")}
