@@ -23,6 +23,9 @@ LONGEST = 0.6
 """From a cut to rest on a busy machine [s]; benchmarks/real_robot.py measures it."""
 
 
+pytestmark = pytest.mark.flaky(reruns=3)  # three programs in real time on two cores
+
+
 @pytest.fixture(scope="module")
 def rig() -> Iterator[RealRobotRig]:
     with real_robot() as made:
