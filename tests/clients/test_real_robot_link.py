@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import subprocess
 import sys
 import textwrap
@@ -102,7 +100,6 @@ def test_the_arm_rests_when_tool0_is_killed() -> None:
         client = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)])
         with rig.twin() as twin:
             until(lambda: twin.joint_state.velocity[PAN] > 0.1, "motion")
-            kill = lambda: os.kill(client.pid, signal.SIGKILL)  # noqa: E731
-            assert rests_after(twin, kill) < LONGEST
+            assert rests_after(twin, client.kill) < LONGEST
             assert twin.joint_state.position[PAN] < 1.9
         client.wait()

@@ -1,7 +1,7 @@
 """Drives that are not ours: those of a real robot, which follow motions by themselves.
 
-An engine with such drives takes no efforts.  It is told in every tick which motion is
-wanted from now on, and reports what the robot's own controller says.
+An engine with such drives takes no efforts.  Each tick gives it the motion that is
+wanted from then on, and it reports the state of the robot's own controller.
 """
 
 from __future__ import annotations

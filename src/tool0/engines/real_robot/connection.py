@@ -58,7 +58,7 @@ class RobotConnection:
             failed.pop_all()
         self._again: RtdeClient | None = None
         self._lost = threading.Event()
-        self._is_closing = False
+        self._closing = threading.Event()
         self._thread = threading.Thread(
             target=self._reconnect, name="tool0 reconnect", daemon=True
         )
@@ -118,22 +118,22 @@ class RobotConnection:
         return client
 
     def _reconnect(self) -> None:
-        while not self._is_closing:
+        while not self._closing.is_set():
             self._lost.wait()
-            if self._is_closing:
+            if self._closing.is_set():
                 return
             self.rtde.close()
             try:
                 self._again = self._connected()
             except TransportError as error:
                 logger.debug("not connected again: %s", error)
-                threading.Event().wait(RETRY)
+                self._closing.wait(RETRY)
             else:
                 self._lost.clear()
 
     def close(self) -> None:
         """End everything: the arm comes to rest."""
-        self._is_closing = True
+        self._closing.set()
         self._lost.set()
         self.link.end()
         self.link.close()

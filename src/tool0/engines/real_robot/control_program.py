@@ -1,10 +1,9 @@
 """tool0's program on the robot's controller, in URScript.
 
 It follows a curve of knots that tool0 sends ahead of time, and interpolates them in the
-controller's own periods, so that a late packet does not shake the arm.  A knot is the
-period in which it is due, positions and velocities; between two knots, joints follow
-cubics.  Numbers are integers of 32 bits, since these arrive unchanged on every version
-of PolyScope.
+controller's own periods.  A knot is the period in which it is due, positions and
+velocities; between two knots, joints follow cubics.  Numbers are integers of 32 bits,
+since these arrive unchanged on every version of PolyScope.
 
 * New knots may replace the rest of the curve.  What differs from the present motion,
   because they came after their time, fades with a cubic within a bounded acceleration.
@@ -42,7 +41,7 @@ SILENCE: Final = 0.1
 """Without a message for that long, the arm slows down to rest [s]."""
 BRAKE_TIME: Final = 0.036
 """In which the curve's clock stops [s], unless a joint would decelerate more than
-``BRAKE_DECELERATION``: after ``SILENCE``, the arm rests within 150 ms."""
+``BRAKE_DECELERATION``; the joints' servos need some time more."""
 BRAKE_DECELERATION: Final = 40.0
 """Of a joint, when the clock stops [rad/s²]: as fast as UR's own streams change."""
 FADE_TIME: Final = 0.02

@@ -95,7 +95,6 @@ class RealRobotEngine(OwnDrives):
         """
         model = description.model
         self.arm_name, self.arm = _only_arm(model)
-        self._model = model
         self.joint_names = tuple(joint.name for joint in model.movable_joints)
         index = {name: i for i, name in enumerate(self.joint_names)}
         self._arm_indices = [index[joint.name] for joint in self.arm.joints]
@@ -125,7 +124,6 @@ class RealRobotEngine(OwnDrives):
         self._arm_state = self.reader.state
         self._fields: tuple[Any, ...] = ()
         self._wanted_grips: Mapping[str, WantedGrip] = {}
-        self._efforts = [0.0] * len(self.joint_names)
         self._is_enabled = False
         self._has_followed = False
         self._rests_since = 0

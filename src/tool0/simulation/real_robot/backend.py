@@ -111,8 +111,12 @@ class RealRobotBackend:
             PowerOn: lambda _: self._power("power on", RobotMode.IDLE),
             PowerOff: lambda _: self._power("power off", RobotMode.POWER_OFF),
             ReleaseBrakes: lambda _: self._power("brake release", RobotMode.RUNNING),
-            UnlockProtectiveStop: self._unlock,
-            RestartSafety: self._restart_safety,
+            UnlockProtectiveStop: lambda _: self._clear_stop(
+                "unlock protective stop", "Protective stop releasing"
+            ),
+            RestartSafety: lambda _: self._clear_stop(
+                "restart safety", "Restarting safety"
+            ),
             SetPayload: self._set_payload,
             SetTcp: self._set_tcp,
             SetIO: self._set_io,
@@ -180,22 +184,11 @@ class RealRobotBackend:
         box.wait(lambda: box.box.robot_mode in wanted, _DID_NOT.format(command))
         box.look()
 
-    def _unlock(self, _: UnlockProtectiveStop) -> None:
-        dashboard = self._engine.connection.dashboard
-        dashboard.order("unlock protective stop", "Protective stop releasing")
+    def _clear_stop(self, command: str, accepted: str) -> None:
+        """End a stop of the safety system, and wait until it is over."""
+        self._engine.connection.dashboard.order(command, accepted)
         box = self._enabling
-        box.wait(
-            lambda: box.box.safety_mode in UNSTOPPED, _DID_NOT.format("unlock its stop")
-        )
-        box.look()
-
-    def _restart_safety(self, _: RestartSafety) -> None:
-        dashboard = self._engine.connection.dashboard
-        dashboard.order("restart safety", "Restarting safety")
-        box = self._enabling
-        box.wait(
-            lambda: box.box.safety_mode in UNSTOPPED, _DID_NOT.format("restart safety")
-        )
+        box.wait(lambda: box.box.safety_mode in UNSTOPPED, _DID_NOT.format(command))
         box.look()
 
     def _set_payload(self, request: SetPayload) -> None:
