@@ -18,10 +18,11 @@ from tool0.ur.control_box import UrControlBox
 
 logger = logging.getLogger(__name__)
 
-MOST_TIME: Final = 0.1
-"""Time that may be spent at once on the states before the newest [wall s]: half a
-second of them, at 500 Hz for clients that read everything."""
-SHARE: Final = 0.2
+MOST_TIME: Final = 0.03
+"""Time that may be spent at once on the states before the newest [wall s]: a tenth of
+a second of them, at 500 Hz for clients that read everything.  Who sends targets by the
+robot's time aims that much too early, so that it must not be longer."""
+SHARE: Final = 0.1
 """Part of the time that may be spent on them for long."""
 _REPORT_PERIOD: Final = 10.0
 """Between two warnings [wall s]."""
