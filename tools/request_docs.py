@@ -38,6 +38,7 @@ TITLES = {
     "hardware": "Hardware components",
     "sensors": "Cameras and force-torque sensors",
     "recordings": "Recording",
+    "reproduction": "Bringing the same robot up again",
     "episodes": "Demonstrations",
     "replay": "Replay of a recording",
 }

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from tool0.api.episodes import EpisodesHandle
     from tool0.api.grasps import Bin, find_bin
     from tool0.api.gripper import Gripper
+    from tool0.api.dry_run import DryRun, JointPeak, TouchReport
     from tool0.api.programs import ProgramHandle, Programs
     from tool0.api.recording import Recording
     from tool0.api.robot import JointValues, Robot
@@ -165,6 +166,7 @@ __all__ = [
     "DescriptionConfig",
     "DescriptionError",
     "DivergenceError",
+    "DryRun",
     "EngineError",
     "EngineUnavailableError",
     "EpisodesHandle",
@@ -186,6 +188,7 @@ __all__ = [
     "GymUnavailableError",
     "InverseKinematics",
     "JointLimits",
+    "JointPeak",
     "JointSetpoint",
     "JointValues",
     "JointsMotion",
@@ -251,6 +254,7 @@ __all__ = [
     "Tolerance",
     "Tool0Error",
     "ToolPose",
+    "TouchReport",
     "TrajectoryPoint",
     "TrajectoryState",
     "Transform",
@@ -309,6 +313,7 @@ _HOMES = {
     "DescriptionConfig": "tool0.description.config",
     "DescriptionError": "tool0.errors",
     "DivergenceError": "tool0.errors",
+    "DryRun": "tool0.api.dry_run",
     "EngineError": "tool0.errors",
     "EngineUnavailableError": "tool0.errors",
     "EpisodesHandle": "tool0.api.episodes",
@@ -330,6 +335,7 @@ _HOMES = {
     "GymUnavailableError": "tool0.errors",
     "InverseKinematics": "tool0.kinematics.inverse",
     "JointLimits": "tool0.description.model",
+    "JointPeak": "tool0.api.dry_run",
     "JointSetpoint": "tool0.protocol.state",
     "JointValues": "tool0.api.robot",
     "JointsMotion": "tool0.protocol.trajectories",
@@ -376,6 +382,7 @@ _HOMES = {
     "RobotDescription": "tool0.description.robot",
     "RobotMode": "tool0.protocol.control_box_state",
     "RobotModel": "tool0.description.model",
+    "TouchReport": "tool0.api.dry_run",
     "Ros1Bridge": "tool0.ros1.bridge",
     "Ros1Options": "tool0.ros1.options",
     "Ros2Node": "tool0.ros2.node",

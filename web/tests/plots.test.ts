@@ -121,6 +121,16 @@ describe("the signals of a robot", () => {
     expect(found.get("wrench/arm/fz")?.value(momentAt(0, [0, 0]))).toBeUndefined();
   });
 
+  test("have those of a simulated run where a recording has one, drawn dashed", () => {
+    const signals = ["joint/pan/simulated", "joint/pan/simulated_effort"];
+    const replay = { file: "a.mcap", start: 0, end: 1, is_complete: true, signals };
+    const found = signalsOf({ ...view({ mode: "replay" }), replay }, null, []);
+    expect(found.get("joint/pan/position")?.desired).toBe("joint/pan/simulated");
+    expect(found.get("joint/pan/effort")?.desired).toBe("joint/pan/simulated_effort");
+    expect(found.get("joint/pan/simulated")?.kind).toBe("angle");
+    expect(found.get("joint/pan/simulated_effort")?.kind).toBe("torque");
+  });
+
   test("have an error only where something is desired", () => {
     const moments = [momentAt(0, [1, 1], { desired: [1.5, null] })];
     const source = sourceOf(view(), moments);

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Literal, final
+from typing import TYPE_CHECKING, Literal, final
 
 from msgspec.structs import replace
 
@@ -30,6 +30,9 @@ from tool0.protocol.programs import (
     SaveProgram,
     StepRun,
 )
+
+if TYPE_CHECKING:
+    from tool0.api.dry_run import DryRun
 
 AnyProgram = Program | Path | str
 """A program, the path of its file, or the name of a saved one."""
@@ -84,6 +87,38 @@ class Programs:
             found,
             problems=tuple(map(source.located, found.problems)),
             warnings=tuple(map(source.located, found.warnings)),
+        )
+
+    def dry_run(
+        self,
+        program: AnyProgram,
+        *,
+        timeout: float = 3600.0,
+        when_passed: Callable[[ProgramRun], None] = lambda run: None,
+    ) -> DryRun:
+        """Run a program in a simulation that starts as the robot is now.
+
+        The simulated robot has the posture, the objects and the speed sliders of now;
+        what a gripper holds, it may lose.  Nothing is sent to the robot.
+
+        Args:
+            program: The program, its file (``.yaml``), or the name of a saved one.
+            timeout: Longest simulated time; then it is stopped [s].
+            when_passed: Called every 0.02 simulated seconds.
+
+        Raises:
+            ProgramError: If a step cannot be executed.
+            ConfigError: If the file cannot be read, or is no program.
+            ControlError: If none is saved under that name.
+        """
+        from tool0.api.dry_run import dry_run
+
+        source = self._read(program)
+        return dry_run(
+            self._channel,
+            source.program if source.file is None else source.file,
+            timeout=timeout,
+            when_passed=when_passed,
         )
 
     def export(

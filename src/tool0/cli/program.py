@@ -10,8 +10,10 @@ from tool0.cli import GOAL_FAILED, INTERRUPTED, OK
 from tool0.cli.connection import DEFAULT, Bringup
 from tool0.cli.parameters import AsJson, Option
 from tool0.cli.text import columns, counted, print_json
+from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
+    from tool0.api.dry_run import DryRun
     from tool0.api.programs import ProgramHandle
     from tool0.api.robot import Robot
     from tool0.protocol.programs import ProgramCheck, ProgramProblem, ProgramRun
@@ -29,6 +31,7 @@ def run(
     program: Source,
     *,
     check: bool = False,
+    dry_run: bool = False,
     as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> int:
@@ -40,9 +43,16 @@ def run(
     Args:
         program: File of the program, .yaml, or the name of a saved one.
         check: Only check it.
+        dry_run: Only simulate it, from where the robot is now, and print what touched,
+            how long it took, and the largest speed and effort.  Nothing is sent to the
+            robot.  The exit status is 0 if it succeeded and no arm collided.
         as_json: Print one JSON object at the end, and no steps.
     """
+    if check and dry_run:
+        raise ConfigError("give --check or --dry-run, not both")
     with bringup.connect() as robot:
+        if dry_run:
+            return _dry_run(robot, program, as_json=as_json)
         if not check:
             return _follow(robot, program, as_json=as_json)
         found = robot.programs.check(program)
@@ -51,6 +61,43 @@ def run(
     else:
         _print_check(program, found)
     return GOAL_FAILED if found.problems else OK
+
+
+def _dry_run(robot: Robot, program: str, *, as_json: bool) -> int:
+    """Simulate a program beside the robot, and print what happened."""
+    shown: tuple[object, ...] = ()
+
+    def when_passed(run: ProgramRun) -> None:
+        nonlocal shown
+        shown = shown if as_json else _show(run, shown)
+
+    found = robot.programs.dry_run(program, when_passed=when_passed)
+    if as_json:
+        print_json(found)
+    else:
+        _print_dry_run(found)
+    has_succeeded = found.end.state == "succeeded" and not found.has_collided
+    return OK if has_succeeded else GOAL_FAILED
+
+
+def _print_dry_run(found: DryRun) -> None:
+    end = found.end
+    reason = f": {end.error}" if end.error else ""
+    print(f"dry run: {end.state} after {end.time:.1f} s{reason}")
+    for what, most, unit in (
+        ("speed", found.speed, "rad/s"),
+        ("effort", found.effort, "N·m"),
+    ):
+        print(
+            f"largest {what}: {most.joint}, {most.value:.3g} {unit}, "
+            f"{most.share:.0%} of its limit"
+        )
+    for touch in found.touches:
+        kind = "collision" if touch.is_of_arm else "contact"
+        print(
+            f"{kind}: '{touch.first}' touches '{touch.second}' after "
+            f"{touch.time:.2f} s, with up to {touch.force:.0f} N"
+        )
 
 
 def _plain_check(found: ProgramCheck) -> dict[str, object]:

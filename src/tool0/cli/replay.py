@@ -12,12 +12,13 @@ from tool0.cli.options import PanelOptions
 from tool0.cli.panel import listening, show
 from tool0.cli.parameters import AsJson, Option
 from tool0.cli.stop_signal import StopSignal
-from tool0.cli.text import ProgressBar, counted, panel_line, print_json
+from tool0.cli.text import ProgressBar, columns, counted, panel_line, print_json
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
     from tool0.recording.reading import RecordingFile
     from tool0.recording.resimulation import Resimulation
+    from tool0.recording.simulated_run import SimulatedRun
 
 
 def replay(
@@ -26,6 +27,7 @@ def replay(
     speed: float = 1.0,
     loop: bool = False,
     simulate: bool = False,
+    compare: bool = False,
     as_json: AsJson = False,
     panel: PanelOptions = PanelOptions(),
 ) -> int:
@@ -37,10 +39,14 @@ def replay(
         loop: Start again at the end.
         simulate: Show nothing: simulate what was recorded once more, and compare every
             frame to the bit. The exit code is 1 if they differ.
-        as_json: With --simulate, print one JSON object.
+        compare: Simulate what was requested in it, in MuJoCo, and print how the motions
+            differ; the plots show both, the simulated one dashed.
+        as_json: With --simulate or --compare, print one JSON object and end.
     """
-    if as_json and not simulate:
-        raise ConfigError("--json needs --simulate")
+    if as_json and not (simulate or compare):
+        raise ConfigError("--json needs --simulate or --compare")
+    if simulate and compare:
+        raise ConfigError("give --simulate or --compare, not both")
     from tool0.panel.replay.view import Replay
     from tool0.panel.server import Panel
     from tool0.recording.reading import open_recording
@@ -48,10 +54,13 @@ def replay(
     recording = open_recording(file)
     if simulate:
         return _simulate(recording, as_json=as_json)
+    beside = _simulated_beside(recording, as_json=as_json) if compare else None
+    if as_json:
+        return 0
     with contextlib.ExitStack() as exits:
         endpoint = exits.enter_context(listening(panel))
         stop = exits.enter_context(StopSignal())
-        source = Replay(recording)
+        source = Replay(recording, beside)
         source.playhead.set_speed(speed)
         source.playhead.set_loops(loop)
         exits.enter_context(Panel(source, endpoint=endpoint))
@@ -81,6 +90,39 @@ def _simulate(recording: RecordingFile, *, as_json: bool) -> int:
     else:
         _print_outcome(outcome, recording.duration)
     return 0 if outcome.is_identical else 1
+
+
+def _simulated_beside(recording: RecordingFile, *, as_json: bool) -> SimulatedRun:
+    """Simulate a recording's requests, and print how the motions differ."""
+    from tool0.recording.simulated_run import simulate_beside
+
+    with ProgressBar(sys.stderr) as bar:
+        run = simulate_beside(
+            recording,
+            lambda done, total: bar("simulating", done / total, f"{done}/{total}"),
+        )
+    if as_json:
+        print_json({"lag": run.lag, "joints": run.joints, "notes": run.notes})
+        return run
+    print(
+        f"recorded ({recording.info.engine}) and simulated, {recording.duration:.2f} s;"
+        f" the recorded arm is {1e3 * run.lag:.0f} ms later, which is taken out"
+    )
+    head = ("joint", "position rms", "most", "effort rms", "recorded effort")
+    rows = [
+        (
+            name,
+            f"{item.position_rms:.5f}",
+            f"{item.position_most:.5f}",
+            f"{item.effort_rms:.2f}",
+            f"{item.recorded_effort:.2f}",
+        )
+        for name, item in run.joints.items()
+    ]
+    print(columns([head, *rows]), end="")
+    for note in run.notes:
+        print(f"note: {note}")
+    return run
 
 
 def _print_outcome(outcome: Resimulation, duration: float) -> None:

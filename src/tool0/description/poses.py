@@ -57,6 +57,17 @@ class PoseStore:
         self._version: tuple[int, int, int] | None = None
         self._saved: Mapping[str, Positions] = {}
 
+    def adopt(self, poses: Mapping[str, Positions]) -> None:
+        """Have these built-in poses.
+
+        A robot that is brought up again from its URDF has none: it does not say that it
+        is one of the catalogue.
+        """
+        self.own = {
+            name: NamedPose(name=name, positions=positions, saved=False)
+            for name, positions in poses.items()
+        }
+
     def all(self) -> Mapping[str, NamedPose]:
         """Return every pose, the built-in ones first; they hide saved namesakes.
 

@@ -30,6 +30,7 @@ _MODULES: Final = (
     "hardware",
     "sensors",
     "recordings",
+    "reproduction",
     "episodes",
     "replay",
 )

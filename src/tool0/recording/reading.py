@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from tool0.description.scene_state import Contact
 from tool0.errors import RecordingError
 from tool0.protocol.objects import ObjectInfo
+from tool0.protocol.reproduction import Reproduction
 from tool0.protocol.robot import DescriptionInfo, SimulationInfo
 from tool0.recording.cdr import JointStates, Wrenches, decode_text
 from tool0.recording.columns import columns_of
@@ -47,7 +48,6 @@ from tool0.recording.parsing import Stream, parse
 from tool0.recording.robot import RecordedRobot
 from tool0.recording.snapshots import Snapshots, held
 from tool0.recording.state import decode_change
-from tool0.simulation.handlers.reproduction import Reproduction
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,31 +10,20 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, final
+from typing import final
 
-import msgspec
-
-from tool0.errors import RecordingError, RequestError, Tool0Error
-from tool0.protocol.objects import AddModel, AddObject, PlaceObject, with_meshes
-from tool0.protocol.request import Request
-from tool0.protocol.running import Pause, Reset, Resume, SetSpeed, Step
+from tool0.errors import RecordingError
 from tool0.recording.comparison import DivergedError, Divergence, Frames
 from tool0.recording.entries import RecordedRequest
 from tool0.recording.reading import RecordingFile, open_recording
-from tool0.simulation.handlers.journal_codec import request_of
+from tool0.recording.repetition import Repetition
 from tool0.simulation.handlers.reproduction import restarted
-from tool0.simulation.handlers.table import answer
 from tool0.simulation.provenance import (
     current_platform,
     current_versions,
     is_deterministic,
 )
 from tool0.simulation.simulation import Simulation
-
-_ABOUT_TIME: Final = (Pause, Resume, SetSpeed, Step)
-"""Requests that only decide when ticks are executed."""
-_CHECKED: Final = (AddModel, AddObject, PlaceObject, Reset)
-"""Requests that earlier versions carried out without looking for penetration."""
 
 
 @final
@@ -83,14 +72,14 @@ def resimulate(
         meshes = recording.robot.mesh_files
         simulation = restarted(recording.bringup, Path(folder), meshes)
         try:
-            repetition = _Repetition(recording, simulation, meshes, when_compared)
-            return repetition.run()
+            comparison = _Comparison(recording, simulation, meshes, when_compared)
+            return comparison.run()
         finally:
             simulation.close()
 
 
 @final
-class _Repetition:
+class _Comparison:
     """One run: frames and requests in the order of their steps."""
 
     def __init__(
@@ -102,27 +91,26 @@ class _Repetition:
     ) -> None:
         self._recording = recording
         self._simulation = simulation
-        self._meshes = meshes
         self._when_compared = when_compared
         self._frames = Frames(recording)
-        self._reasons = list(_reasons(recording))
-        self._n_requests = 0
+        self._repetition = Repetition(simulation, meshes)
 
     def run(self) -> Resimulation:
         divergence = None
         try:
-            self._repeat()
+            self._compare()
         except DivergedError as diverged:
             divergence = diverged.divergence
+        repetition = self._repetition
         return Resimulation(
             frames=self._frames.done,
             total_frames=len(self._recording),
-            requests=self._n_requests,
+            requests=repetition.n_requests,
             divergence=divergence,
-            reasons=tuple(self._reasons),
+            reasons=(*_reasons(self._recording), *repetition.notes),
         )
 
-    def _repeat(self) -> None:
+    def _compare(self) -> None:
         requests = sorted(self._recording.requests, key=lambda item: item.step)
         at, frames = 0, self._frames
         while not frames.is_done:
@@ -139,34 +127,20 @@ class _Repetition:
             self._when_compared(frames.done, len(self._recording))
 
     def _advance(self, step: int) -> None:
-        """Let the ticks before ``step`` pass; none do after a fault, until a reset."""
-        loop = self._simulation.loop
-        left = step - loop.steps
-        if left <= 0:
-            return
         try:
-            loop.run(left * loop.control_period)
+            self._repetition.advance(step)
         except Exception as fault:  # of the physics or a controller
-            if loop.steps < step:
-                raise DivergedError(
-                    Divergence(
-                        time=loop.time,
-                        what="simulation",
-                        recorded="runs on",
-                        found=f"stands still: {fault}",
-                    )
-                ) from None
+            raise DivergedError(
+                Divergence(
+                    time=self._simulation.loop.time,
+                    what="simulation",
+                    recorded="runs on",
+                    found=f"stands still: {fault}",
+                )
+            ) from None
 
     def _carry_out(self, recorded: RecordedRequest) -> None:
-        request = self._request(recorded)
-        if request is None or isinstance(request, _ABOUT_TIME):
-            return
-        self._n_requests += 1
-        error = None
-        try:
-            answer(self._simulation, request)
-        except Tool0Error as failure:
-            error = str(failure)
+        error = self._repetition.repeat(recorded)
         if (error is None) != (recorded.error is None):
             raise DivergedError(
                 Divergence(
@@ -176,36 +150,6 @@ class _Repetition:
                     found=error or "carried out",
                 )
             )
-
-    def _request(self, recorded: RecordedRequest) -> Request[Any] | None:
-        """Return a request; None, with a reason, if it cannot be repeated."""
-        problem = recorded.unrepeatable
-        if problem is None:
-            try:
-                request = request_of(
-                    recorded.method, msgspec.json.encode(recorded.params)
-                )
-            except RequestError as error:
-                problem = str(error)
-            else:
-                return self._as_accepted(request, recorded)
-        if recorded.error is None:  # one that failed changed nothing
-            self._reasons.append(
-                f"{recorded.method} at {recorded.time:.3f} s cannot be repeated: "
-                f"{problem}"
-            )
-        return None
-
-    def _as_accepted(
-        self, request: Request[Any], recorded: RecordedRequest
-    ) -> Request[Any]:
-        """Return a request with the meshes of now; what was accepted is accepted."""
-        if isinstance(request, AddObject):
-            shape = with_meshes(request.shape, self._meshes)
-            request = msgspec.structs.replace(request, shape=shape)
-        if recorded.error is None and isinstance(request, _CHECKED):
-            request = msgspec.structs.replace(request, allow_penetration=True)
-        return request
 
 
 def _reasons(recording: RecordingFile) -> Iterator[str]:

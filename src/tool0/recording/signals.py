@@ -16,6 +16,7 @@ from tool0.errors import RecordingError, did_you_mean
 
 if TYPE_CHECKING:
     from tool0.recording.reading import RecordingFile
+    from tool0.recording.simulated_run import SimulatedRun
 
 _POSE: Final = ("x", "y", "z", "roll", "pitch", "yaw")
 _WRENCH: Final = ("fx", "fy", "fz", "tx", "ty", "tz")
@@ -30,8 +31,12 @@ class Signals(Mapping[str, Array]):
     it is first read.
     """
 
-    def __init__(self, recording: RecordingFile) -> None:
+    def __init__(
+        self, recording: RecordingFile, beside: SimulatedRun | None = None
+    ) -> None:
+        """``beside`` is a simulated run, whose signals are shown with the others."""
         self._recording = recording
+        self._beside = beside
         self._makers = dict(self._all())
         self._known: dict[str, Array] = {}
 
@@ -56,6 +61,9 @@ class Signals(Mapping[str, Array]):
         for i, name in enumerate(recording.joint_names):
             for quantity, read in _JOINT.items():
                 yield f"joint/{name}/{quantity}", partial(read, recording, i)
+            if (run := self._beside) is not None:
+                yield f"joint/{name}/simulated", partial(_of, run.position, i)
+                yield f"joint/{name}/simulated_effort", partial(_of, run.effort, i)
         for arm, parts in find_arms(recording.description.model).items():
             for i, part in enumerate(_POSE):
                 yield f"tool/{arm}/{part}", partial(self._tool, parts.flange, i)
@@ -96,6 +104,10 @@ _JOINT: Final[Mapping[str, Callable[[RecordingFile, int], Array]]] = {
     "velocity": lambda recording, i: recording.velocity[:, i],
     "effort": lambda recording, i: recording.effort[:, i],
 }
+
+
+def _of(rows: Array, i: int) -> Array:
+    return rows[:, i]
 
 
 def _column(table: Mapping[str, Array], name: str, i: int) -> Array:

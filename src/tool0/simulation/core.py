@@ -75,15 +75,16 @@ class Core:
         self._brakes: Mapping[int, float] = {}
         self._rotors: Mapping[int, float] = {}
         """Those that the engine has."""
-        self._initial = list(initial_position)
-        self._start = self._initial
+        self.initial_position = list(initial_position)
+        """Where it started [rad | m], shape (n_joints,)."""
+        self._start = self.initial_position
         self._commanded: set[str] = set()
         self._watch_drift()
         self._sensors: tuple[ForceTorqueSensor, ...] = ()
         self.grasp_assist = GraspAssist(model, engine) if grasp_assist else None
         self.stall_monitor = StallMonitor(model, hardware)
         self.grip_contacts = GripContacts(model, engine.joint_names)
-        engine.reset(self._initial)
+        engine.reset(self.initial_position)
         self.state: JointState = engine.read()
         self._before = self.state
         """The state at the start of the last physics step."""
@@ -265,7 +266,9 @@ class Core:
 
         ``keep_time`` lets simulated time continue, as after ROS's reset_world.
         """
-        self._start = start = joint_positions(self.model, position, self._initial)
+        self._start = start = joint_positions(
+            self.model, position, self.initial_position
+        )
         self.ticks = self.ticks if keep_time else 0
         self.engine.reset(start, self.time)
         self.scene.wrenches.forget()

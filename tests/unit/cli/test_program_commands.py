@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import tool0
-from tool0.cli import GOAL_FAILED, INTERRUPTED, OK, main
+from tool0.cli import FAILED, GOAL_FAILED, INTERRUPTED, OK, main
 
 Capture = pytest.CaptureFixture[str]
 PICK = """\
@@ -42,6 +42,24 @@ def test_a_program_is_run_and_its_steps_are_shown(
     *_, last = capsys.readouterr().out.splitlines()
     assert last.startswith("succeeded after ")
     assert robot.gripper.opening == pytest.approx(0.04, abs=2e-3)
+
+
+def test_a_dry_run_moves_nothing(
+    robot: tool0.Robot, file: Path, capsys: Capture
+) -> None:
+    before = robot.gripper.opening
+    assert run("run", file, "--dry-run") == OK
+    printed = capsys.readouterr().out
+    assert "dry run: succeeded after" in printed
+    assert "largest speed: " in printed
+    assert "largest effort: shoulder_lift_joint" in printed
+    assert run("run", file, "--dry-run", "--json") == OK
+    found = json.loads(capsys.readouterr().out)
+    assert found["end"]["state"] == "succeeded"
+    assert found["touches"] == []
+    assert robot.gripper.opening == pytest.approx(before, abs=1e-4)
+    assert run("run", file, "--dry-run", "--check") == FAILED
+    assert "not both" in capsys.readouterr().err
 
 
 def test_a_check_moves_nothing(robot: tool0.Robot, file: Path, capsys: Capture) -> None:

@@ -1,4 +1,4 @@
-"""``tool0 replay FILE --simulate`` repeats a recording."""
+"""``tool0 replay FILE --simulate`` repeats a recording, ``--compare`` beside it."""
 
 from __future__ import annotations
 
@@ -28,8 +28,16 @@ def test_it_says_whether_a_recording_repeats(
     found = json.loads(capsys.readouterr().out)
     assert found["is_identical"]
     assert (found["frames"], found["requests"], found["divergence"]) == (26, 1, None)
-    assert main(["replay", str(file), "--json"]) == FAILED
-    assert "--json needs --simulate" in capsys.readouterr().err
+    assert main(["replay", str(file), "--compare", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["joints"]["elbow_joint"]["position_most"] == 0.0
+    assert (found["lag"], found["notes"]) == (0.0, [])
+    for words, problem in (
+        (["--json"], "--json needs --simulate or --compare"),
+        (["--simulate", "--compare"], "not both"),
+    ):
+        assert main(["replay", str(file), *words]) == FAILED
+        assert problem in capsys.readouterr().err
 
 
 def test_a_file_that_is_none_is_an_error(

@@ -677,6 +677,8 @@ export const en = {
   "plots.quantity.error": "error",
   "plots.quantity.velocity": "velocity",
   "plots.quantity.effort": "effort",
+  "plots.quantity.simulated": "simulated",
+  "plots.quantity.simulatedEffort": "simulated effort",
   "plots.quantity.opening": "opening",
   "plots.quantity.force": "force",
   "plots.quantity.width": "held width",

@@ -656,6 +656,8 @@ export const zh: Texts = {
   "plots.quantity.error": "误差",
   "plots.quantity.velocity": "速度",
   "plots.quantity.effort": "力/力矩",
+  "plots.quantity.simulated": "仿真值",
+  "plots.quantity.simulatedEffort": "仿真力/力矩",
   "plots.quantity.opening": "开度",
   "plots.quantity.force": "夹持力",
   "plots.quantity.width": "夹持宽度",

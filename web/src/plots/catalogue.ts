@@ -11,7 +11,7 @@ import type {
 } from "../protocol";
 import type { UrdfModel, Vector } from "../urdf";
 import type { Moment } from "./history";
-import type { SignalInfo } from "./signals";
+import type { Kind, SignalInfo } from "./signals";
 
 /** A signal of a running robot. */
 export interface LiveSignal extends SignalInfo {
@@ -26,7 +26,8 @@ const TORQUES = ["tx", "ty", "tz"] as const;
 
 type Indexed = readonly [JointInfo, number];
 
-function jointSignals([joint, i]: Indexed): LiveSignal[] {
+/** Return the signals of a joint; those of a simulated run beside it, if there is one. */
+function jointSignals([joint, i]: Indexed, isCompared: boolean): LiveSignal[] {
   const slides = joint.type === "prismatic";
   const of = joint.name;
   const id = (quantity: string) => `joint/${of}/${quantity}`;
@@ -34,7 +35,7 @@ function jointSignals([joint, i]: Indexed): LiveSignal[] {
   return [
     {
       ...{ id: id("position"), group: "joint-position", of, quantity: "position" },
-      ...{ kind: position, desired: id("desired") },
+      ...{ kind: position, desired: id(isCompared ? "simulated" : "desired") },
       value: ({ frame }) => frame.position[i],
     },
     {
@@ -59,7 +60,25 @@ function jointSignals([joint, i]: Indexed): LiveSignal[] {
       ...{ id: id("effort"), group: "joint-effort", of, quantity: "effort" },
       kind: slides ? "force" : "torque",
       ...(joint.effort !== null && { limit: joint.effort }),
+      ...(isCompared && { desired: id("simulated_effort") }),
       value: ({ frame }) => frame.effort[i],
+    },
+    ...(isCompared ? simulatedSignals(of, position, slides ? "force" : "torque") : []),
+  ];
+}
+
+/** Return the signals of a joint of a simulated run, which only its server knows. */
+function simulatedSignals(of: string, position: Kind, effort: Kind): LiveSignal[] {
+  const value = () => undefined;
+  const id = `joint/${of}/simulated`;
+  return [
+    {
+      ...{ id, group: "joint-position", of, quantity: "simulated" },
+      ...{ kind: position, value },
+    },
+    {
+      ...{ id: `${id}_effort`, group: "joint-effort", of },
+      ...{ quantity: "simulated_effort", kind: effort, value },
     },
   ];
 }
@@ -188,14 +207,15 @@ function simulationSignals(): LiveSignal[] {
 
 /** Return every signal by id, in the order in which they are shown. */
 export function signalsOf(
-  { robot, mode }: ViewInfo,
+  { robot, mode, replay }: ViewInfo,
   model: UrdfModel | null,
   objects: readonly string[],
 ): ReadonlyMap<string, LiveSignal> {
   const indexed = robot.joints.map((joint, i): Indexed => [joint, i]);
   const indexOf = new Map(robot.joints.map(({ name }, i) => [name, i]));
+  const isCompared = replay?.signals.some((id) => id.endsWith("/simulated")) ?? false;
   const all = [
-    ...indexed.flatMap(jointSignals),
+    ...indexed.flatMap((one) => jointSignals(one, isCompared)),
     ...(model ? robot.robots.flatMap((one) => toolSignals(model, one, indexOf)) : []),
     ...(mode === "view" ? [] : robot.robots.flatMap(wrenchSignals)),
     ...robot.grippers.flatMap((info) =>

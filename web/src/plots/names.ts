@@ -22,6 +22,8 @@ const QUANTITIES: Readonly<Record<string, Key>> = {
   error: "plots.quantity.error",
   velocity: "plots.quantity.velocity",
   effort: "plots.quantity.effort",
+  simulated: "plots.quantity.simulated",
+  simulated_effort: "plots.quantity.simulatedEffort",
   opening: "plots.quantity.opening",
   force: "plots.quantity.force",
   width: "plots.quantity.width",

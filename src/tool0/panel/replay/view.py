@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from tool0.description.scene import SceneObject
     from tool0.protocol.state_message import StateMessage
     from tool0.recording.reading import RecordingFile
+    from tool0.recording.simulated_run import SimulatedRun
 
 
 @final
@@ -54,15 +55,20 @@ class Replay:
     mode: Final = "replay"
     states: Final = None
 
-    def __init__(self, recording: RecordingFile) -> None:
-        """Pause at the start; RecordingError if there is nothing to show."""
+    def __init__(
+        self, recording: RecordingFile, beside: SimulatedRun | None = None
+    ) -> None:
+        """Pause at the start; RecordingError if there is nothing to show.
+
+        ``beside`` is a simulated run, for the plots.
+        """
         if len(recording) == 0:
             raise RecordingError(f"{recording.path} has no snapshots to show")
         self._recording = recording
         self._times: list[float] = recording.time.tolist()
         self._snapshots = recording.snapshots()
         self.playhead = Playhead(self._times[0], self._times[-1])
-        self._signals = Signals(recording)
+        self._signals = Signals(recording, beside)
         description = recording.description
         limits = {
             name: _limits(info)

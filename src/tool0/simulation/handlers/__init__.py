@@ -9,6 +9,7 @@ from tool0.simulation.handlers import motion as motion
 from tool0.simulation.handlers import objects as objects
 from tool0.simulation.handlers import planning as planning
 from tool0.simulation.handlers import program as program
+from tool0.simulation.handlers import reproduction as reproduction
 from tool0.simulation.handlers import sensors as sensors
 from tool0.simulation.handlers import state as state
 from tool0.simulation.handlers import stream_watch as stream_watch

@@ -1,8 +1,4 @@
-"""The start of a session as plain data: with its journal, it repeats the session.
-
-``reproduction`` returns what a recording stores of a bring-up, ``restarted`` brings the
-same robot up again.
-"""
+"""A bring-up as plain data, and the same robot brought up again from it."""
 
 from __future__ import annotations
 
@@ -12,18 +8,18 @@ from dataclasses import replace
 from pathlib import Path
 
 import msgspec
-from msgspec import Struct
 
-from tool0.description.camera import Camera
 from tool0.description.config import DescriptionConfig
 from tool0.description.loading import load_description
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.description.shapes import Mesh, placed_geometries
 from tool0.errors import Tool0Error
-from tool0.protocol.objects import ObjectInfo, info_of, object_of, with_meshes
+from tool0.protocol.objects import info_of, object_of, with_meshes
+from tool0.protocol.reproduction import MeshFile, ReadReproduction, Reproduction
 from tool0.simulation.bringup import start_simulation
 from tool0.simulation.config import ControlConfig, SimulationConfig
+from tool0.simulation.handlers.table import handles
 from tool0.simulation.provenance import (
     current_platform,
     current_versions,
@@ -32,65 +28,13 @@ from tool0.simulation.provenance import (
 from tool0.simulation.simulation import Simulation
 
 
-class MeshFile(Struct, frozen=True, kw_only=True):
-    """A mesh of the robot, or of an object at the start."""
-
-    uri: str
-    """As the URDF or the object has it."""
-    path: str
-    """Where it was."""
-    sha256: str
-    """Of its content."""
-
-
-class Reproduction(Struct, frozen=True, kw_only=True):
-    """All that a bring-up depends on, as plain data."""
-
-    versions: dict[str, str]
-    """Of ``tool0``, ``python`` and the engine's package."""
-    platform: str
-    """Operating system and processor."""
-    kernel: bool
-    """Whether compiled code executed the ticks; the results are the same."""
-    name: str
-    """Of the robot's model."""
-    source: str
-    """The xacro or URDF file it was read from."""
-    urdf: str
-    """The robot as one document."""
-    meshes: tuple[MeshFile, ...]
-    controllers: str
-    """The whole YAML of the controllers, as one text."""
-    started: tuple[str, ...]
-    """Controllers that were loaded and started, in order."""
-    loaded: tuple[str, ...]
-    """Controllers that were loaded only."""
-    initial_position: dict[str, float]
-    """Joint → [rad | m]; mimic joints follow."""
-    poses: dict[str, dict[str, float]]
-    """The named poses: joint → [rad | m]."""
-    scene: tuple[ObjectInfo, ...]
-    """The objects at the start."""
-    cameras: tuple[Camera, ...]
-    engine: str
-    engine_options: dict[str, str | bool | int | float | None]
-    dt: float
-    """[s]"""
-    control_period: float
-    """[s]"""
-    gravity: tuple[float, float, float]
-    """[m/s²]"""
-    spawn_z: float
-    """Height of the robot's root above the ground [m]."""
-    grasp_assist: bool
-
-
 def reproduction(simulation: Simulation) -> Reproduction:
     """Return what repeats this simulation, together with its journal."""
     setup = simulation.setup
     description, options = setup.description, setup.options
     model, choice = description.model, setup.choice
-    placed = zip(model.movable_joints, setup.position, strict=True)
+    start = simulation.core.initial_position
+    placed = zip(model.movable_joints, start, strict=True)
     return Reproduction(
         versions=current_versions(options.engine),
         platform=current_platform(),
@@ -102,7 +46,11 @@ def reproduction(simulation: Simulation) -> Reproduction:
         controllers=choice.config.yaml(),
         started=choice.started,
         loaded=choice.stopped,
-        initial_position={joint.name: q for joint, q in placed if joint.mimic is None},
+        initial_position={
+            joint.name: joint.limits.clamp(q)
+            for joint, q in placed
+            if joint.mimic is None
+        },
         poses=_poses(simulation),
         scene=tuple(map(info_of, setup.scene.objects)),
         cameras=tuple(
@@ -119,6 +67,9 @@ def reproduction(simulation: Simulation) -> Reproduction:
         spawn_z=options.spawn_z,
         grasp_assist=options.grasp_assist,
     )
+
+
+handles(ReadReproduction)(lambda sim, _: reproduction(sim))
 
 
 def restarted(
@@ -147,7 +98,7 @@ def restarted(
         object_of(msgspec.structs.replace(item, shape=with_meshes(item.shape, meshes)))
         for item in start.scene
     )
-    return start_simulation(
+    simulation = start_simulation(
         description,
         ControlConfig(
             controllers_file=controllers,
@@ -167,6 +118,8 @@ def restarted(
             realtime=False,
         ),
     )
+    simulation.poses.adopt(start.poses)
+    return simulation
 
 
 def digest(path: Path) -> str:

@@ -32,7 +32,7 @@ def test_it_starts_the_same_robot_again(tmp_path: Path) -> None:
         again = restarted(msgspec.json.decode(text, type=Reproduction), tmp_path, {})
         try:
             assert reproduction(again) == msgspec.structs.replace(
-                start, source=str(tmp_path / "robot.urdf"), poses={}
+                start, source=str(tmp_path / "robot.urdf")
             )
             again.loop.run(0.2)
             ours, theirs = robot.snapshot, again.snapshot

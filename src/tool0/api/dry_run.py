@@ -1,0 +1,187 @@
+"""A program in a simulation of its own, from where the robot is: nothing else moves."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, final
+
+from msgspec.structs import replace
+
+from tool0.api.robot import Robot
+from tool0.description.parts import find_arms
+from tool0.description.scene_state import Contact
+from tool0.description.transform import from_quaternion, to_pose
+from tool0.protocol.channel import Channel, LocalChannel
+from tool0.protocol.control_box import SetSpeedSlider
+from tool0.protocol.objects import ObjectInfo, info_of
+from tool0.protocol.program import Program
+from tool0.protocol.programs import ProgramRun
+from tool0.protocol.reproduction import ReadReproduction
+from tool0.protocol.state import Snapshot
+from tool0.simulation.handlers.backend import SimulationBackend
+from tool0.simulation.handlers.reproduction import restarted
+
+ENGINE: Final = "mujoco"
+LOOK: Final = 0.02
+"""Between two looks at the contacts [s]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TouchReport:
+    """A link of the robot and what it touched, and did not touch at the start."""
+
+    first: str
+    second: str
+    time: float
+    """Of the first touch, since the start of the program [s]."""
+    force: float
+    """The largest one [N]."""
+    is_of_arm: bool
+    """Whether a link of an arm touched; otherwise only its gripper did."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointPeak:
+    """The joint of an arm that came nearest to a limit."""
+
+    joint: str
+    value: float
+    """[rad/s] or [N·m], an absolute value."""
+    share: float
+    """Of its limit."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DryRun:
+    """What a program did in the simulation."""
+
+    end: ProgramRun
+    """How it ended, after how long."""
+    touches: tuple[TouchReport, ...]
+    """In the order of their times."""
+    speed: JointPeak
+    effort: JointPeak
+
+    @property
+    def has_collided(self) -> bool:
+        """Whether a link of an arm touched something, itself included."""
+        return any(touch.is_of_arm for touch in self.touches)
+
+
+def dry_run(
+    channel: Channel,
+    program: Program | Path,
+    *,
+    timeout: float,
+    when_passed: Callable[[ProgramRun], None],
+) -> DryRun:
+    """Run a program in a simulation of its own: see ``Programs.dry_run``."""
+    snapshot, model = channel.snapshot, channel.description.model
+    start = replace(
+        channel.call(ReadReproduction()),
+        engine=ENGINE,
+        engine_options={},
+        initial_position={
+            joint.name: joint.limits.clamp(snapshot.positions[joint.name])
+            for joint in model.movable_joints
+            if joint.mimic is None
+        },
+        scene=tuple(_present(snapshot)),
+    )
+    meshes = {mesh.uri: Path(mesh.path) for mesh in start.meshes}
+    with tempfile.TemporaryDirectory(prefix="tool0-dry-run-") as folder:
+        simulation = restarted(start, Path(folder), meshes)
+        with Robot(LocalChannel(SimulationBackend(simulation))) as twin:
+            for box in snapshot.control_boxes:
+                twin.channel.call(
+                    SetSpeedSlider(arm=box.arm, fraction=box.speed_slider)
+                )
+            observer = _Observer(twin)
+            handle = twin.run_program(program)
+            while (run := handle.status).state in {"running", "paused"}:
+                when_passed(run)
+                if run.time > timeout:
+                    handle.stop()
+                twin.run(LOOK)
+                observer.look(run.time)
+            return observer.outcome(handle.status)
+
+
+def _present(snapshot: Snapshot) -> Iterator[ObjectInfo]:
+    """Yield the objects of a scene where they are."""
+    for item, state in zip(snapshot.scene, snapshot.objects, strict=True):
+        pose = to_pose(from_quaternion(state.position, state.quat_wxyz))
+        yield replace(info_of(item), pose=pose)
+
+
+@final
+class _Observer:
+    """Keeps the contacts that begin, and the largest speed and effort."""
+
+    def __init__(self, twin: Robot) -> None:
+        self._twin = twin
+        model = twin.description.model
+        joints = [joint for arm in find_arms(model).values() for joint in arm.joints]
+        self._own = model.link_by_name.keys()
+        self._links = {joint.child for joint in joints}
+        self._limits = {
+            joint.name: (joint.limits.velocity, joint.limits.effort) for joint in joints
+        }
+        self._known = {_pair(item) for item in twin.contacts()}
+        self._touches: dict[frozenset[str], TouchReport] = {}
+        self._speed = self._effort = JointPeak(
+            joint=joints[0].name, value=0.0, share=0.0
+        )
+        self._states = twin.subscribe()
+
+    def look(self, time: float) -> None:
+        """Look at the contacts now, and at the snapshots since the last look."""
+        for contact in self._twin.contacts():
+            pair = _pair(contact)
+            if pair not in self._known and not pair.isdisjoint(self._own):
+                self._note(contact, pair, time)
+        for state in self._states.pending():
+            places = zip(state.joint_names, state.velocity, state.effort, strict=True)
+            for name, velocity, effort in places:
+                if name in self._limits:
+                    fastest, strongest = self._limits[name]
+                    self._speed = _larger(self._speed, name, velocity, fastest)
+                    self._effort = _larger(self._effort, name, effort, strongest)
+
+    def _note(self, contact: Contact, pair: frozenset[str], time: float) -> None:
+        before = self._touches.get(pair)
+        force = math.hypot(*contact.force)
+        self._touches[pair] = TouchReport(
+            first=contact.first,
+            second=contact.second,
+            time=time if before is None else before.time,
+            force=force if before is None else max(force, before.force),
+            is_of_arm=not pair.isdisjoint(self._links),
+        )
+
+    def outcome(self, end: ProgramRun) -> DryRun:
+        """Return what was seen."""
+        return DryRun(
+            end=end,
+            touches=tuple(self._touches.values()),
+            speed=self._speed,
+            effort=self._effort,
+        )
+
+
+def _pair(contact: Contact) -> frozenset[str]:
+    return frozenset((contact.first, contact.second))
+
+
+def _larger(before: JointPeak, joint: str, value: float, limit: float) -> JointPeak:
+    share = abs(value) / limit
+    if share <= before.share:
+        return before
+    return JointPeak(joint=joint, value=abs(value), share=share)

@@ -1,0 +1,204 @@
+"""A simulated run beside a recorded one: what the physics makes of the same requests.
+
+The recording may be of a real robot or of another engine.  Requests are carried out at
+their recorded steps, and the speed slider is as it was; what else happened to a real
+robot, as a stop by its safety system or a hand, does not happen to the simulated one.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, final
+
+import msgspec
+import numpy as np
+
+from tool0.description.parts import find_arms
+from tool0.errors import RecordingError, Tool0Error
+from tool0.protocol.control_box import SetSpeedSlider
+from tool0.protocol.control_box_state import ControlBoxState
+from tool0.recording.reading import RecordingFile, open_recording
+from tool0.recording.repetition import Repetition
+from tool0.simulation.handlers.reproduction import restarted
+from tool0.simulation.handlers.table import answer
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from tool0.simulation.simulation import Simulation
+
+    Array = NDArray[np.float64]
+
+ENGINE: Final = "mujoco"
+LONGEST_LAG: Final = 0.5
+"""By which a recorded robot may follow later than the simulated one [s]."""
+_LAG_STEP: Final = 0.002
+"""[s]"""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointDifference:
+    """How a joint of the recording differs from the simulated one, lag taken out."""
+
+    position_rms: float
+    """[rad | m]"""
+    position_most: float
+    """[rad | m]"""
+    effort_rms: float
+    """[N·m | N]"""
+    recorded_effort: float
+    """Its root mean square, to compare with [N·m | N]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulatedRun:
+    """The simulated robot at the times of the recording's snapshots."""
+
+    position: Array
+    """[rad | m], shape (n, n_joints), as in the recording."""
+    effort: Array
+    """[N·m | N], shape (n, n_joints)."""
+    lag: float
+    """How much later the recorded arms move [s]: the one at which the positions
+    differ least."""
+    joints: Mapping[str, JointDifference]
+    """By driven joint, in the order of the recording."""
+    notes: tuple[str, ...]
+    """What was not repeated, in words."""
+
+
+def simulate_beside(
+    recording: RecordingFile | Path | str,
+    when_done: Callable[[int, int], None] = lambda done, total: None,
+) -> SimulatedRun:
+    """Simulate what was requested in a recording, and compare the motions.
+
+    Args:
+        recording: One file, from its first frame to its last.
+        when_done: Called now and then with the frames simulated and their total.
+
+    Raises:
+        RecordingError: If the file is no recording, or has no frame.
+        Tool0Error: If the robot cannot be brought up, or its simulation fails.
+    """
+    if not isinstance(recording, RecordingFile):
+        recording = open_recording(recording)
+    if not len(recording):
+        raise RecordingError(f"{recording.path} has no snapshot to compare")
+    start = msgspec.structs.replace(recording.bringup, engine=ENGINE, engine_options={})
+    with tempfile.TemporaryDirectory(prefix="tool0-beside-") as folder:
+        meshes = recording.robot.mesh_files
+        simulation = restarted(start, Path(folder), meshes)
+        try:
+            run = _Run(recording, simulation, Repetition(simulation, meshes))
+            return run.run(when_done)
+        finally:
+            simulation.close()
+
+
+@final
+class _Run:
+    def __init__(
+        self, recording: RecordingFile, simulation: Simulation, repetition: Repetition
+    ) -> None:
+        self._recording = recording
+        self._simulation = simulation
+        self._repetition = repetition
+        self._requests = sorted(recording.requests, key=lambda item: item.step)
+
+    def run(self, when_done: Callable[[int, int], None]) -> SimulatedRun:
+        recording, simulation = self._recording, self._simulation
+        snapshots = recording.snapshots()
+        n = len(recording)
+        position = np.empty_like(recording.position)
+        effort = np.empty_like(recording.effort)
+        boxes: Sequence[ControlBoxState] = ()
+        n_requests = 0
+        for k, step in enumerate(recording.step.tolist()):
+            n_requests = self._carry_out(n_requests, step)
+            self._repetition.advance(step)
+            if snapshots[k].control_boxes is not boxes:
+                boxes = snapshots[k].control_boxes
+                self._set_sliders(boxes)
+            snapshot = simulation.snapshot
+            position[k], effort[k] = snapshot.position, snapshot.effort
+            when_done(k + 1, n)
+        return _compared(recording, position, effort, tuple(self._repetition.notes))
+
+    def _carry_out(self, first: int, step: int) -> int:
+        """Carry out the requests before a step that succeeded; return the next one."""
+        requests, repetition = self._requests, self._repetition
+        while first < len(requests) and requests[first].step < step:
+            recorded = requests[first]
+            first += 1
+            if recorded.error is not None:
+                continue
+            repetition.advance(recorded.step)
+            error = repetition.repeat(recorded)
+            if error is not None:
+                repetition.notes.append(
+                    f"{recorded.method} at {recorded.time:.3f} s: {error}"
+                )
+        return first
+
+    def _set_sliders(self, boxes: Sequence[ControlBoxState]) -> None:
+        """Let the simulated arms have the speed sliders of the recorded ones."""
+        present = {box.arm: box for box in self._simulation.snapshot.control_boxes}
+        for box in boxes:
+            mine = present.get(box.arm)
+            if mine is not None and mine.speed_slider != box.speed_slider:
+                request = SetSpeedSlider(arm=box.arm, fraction=box.speed_slider)
+                try:
+                    answer(self._simulation, request)
+                except Tool0Error as error:
+                    self._repetition.notes.append(f"speed slider: {error}")
+
+
+def _compared(
+    recording: RecordingFile, position: Array, effort: Array, notes: tuple[str, ...]
+) -> SimulatedRun:
+    names, time = recording.joint_names, recording.time
+    model = recording.description.model
+    arms = find_arms(model).values()
+    moving = {joint.name for arm in arms for joint in arm.joints}
+    columns = [k for k, name in enumerate(names) if name in moving]
+    lag = _lag(time, recording.position[:, columns], position[:, columns])
+    at = time - lag
+    joints = {}
+    for k, name in enumerate(names):
+        if model.joint_by_name[name].mimic is not None:
+            continue
+        q = recording.position[:, k] - np.interp(at, time, position[:, k])
+        tau = recording.effort[:, k] - np.interp(at, time, effort[:, k])
+        joints[name] = JointDifference(
+            position_rms=_rms(q),
+            position_most=float(np.abs(q).max()),
+            effort_rms=_rms(tau),
+            recorded_effort=_rms(recording.effort[:, k]),
+        )
+    return SimulatedRun(
+        position=position, effort=effort, lag=lag, joints=joints, notes=notes
+    )
+
+
+def _lag(time: Array, recorded: Array, simulated: Array) -> float:
+    """Return how much later the recorded motion is [s]; 0 if nothing moved."""
+    if not recorded.size or not np.ptp(simulated, axis=0).any():
+        return 0.0
+
+    def error(lag: float) -> float:
+        return sum(
+            _rms(q - np.interp(time - lag, time, model)) ** 2
+            for q, model in zip(recorded.T, simulated.T, strict=True)
+        )
+
+    return float(min(np.arange(0.0, LONGEST_LAG, _LAG_STEP), key=error))
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
