@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from tool0.api.connect import connect
     from tool0.api.control_box import ControlBox
     from tool0.api.controller import ControllerHandle, GoalHandle
+    from tool0.api.dry_run import DryRun, JointPeak, TouchReport
     from tool0.api.episodes import EpisodesHandle
     from tool0.api.grasps import Bin, find_bin
     from tool0.api.gripper import Gripper
-    from tool0.api.dry_run import DryRun, JointPeak, TouchReport
     from tool0.api.programs import ProgramHandle, Programs
     from tool0.api.recording import Recording
     from tool0.api.robot import JointValues, Robot
@@ -382,7 +382,6 @@ _HOMES = {
     "RobotDescription": "tool0.description.robot",
     "RobotMode": "tool0.protocol.control_box_state",
     "RobotModel": "tool0.description.model",
-    "TouchReport": "tool0.api.dry_run",
     "Ros1Bridge": "tool0.ros1.bridge",
     "Ros1Options": "tool0.ros1.options",
     "Ros2Node": "tool0.ros2.node",
@@ -402,6 +401,7 @@ _HOMES = {
     "Tolerance": "tool0.protocol.goals",
     "Tool0Error": "tool0.errors",
     "ToolPose": "tool0.protocol.program",
+    "TouchReport": "tool0.api.dry_run",
     "TrajectoryPoint": "tool0.protocol.trajectories",
     "TrajectoryState": "tool0.protocol.trajectories",
     "Transform": "tool0.description.transform",

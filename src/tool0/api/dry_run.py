@@ -36,7 +36,9 @@ class TouchReport:
     """A link of the robot and what it touched, and did not touch at the start."""
 
     first: str
+    """A link or an object."""
     second: str
+    """The touched body."""
     time: float
     """Of the first touch, since the start of the program [s]."""
     force: float
@@ -51,6 +53,7 @@ class JointPeak:
     """The joint of an arm that came nearest to a limit."""
 
     joint: str
+    """Its name."""
     value: float
     """[rad/s] or [N·m], an absolute value."""
     share: float
@@ -67,7 +70,9 @@ class DryRun:
     touches: tuple[TouchReport, ...]
     """In the order of their times."""
     speed: JointPeak
+    """The joint that was nearest to its largest velocity."""
     effort: JointPeak
+    """The joint that was nearest to its largest effort."""
 
     @property
     def has_collided(self) -> bool:
