@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
@@ -20,6 +20,7 @@ from tool0.description.parts import find_arms
 from tool0.errors import RecordingError, Tool0Error
 from tool0.protocol.control_box import SetSpeedSlider
 from tool0.protocol.control_box_state import ControlBoxState
+from tool0.recording.entries import RecordedRequest
 from tool0.recording.reading import RecordingFile, open_recording
 from tool0.recording.repetition import Repetition
 from tool0.simulation.handlers.reproduction import restarted
@@ -139,7 +140,7 @@ class _Run:
             if recorded.error is not None:
                 continue
             repetition.advance(recorded.step)
-            error = repetition.repeat(recorded)
+            error = repetition.repeat(_from_here(recorded))
             if error is not None:
                 repetition.notes.append(
                     f"{recorded.method} at {recorded.time:.3f} s: {error}"
@@ -157,6 +158,23 @@ class _Run:
                     answer(self._simulation, request)
                 except Tool0Error as error:
                     self._repetition.notes.append(f"speed slider: {error}")
+
+
+def _from_here(recorded: RecordedRequest) -> RecordedRequest:
+    """Return a request whose path begins where the simulated arm is.
+
+    A real arm was elsewhere by a fraction of a milliradian, and its path began there.
+    """
+    params = recorded.params or {}
+    times = params.get("times")
+    if recorded.method != "execute_path" or not times or times[0] != 0.0:
+        return recorded
+    rest = {
+        name: params[name][1:]
+        for name in ("times", "positions", "velocities", "accelerations")
+        if name in params
+    }
+    return replace(recorded, params={**params, **rest})
 
 
 def _compared(

@@ -85,8 +85,11 @@ class Arm:
         self._is_compliant = False
         """Whether a real arm pushes with a force, or gives way, by itself."""
         self._joints = frozenset(joint.name for joint in parts.joints)
-        if self._own_drives is not None:  # its gripper moves only if the arm may
-            self._joints = frozenset(hardware.interfaces)
+        """Which a program takes."""
+        self._stopped_with = self._joints
+        """Which move only if the arm may: those of a real arm's gripper, too."""
+        if self._own_drives is not None:
+            self._stopped_with = frozenset(hardware.interfaces)
         self._modes = Modes()
         self._stopped: tuple[str, ...] = ()
         """The controllers that play starts."""
@@ -271,7 +274,7 @@ class Arm:
         held = self.motion.desired(now)
         if not self.box.state.taken_by:
             self._resumes = self.box.state.program is ProgramState.PLAYING
-            self._stop_controllers(now)
+            self._stopped = self._stop_controllers(now, self._joints) or self._stopped
             self.box.change(program=ProgramState.PLAYING)
         self.box.change(taken_by=by, motion_failure="")
         self._block()
@@ -528,10 +531,11 @@ class Arm:
 
     def _stop(self, now: JointState) -> None:
         """Stop what moves the arm, and its program; then the brakes hold it."""
+        stopped = self._stop_controllers(now, self._stopped_with)
         if self.motion.is_taken:
             self.motion.abort(now)
-        else:
-            self._stop_controllers(now)
+            stopped = (*self._stopped, *stopped)
+        self._stopped = stopped or self._stopped
         self._end_program()
 
     def _end_program(self) -> None:
@@ -541,9 +545,10 @@ class Arm:
     def _block(self) -> None:
         """Let no controller of an arm start that may not move, or is taken."""
         reason, taken_by = self._obstacle(), self.box.state.taken_by
+        self._manager.block(self._stopped_with, reason)
         if taken_by and not reason:
             reason = f"'{taken_by}' moves the arm '{self.name}'; stop that first"
-        self._manager.block(self._joints, reason)
+            self._manager.block(self._joints, reason)
 
     def _obstacle(self) -> str:
         """Return why the arm may not move, and a remedy; empty if it may."""
@@ -559,15 +564,17 @@ class Arm:
             )
         return ""
 
-    def _stop_controllers(self, now: JointState) -> None:
+    def _stop_controllers(
+        self, now: JointState, joints: frozenset[str]
+    ) -> tuple[str, ...]:
+        """Stop the controllers of joints; return their names."""
         names = tuple(
             status.name
             for status in self._manager.list()
-            if status.is_running and status.joints & self._joints
+            if status.is_running and status.joints & joints
         )
         self._manager.switch((), names, Strictness.BEST_EFFORT, now)
-        if names:
-            self._stopped = names
+        return names
 
     def _start_again(self, now: JointState) -> None:
         loaded = {status.name for status in self._manager.list()}
