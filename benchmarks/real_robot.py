@@ -23,6 +23,8 @@ from tool0.protocol.control_box_state import ProgramState
 JOINT = "shoulder_pan_joint"
 LEVER = 0.5
 """Of the tool about that joint, about [m]."""
+SETTLING = 5.0
+"""In which tool0 learns how late the network is [wall s]."""
 STILL = 0.01
 """Speed of a joint that rests [rad/s]."""
 
@@ -119,6 +121,8 @@ def main() -> None:
         rig.enable()
         for what, jitter, loss in (("none", 0.0, 0.0), ("0-40 ms, 1 %", 0.04, 0.01)):
             rig.proxy.jitter, rig.proxy.loss = jitter, loss
+            time.sleep(SETTLING)
+            rig.robot.move_joints({JOINT: -0.6}, speed=0.3)[0].wait()
             rms, most, stops = path_errors(rig, seconds)
             print(
                 f"jitter {what}: rms {1e3 * rms:.2f}, most {1e3 * most:.2f} mrad, "

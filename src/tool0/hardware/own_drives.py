@@ -100,6 +100,11 @@ class OwnDrives(abc.ABC):
 
     @property
     @abc.abstractmethod
+    def start_delay(self) -> float:
+        """How long before its start the robot should know of a motion from rest [s]."""
+
+    @property
+    @abc.abstractmethod
     def report(self) -> RobotReport:
         """The newest report: the same object until something changes."""
 

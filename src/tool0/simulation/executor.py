@@ -68,7 +68,7 @@ class Executor:
     ) -> Goal:
         """Start a trajectory goal; ``bounds`` hold until a joint's next goal."""
         trajectory = self._follower(controller)
-        accepted = trajectory.follow(goal, self.core.time)
+        accepted = trajectory.follow(goal, self._start([trajectory]))
         self._note_command(controller, goal.joint_names, bounds)
         return self._started(accepted)
 
@@ -99,10 +99,10 @@ class Executor:
         is not there now, but for those with ``may_touch``.
         """
         followers = {name: self._follower(name) for name in goals}
-        accepted = []
+        accepted, start = [], self._start(list(followers.values()))
         try:
             for name, goal in goals.items():
-                accepted.append(followers[name].follow(goal, self.core.time))
+                accepted.append(followers[name].follow(goal, start))
         except ControlError:
             for each in accepted:
                 self.cancel(each)
@@ -149,8 +149,9 @@ class Executor:
             planned.append((trajectory, motion_plan(path)))
         for name, targets in moves.items():
             self._note_command(name, targets)
+        start = self._start([trajectory for trajectory, _ in planned])
         return tuple(
-            self._started(trajectory.follow(plan, self.core.time))
+            self._started(trajectory.follow(plan, start))
             for trajectory, plan in planned
         )
 
@@ -196,6 +197,25 @@ class Executor:
         path = self._planned(trajectory, positions, speed)
         trajectory.command(motion_plan(path), self.core.time)
         self._note_command(controller, positions)
+
+    def _start(self, followers: Sequence[TrajectoryFollower]) -> float:
+        """Return when motions start that these controllers begin now [s]."""
+        now = self.core.time
+        if self.core.own_drives is None:
+            return now
+        motions = [follower.query_state(now) for follower in followers]
+        return now + self._delay_from([v for one in motions for v in one.velocities])
+
+    def _delay_from(self, velocities: Sequence[float]) -> float:
+        """Return how long a motion from these velocities waits [s].
+
+        A real robot that rests should know its motion before it starts, so that the
+        network's delays do not change it.
+        """
+        own_drives = self.core.own_drives
+        if own_drives is None or any(velocities):
+            return 0.0
+        return own_drives.start_delay
 
     def trajectory_controller(self, name: str) -> TrajectoryFollower:
         """Return a running trajectory controller, or raise ControlError."""
@@ -272,7 +292,11 @@ class Executor:
         """
         self._mover(arm)
         found = self.core.arms.find(arm)
-        return found.motion.execute(path, self.core.time, after=after, at=at)
+        start = self.core.time
+        if after is None:
+            speeds = found.motion.controller.motion(start).velocities
+            start += self._delay_from(speeds)
+        return found.motion.execute(path, start, after=after, at=at)
 
     def servo_joints(
         self,

@@ -18,6 +18,7 @@ gain of the curve, so that the joints are on it and not behind it.
 
 from __future__ import annotations
 
+import math
 import re
 from enum import IntEnum
 from pathlib import Path
@@ -39,7 +40,7 @@ EMPTY: Final = 0.05
 [s]."""
 SILENCE: Final = 0.1
 """Without a message for that long, the arm slows down to rest [s]."""
-BRAKE_TIME: Final = 0.036
+BRAKE_TIME: Final = 0.024
 """In which the curve's clock stops [s], unless a joint would decelerate more than
 ``BRAKE_DECELERATION``; the joints' servos need some time more."""
 BRAKE_DECELERATION: Final = 40.0
@@ -48,13 +49,16 @@ FADE_TIME: Final = 0.02
 """Shortest time in which a difference fades [s]."""
 FADE_ACCELERATION: Final = 12.0
 """Which a fading difference adds to a joint [rad/s²]."""
+FADE_SPEED: Final = 0.05
+"""Which a fading difference adds to a joint, at most [rad/s]: the arm that catches up
+is hardly faster than the speed slider says."""
 MOST_JUMP: Final = (0.1, 1.5)
 """Largest difference of new knots from the present motion [rad, rad/s]; beyond it, the
 arm slows down to rest instead of following them."""
-LOOKAHEAD: Final = 0.03
-"""``lookahead_time`` of servoj [s]."""
 GAIN: Final = 2000.0
 """``gain`` of servoj [1/s²]."""
+LOOKAHEAD: Final = 2.0 / math.sqrt(GAIN)
+"""``lookahead_time`` of servoj [s]: an error then decays without oscillation."""
 
 LONGEST_VECTOR_PERIOD: Final = 0.004
 """Between those of an e-Series and of a CB3 [s]."""
@@ -148,6 +152,7 @@ def control_program(host: str, port: int, token: int, period: float) -> str:
         "BRAKE_RATE": BRAKE_DECELERATION * period,
         "FADE_STEPS": FADE_TIME / period,
         "FADE": FADE_ACCELERATION,
+        "FADE_SPEED": FADE_SPEED,
         "JUMP": MOST_JUMP[0],
         "SPEED_JUMP": MOST_JUMP[1],
         "LOOKAHEAD": LOOKAHEAD,

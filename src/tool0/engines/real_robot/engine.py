@@ -275,6 +275,10 @@ class RealRobotEngine(OwnDrives):
         return reading is None or abs(reading.position - count) <= 2
 
     @property
+    def start_delay(self) -> float:
+        return self.reader.lateness.start_delay
+
+    @property
     def report(self) -> RobotReport:
         return self._report
 

@@ -8,6 +8,7 @@ from typing import Final, NamedTuple, final
 
 from tool0.devices.rtde_client import Package, RtdeClient
 from tool0.engines.real_robot.control_program import REGISTERS
+from tool0.engines.real_robot.lateness import Lateness
 from tool0.engines.real_robot.rtde_fields import EFFORTS, Fields
 from tool0.errors import TransportError
 
@@ -56,6 +57,8 @@ class StateReader:
         """Periods without a package so far, while the link was there."""
         self.newest = package
         """The newest package."""
+        self.lateness = Lateness()
+        """How late packages are."""
         self._waiting: deque[ArmState] = deque()
         self._heard = time.monotonic()
         self._due = self._heard
@@ -105,6 +108,8 @@ class StateReader:
             self.is_connected = False
         if packages:
             self._heard = time.monotonic()
+            newest: float = self.fields.number(packages[-1], "timestamp")
+            self.lateness.observe(newest, self._heard)
             for package in packages:
                 self._add(package)
         elif not self.is_connected or time.monotonic() - self._heard >= LOST_AFTER:
