@@ -122,7 +122,7 @@ class CurveSender:
         knots = []
         while last.step + self._spacing <= end:
             following = self._knot(wanted, now, step, last.step + self._spacing)
-            if _rests(last) and _is_near(following.positions, last.positions):
+            if _rests_after(last, following):
                 # The program rests at its last knot; the next one begins a new curve.
                 break
             knots.append(following)
@@ -165,11 +165,9 @@ class CurveSender:
             self._lead = min(max(self._lead + self._lag.take(), -MOST), MOST)
         knots = [self._knot(wanted, now, step, step + 1)]
         for k in range(step + self._spacing, step + self._ahead + 1, self._spacing):
-            following = self._knot(wanted, now, step, k)
-            last = knots[-1]
-            if _rests(last) and _is_near(following.positions, last.positions):
-                break
-            knots.append(following)
+            knots.append(self._knot(wanted, now, step, k))
+        while len(knots) > 1 and _rests_after(knots[-2], knots[-1]):
+            knots.pop()  # the program rests at its last knot
         self._sent.clear()
         self._send(knots, MessageKind.REPLACE)
 
@@ -225,6 +223,11 @@ def _is_at_rest(motion: ArmSetpoint) -> bool:
 
 def _rests(knot: Knot) -> bool:
     return max(map(abs, knot.velocities)) < _AT_REST
+
+
+def _rests_after(last: Knot, following: Knot) -> bool:
+    """Return whether nothing moves between two knots."""
+    return _rests(last) and _is_near(following.positions, last.positions)
 
 
 def _is_near(a: Sequence[float], b: Sequence[float], by: float = _CHANGED) -> bool:
