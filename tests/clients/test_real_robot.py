@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import closing
+from pathlib import Path
 
 import pytest
 from raises_naming import raises_naming
@@ -17,6 +18,7 @@ import tool0
 from tool0.errors import ControlError, NotOfferedError
 from tool0.protocol.control_box_state import ProgramState, RobotMode, SafetyMode
 from tool0.protocol.goals import GoalStatus
+from tool0.recording.simulated_run import simulate_beside
 
 ELBOW = "elbow_joint"
 SUCCEEDED = GoalStatus.SUCCEEDED
@@ -127,6 +129,88 @@ def test_the_gripper_moves(moving: RealRobotRig) -> None:
     until(lambda: abs(gripper.opening - 0.03) < 2e-3, "the gripper at 30 mm")
     gripper.move(opening=0.08)
     until(lambda: abs(gripper.opening - 0.08) < 2e-3, "the gripper at 80 mm")
+
+
+PROGRAM = """\
+name: around
+tool: {xyz: [0, 0, 0.1418]}
+steps:
+  - {kind: move_joint, pose: {xyz: [0.55, 0.11, 0.2], rpy: [180deg, 0, 0]}, blend: 0.03}
+  - {kind: move_linear, pose: {xyz: [0.55, 0.11, 0.05], rpy: [180deg, 0, 0]}}
+  - {kind: gripper, opening: 0.03, force: 40}
+  - {kind: move_linear, pose: {xyz: [0.55, 0.11, 0.2], rpy: [180deg, 0, 0]}}
+  - {kind: move_joint, named_pose: home}
+"""
+
+
+def test_a_program_does_what_its_simulation_does(
+    moving: RealRobotRig, tmp_path: Path
+) -> None:
+    """A dry run before it moves, and a recording compared with the simulation."""
+    robot, file = moving.robot, tmp_path / "around.yaml"
+    file.write_text(PROGRAM)
+    before = robot.snapshot.positions
+    dry = robot.programs.dry_run(file)
+    assert (dry.end.state, dry.touches) == ("succeeded", ())
+    assert robot.snapshot.positions == pytest.approx(before, abs=1e-3)
+    record = tmp_path / "around.mcap"
+    robot.start_recording(record)
+    end = robot.run_program(file).wait(60.0)
+    robot.stop_recording()
+    assert end.state == "succeeded", end.error
+    assert end.time == pytest.approx(dry.end.time, abs=2.0)
+    run = simulate_beside(record)
+    assert not run.notes
+    assert run.lag < 0.3
+    for name in robot.arm.joint_names:
+        # benchmarks/real_robot.py measures it on a quiet machine
+        assert run.joints[name].position_rms < 0.02
+
+
+def test_force_mode_and_freedrive_are_those_of_the_robot(moving: RealRobotRig) -> None:
+    motion = moving.robot.arm.motion
+    with moving.twin() as twin:
+        box = twin.arm.control_box
+        with motion.taken("force"):
+            motion.start_force_mode((0, 0, -20, 0, 0, 0), (False, False, True, *NONE))
+            until(lambda: twin.arm.motion.state.force_mode, "force mode")
+            motion.end_force_mode()
+            until(lambda: not twin.arm.motion.state.force_mode, "its end")
+        with motion.taken("hand"):
+            motion.start_freedrive()
+            until(lambda: box.state.robot_mode is RobotMode.BACKDRIVE, "freedrive")
+            motion.end_freedrive()
+            until(lambda: box.state.robot_mode is RobotMode.RUNNING, "its end")
+    (goal,) = moving.robot.move_joints({ELBOW: 1.4}, speed=0.5)
+    assert goal.wait(30.0).status is SUCCEEDED, moving.state.motion_failure
+
+
+NONE = (False, False, False)
+
+
+def test_streams_are_followed(moving: RealRobotRig) -> None:
+    robot, name = moving.robot, "shoulder_pan_joint"
+    states = robot.subscribe(rate=125)
+    with moving.twin() as twin, robot.arm.motion.taken("stream") as motion:
+        targets = [robot.joint_state.position[k] for k in robot.arm.joint_names]
+        for _ in range(200):
+            targets[0] += 0.001
+            motion.servo_joints(targets)
+            states.next(5.0)
+        until(
+            lambda: abs(twin.joint_state.position[name] - targets[0]) < 2e-3,
+            lambda: f"{targets[0]}, not {twin.joint_state.position[name]}",
+        )
+        motion.speed_joints((-0.2, *NO_SPEED), acceleration=1.0, duration=1.0)
+        until(
+            lambda: abs(twin.joint_state.position[name] - targets[0] + 0.2) < 0.03,
+            lambda: f"0.2 rad less, not {twin.joint_state.position[name]}",
+        )
+    states.close()
+    assert not moving.state.motion_failure
+
+
+NO_SPEED = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def test_a_move_into_the_arm_itself_is_refused(moving: RealRobotRig) -> None:

@@ -52,6 +52,8 @@ FADE_ACCELERATION: Final = 12.0
 FADE_SPEED: Final = 0.05
 """Which a fading difference adds to a joint, at most [rad/s]: the arm that catches up
 is hardly faster than the speed slider says."""
+FAR: Final = 0.1
+"""A curve goes on for longer than that, but for its end [s]; a stream does not."""
 MOST_JUMP: Final = (0.1, 1.5)
 """Largest difference of new knots from the present motion [rad, rad/s]; beyond it, the
 arm slows down to rest instead of following them."""
@@ -153,6 +155,7 @@ def control_program(host: str, port: int, token: int, period: float) -> str:
         "FADE_STEPS": FADE_TIME / period,
         "FADE": FADE_ACCELERATION,
         "FADE_SPEED": FADE_SPEED,
+        "FAR": FAR / period,
         "JUMP": MOST_JUMP[0],
         "SPEED_JUMP": MOST_JUMP[1],
         "LOOKAHEAD": LOOKAHEAD,

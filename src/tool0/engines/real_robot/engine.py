@@ -130,6 +130,9 @@ class RealRobotEngine(OwnDrives):
         """The tick up to which the program has not rested by itself."""
         self._patience = round(RESTART_TIME / self._period)
         self._is_guided = False
+        """Whether the arm follows nothing: a hand guides it, or its mode just ends."""
+        self._resumes_at: int | None = None
+        """The tick from which it follows again, after the end of its mode."""
         self.guard: Callable[[WantedMotion, float], str] = lambda motion, now: ""
         """Returns why a motion may not be sent; empty if it may."""
         self._key: tuple[object, ...] = ()
@@ -221,6 +224,7 @@ class RealRobotEngine(OwnDrives):
         if not self._is_enabled:
             return
         state, arm = self._arm_state, wanted.arm
+        self._look_for_end(state.tick)
         if arm is None:
             if self._has_followed:
                 self.connection.link.brake()
@@ -235,6 +239,15 @@ class RealRobotEngine(OwnDrives):
             self._curve.follow(arm, wanted.now.time, state.step, state.positions)
         if wanted.grips != self._wanted_grips:
             self._grip(wanted.grips)
+
+    def _look_for_end(self, tick: int) -> None:
+        """Follow again once the program has ended freedrive or force mode."""
+        if self._resumes_at is None or tick < self._resumes_at:
+            return
+        mode = self.reader.fields.number(self.reader.newest, REGISTERS[1])
+        if mode != ProgramMode.GUIDED:
+            self._is_guided, self._resumes_at = False, None
+            self._curve.restart()
 
     def _objection(self, arm: WantedMotion, now: float) -> str:
         """Return why a motion may not be sent; each is looked at once."""
@@ -339,15 +352,21 @@ class RealRobotEngine(OwnDrives):
 
     def end_force_mode(self) -> None:
         self._command(CommandKind.END_FORCE_MODE)
+        self._end_mode()
 
     def start_freedrive(self, axes: Sequence[bool], frame: Pose6) -> None:
         self._has_followed, self._is_guided = False, True
+        self._resumes_at = None
         self._command(CommandKind.FREEDRIVE, (*map(float, axes), *frame))
 
     def end_freedrive(self) -> None:
         self._command(CommandKind.END_FREEDRIVE)
-        self._is_guided = False
-        self._curve.restart()
+        self._end_mode()
+
+    def _end_mode(self) -> None:
+        """Follow again when the program rests where the arm is: commands take time."""
+        self._has_followed, self._is_guided = False, True
+        self._resumes_at = self._arm_state.tick + self._patience
 
     def _command(self, kind: CommandKind, arguments: Sequence[float] = ()) -> None:
         self.connection.link.command(kind, arguments)
@@ -375,7 +394,8 @@ class RealRobotEngine(OwnDrives):
     def set_enabled(self, enabled: bool) -> None:
         """Let the arm follow, or only read; in the thread of the tick."""
         self._is_enabled, self._failure = enabled, ""
-        self._has_followed = False
+        self._has_followed = self._is_guided = False
+        self._resumes_at = None
         self._wanted_grips = {}
         self._curve.restart()
         self._show(is_enabled=enabled)

@@ -82,8 +82,8 @@ class Arm:
         self._hardware, self._manager = hardware, manager
         self._report: RobotReport | None = None
         """What the controller of a real robot reported last."""
-        self._is_compliant = False
-        """Whether a real arm pushes with a force, or gives way, by itself."""
+        self._own_task: ComplianceTask | None = None
+        """By which a real arm pushes with a force, or gives way, by itself."""
         self._joints = frozenset(joint.name for joint in parts.joints)
         """Which a program takes."""
         self._stopped_with = self._joints
@@ -598,7 +598,7 @@ class Arm:
 
         frame = from_matrix(task.frame)
         pose: Pose6 = (*frame.position, *frame.rotation_vector)
-        self._is_compliant = True
+        self._own_task = task
         if task.is_freedrive:
             own_drives.start_freedrive(task.free.tolist(), pose)
             return
@@ -610,12 +610,20 @@ class Arm:
             task.limits.tolist(),
         )
 
+    def _stiffen_by_itself(self, now: JointState, own_drives: OwnDrives) -> None:
+        """End the mode of a real arm: it holds where it is."""
+        task, self._own_task = self._own_task, None
+        if task is None:
+            return
+        if task.is_freedrive:
+            own_drives.end_freedrive()
+        else:
+            own_drives.end_force_mode()
+        self.motion.rest(now)
+
     def _stiffen(self, now: JointState) -> None:
         if self._own_drives is not None:
-            if self._is_compliant:
-                self._is_compliant = False
-                self._own_drives.end_force_mode()
-                self._own_drives.end_freedrive()
+            self._stiffen_by_itself(now, self._own_drives)
             return
         if self.motion.controller.is_compliant:
             self.motion.rest(now)
