@@ -142,3 +142,23 @@ def test_a_robot_that_is_late_gets_the_next_motion_earlier() -> None:
     for step, positions, _ in knots:
         ahead = second.at(step * PERIOD + 0.01).positions
         assert positions == pytest.approx(ahead, abs=2e-4)
+
+
+def test_a_motion_that_starts_later_is_sent_at_once() -> None:
+    """Its knots are there when it starts, also those before it, at rest."""
+    curve, sent = sender()
+    resting = WantedMotion(lambda time: swing(0.0))
+    later = WantedMotion(lambda time: swing(time - 0.3))
+    for tick in range(50):
+        follow(curve, resting, tick, 100 + tick)
+    sent.clear()
+    for tick in range(50, 151):
+        follow(curve, later, tick, 100 + tick)
+        started = [k for _, part in sent for k in part if k.velocities[0] > 0.0]
+        if started:
+            break
+    assert 0.3 - tick * PERIOD > HORIZON - 2.0 * SPACING  # as soon as it is within
+    (kind, knots) = sent[-1]
+    assert kind is MessageKind.REPLACE
+    assert knots[0].velocities == knots[1].velocities == (0.0,) * 6
+    assert knots[-1].velocities[0] > 0.0
