@@ -11,19 +11,20 @@ from typing import Final, final
 
 from msgspec.structs import replace
 
-from tool0.api.robot import Robot
 from tool0.description.parts import find_arms
 from tool0.description.scene_state import Contact
 from tool0.description.transform import from_quaternion, to_pose
-from tool0.protocol.channel import Channel, LocalChannel
+from tool0.protocol.channel import Channel
 from tool0.protocol.control_box import SetSpeedSlider
-from tool0.protocol.objects import ObjectInfo, info_of
+from tool0.protocol.goals import CancelGoal
+from tool0.protocol.objects import ObjectInfo, ReadContacts, info_of
 from tool0.protocol.program import Program
-from tool0.protocol.programs import ProgramRun
+from tool0.protocol.programs import ProgramRun, ReadRuns, RunProgram
 from tool0.protocol.reproduction import ReadReproduction
 from tool0.protocol.state import Snapshot
-from tool0.simulation.handlers.backend import SimulationBackend
 from tool0.simulation.handlers.reproduction import restarted
+from tool0.simulation.handlers.table import answer
+from tool0.simulation.simulation import Simulation
 
 ENGINE: Final = "mujoco"
 LOOK: Final = 0.02
@@ -82,7 +83,7 @@ class DryRun:
 
 def dry_run(
     channel: Channel,
-    program: Program | Path,
+    program: Program,
     *,
     timeout: float,
     when_passed: Callable[[ProgramRun], None],
@@ -103,20 +104,25 @@ def dry_run(
     meshes = {mesh.uri: Path(mesh.path) for mesh in start.meshes}
     with tempfile.TemporaryDirectory(prefix="tool0-dry-run-") as folder:
         simulation = restarted(start, Path(folder), meshes)
-        with Robot(LocalChannel(SimulationBackend(simulation))) as twin:
+        try:
             for box in snapshot.control_boxes:
-                twin.channel.call(
-                    SetSpeedSlider(arm=box.arm, fraction=box.speed_slider)
-                )
-            observer = _Observer(twin)
-            handle = twin.run_program(program)
-            while (run := handle.status).state in {"running", "paused"}:
+                slider = SetSpeedSlider(arm=box.arm, fraction=box.speed_slider)
+                answer(simulation, slider)
+            observer = _Observer(simulation)
+            goal = answer(simulation, RunProgram(program=program)).goal
+            while (run := _run(simulation, -goal)).state in {"running", "paused"}:
                 when_passed(run)
                 if run.time > timeout:
-                    handle.stop()
-                twin.run(LOOK)
+                    answer(simulation, CancelGoal(goal=goal))
+                simulation.loop.run(LOOK)
                 observer.look(run.time)
-            return observer.outcome(handle.status)
+            return observer.outcome(run)
+        finally:
+            simulation.close()
+
+
+def _run(simulation: Simulation, number: int) -> ProgramRun:
+    return next(run for run in answer(simulation, ReadRuns()) if run.run == number)
 
 
 def _present(snapshot: Snapshot) -> Iterator[ObjectInfo]:
@@ -130,25 +136,25 @@ def _present(snapshot: Snapshot) -> Iterator[ObjectInfo]:
 class _Observer:
     """Keeps the contacts that begin, and the largest speed and effort."""
 
-    def __init__(self, twin: Robot) -> None:
-        self._twin = twin
-        model = twin.description.model
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        model = simulation.description.model
         joints = [joint for arm in find_arms(model).values() for joint in arm.joints]
         self._own = model.link_by_name.keys()
         self._links = {joint.child for joint in joints}
         self._limits = {
             joint.name: (joint.limits.velocity, joint.limits.effort) for joint in joints
         }
-        self._known = {_pair(item) for item in twin.contacts()}
+        self._known = {_pair(item) for item in answer(simulation, ReadContacts())}
         self._touches: dict[frozenset[str], TouchReport] = {}
         self._speed = self._effort = JointPeak(
             joint=joints[0].name, value=0.0, share=0.0
         )
-        self._states = twin.subscribe()
+        self._states = simulation.subscribe()
 
     def look(self, time: float) -> None:
         """Look at the contacts now, and at the snapshots since the last look."""
-        for contact in self._twin.contacts():
+        for contact in answer(self._simulation, ReadContacts()):
             pair = _pair(contact)
             if pair not in self._known and not pair.isdisjoint(self._own):
                 self._note(contact, pair, time)

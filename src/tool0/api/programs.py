@@ -114,12 +114,16 @@ class Programs:
         from tool0.api.dry_run import dry_run
 
         source = self._read(program)
-        return dry_run(
-            self._channel,
-            source.program if source.file is None else source.file,
-            timeout=timeout,
-            when_passed=when_passed,
-        )
+        try:
+            return dry_run(
+                self._channel,
+                source.program,
+                timeout=timeout,
+                when_passed=when_passed,
+            )
+        except ProgramError:
+            self._explain(source)
+            raise
 
     def export(
         self, program: AnyProgram, format: Literal["yaml", "python", "urscript"]
