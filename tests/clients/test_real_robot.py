@@ -61,6 +61,9 @@ def test_it_only_reads_until_somebody_enables_its_motion(rig: RealRobotRig) -> N
     arm = rig.robot.arm.joint_names
     assert [here[k] for k in arm] == pytest.approx([joints[k] for k in arm], abs=1e-3)
     assert here["finger_joint"] == pytest.approx(joints["finger_joint"], abs=0.02)
+    currents = rig.robot.arm.motion.state.currents
+    assert len(currents) == 6
+    assert abs(currents[1]) > 10.0 * abs(currents[5])  # the shoulder carries the arm
     with raises_naming(ControlError, "only reads the robot", "enable"):
         rig.robot.move_joints({ELBOW: 1.0})
     with raises_naming(ControlError, "only reads the robot"):
@@ -284,6 +287,51 @@ def test_power_off_and_on(moving: RealRobotRig) -> None:
     moving.box.release_brakes()
     assert moving.state.robot_mode is RobotMode.RUNNING
     moving.enable()
+
+
+def test_an_emergency_stop_on_the_pendant(moving: RealRobotRig) -> None:
+    with moving.twin() as twin:
+        (goal,) = moving.robot.move_joints({ELBOW: 0.8}, speed=0.2)
+        until(lambda: moving.robot.snapshot.positions[ELBOW] < 1.5, "motion")
+        twin.emergency_stop()
+        assert goal.wait(10.0).status is not SUCCEEDED
+        stopped = SafetyMode.ROBOT_EMERGENCY_STOP
+        until(lambda: moving.state.safety_mode is stopped, "the stop")
+        with raises_naming(ControlError, "emergency stop"):
+            moving.robot.move_joints({ELBOW: 0.8})
+        twin.emergency_stop(False)
+        here = twin.joint_state.position[ELBOW]
+        twin.arm.control_box.power_on()
+        twin.arm.control_box.release_brakes()
+        until(lambda: moving.state.robot_mode is RobotMode.RUNNING, "the brakes")
+        with raises_naming(ControlError, "enable"):
+            moving.robot.move_joints({ELBOW: 0.8})
+        assert twin.joint_state.position[ELBOW] == pytest.approx(here, abs=0.05)
+    moving.enable()
+
+
+def test_the_slider_of_the_pendant_slows_a_motion_down(moving: RealRobotRig) -> None:
+    with moving.twin() as twin:
+        box = twin.arm.control_box
+        (goal,) = moving.robot.move_joints({ELBOW: 0.8}, speed=0.5)
+        until(lambda: moving.robot.snapshot.positions[ELBOW] < 1.5, "motion")
+        box.set_speed_slider(0.05)
+        until(lambda: moving.state.speed_scaling == 0.05, "the slider")
+        assert not goal.status.is_terminal
+        box.set_speed_slider(1.0)
+        assert goal.wait(30.0).status is SUCCEEDED, moving.state.motion_failure
+
+
+def test_another_payload_than_described_is_an_obstacle(rig: RealRobotRig) -> None:
+    rig.box.disable_motion()
+    with rig.twin() as twin:
+        twin.arm.control_box.set_payload(3.0, (0.0, 0.0, 0.05))
+        until(lambda: rig.state.payload.mass == pytest.approx(3.0), "the payload")
+        with raises_naming(ControlError, "payload", "3"):
+            rig.enable()
+        twin.arm.control_box.clear_payload()
+        until(lambda: rig.state.payload.mass < 1.0, "the payload")
+    rig.enable()
 
 
 def test_a_second_client_is_refused_with_the_reason(rig: RealRobotRig) -> None:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import textwrap
 from collections.abc import Callable, Iterator
+from contextlib import closing
 
 import pytest
 from raises_naming import raises_naming
 from real_robot_rig import RealRobotRig, real_robot
+from ros import Bringup
 from waits import until
 
 import tool0
@@ -85,6 +88,24 @@ def test_a_slow_network_does_not_stop_a_motion(rig: RealRobotRig) -> None:
     rig.proxy.jitter = 0.0
     with rig.twin() as twin:
         until(lambda: abs(twin.joint_state.position[PAN]) < 2e-3, "the goal")
+
+
+def test_a_robot_that_was_restarted_is_only_read() -> None:
+    with real_robot() as rig:
+        rig.enable()
+        options = ("--ur", "--ur-active-gripper", "--arm", "ur5", "--ur-host", rig.host)
+        rig.simulated.close()
+        until(lambda: not is_connected(rig), "the loss")
+        before = rig.robot.time
+        with closing(Bringup(os.environ, *options)) as again:
+            again.wait()
+            until(lambda: is_connected(rig), "the link")
+            until(lambda: rig.robot.time > before + 0.5, "states")
+            with raises_naming(ControlError, "only reads", "enable"):
+                rig.robot.move_joints({PAN: 0.0})
+            rig.enable()
+            (goal,) = rig.robot.move_joints({PAN: 0.2}, speed=0.3)
+            assert goal.wait(30.0).status is GoalStatus.SUCCEEDED
 
 
 def test_the_arm_rests_when_tool0_is_killed() -> None:

@@ -115,6 +115,11 @@ class OwnDrives(abc.ABC):
 
     @property
     @abc.abstractmethod
+    def currents(self) -> tuple[float, ...]:
+        """Measured currents of the arm's motors [A], base to flange."""
+
+    @property
+    @abc.abstractmethod
     def gripping(self) -> frozenset[str]:
         """The grippers that report an object between their fingers."""
 

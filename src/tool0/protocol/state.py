@@ -98,6 +98,8 @@ class ArmSample(Struct, frozen=True):
     is taken again.  Empty if it did not."""
     joint_names: tuple[str, ...] | UnsetType = UNSET
     """From base to flange; only in the process of the simulation."""
+    currents: tuple[float, ...] = ()
+    """Of the motors of a real arm [A], base to flange; empty for a simulated one."""
 
 
 @final

@@ -103,12 +103,12 @@ class LineTransport(asyncio.BufferedProtocol):
     def _take(self) -> bytes | None:
         """Return the next line; None if it has not arrived."""
         end = self._buffer.find(b"\n", self._searched)
+        if (len(self._buffer) if end < 0 else end) > MAX_LINE:
+            raise TransportError(
+                f"a line is longer than {MAX_LINE} bytes; send fewer waypoints"
+            )
         if end < 0:
             self._searched = len(self._buffer)
-            if self._searched > MAX_LINE:
-                raise TransportError(
-                    f"a line is longer than {MAX_LINE} bytes; send fewer waypoints"
-                )
             return None
         line = bytes(self._buffer[:end])
         del self._buffer[: end + 1]

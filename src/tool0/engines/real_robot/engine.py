@@ -309,6 +309,10 @@ class RealRobotEngine(OwnDrives):
         )
 
     @property
+    def currents(self) -> tuple[float, ...]:
+        return self.reader.fields.vector(self.reader.newest, "actual_current")
+
+    @property
     def gripping(self) -> frozenset[str]:
         gripper = self.connection.gripper
         reading = None if gripper is None else gripper.reading

@@ -15,7 +15,8 @@ from tool0.protocol.control_box_state import (
 )
 
 MOTION: Final = (
-    *("timestamp", "actual_q", "actual_qd", "actual_TCP_pose", "actual_TCP_force"),
+    *("timestamp", "actual_q", "actual_qd", "actual_current"),
+    *("actual_TCP_pose", "actual_TCP_force"),
     *REGISTERS,
 )
 STATUS: Final = (

@@ -50,6 +50,13 @@ _NO_MODE: Final = (
     "controllers of freedrive and force mode are not supported on a real robot; take "
     "the arm with a program"
 )
+_EMERGENCY_STOPS: Final = frozenset(
+    {SafetyMode.ROBOT_EMERGENCY_STOP, SafetyMode.SYSTEM_EMERGENCY_STOP}
+)
+_RELEASE: Final = (
+    "the robot's emergency stop is engaged; release its button, switch the arm on and "
+    "release its brakes (`tool0 hardware release-brakes`), and enable its motion again"
+)
 _LOST: Final = "check power and network; tool0 tries again"
 _TOO_SOON: Final = (
     "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of "
@@ -450,11 +457,12 @@ class Arm:
 
         The last step was from ``before`` to ``after``, with these external ``forces``.
         """
-        if self._own_drives is not None:
-            wrench = self._own_drives.wrench
-        else:
-            wrench = self._wrench.read(before, after, forces)
-        sample = self.motion.sample(now, wrench, self.box.state.motion_failure)
+        failure, own_drives = self.box.state.motion_failure, self._own_drives
+        if own_drives is not None:
+            sample = self.motion.sample(now, own_drives.wrench, failure)
+            return structs.replace(sample, currents=own_drives.currents)
+        wrench = self._wrench.read(before, after, forces)
+        sample = self.motion.sample(now, wrench, failure)
         if self.mode.is_on and not self.mode.is_freedrive:
             return structs.replace(sample, force_mode=True)
         return sample
@@ -555,6 +563,8 @@ class Arm:
         link = self.box.state.link
         if link is not None and not link.is_connected:
             return f"the robot at {link.address} is not reached: {_LOST}"
+        if link is not None and self._modes.safety in _EMERGENCY_STOPS:
+            return _RELEASE
         if reason := self._modes.obstacle(self.name, self.box.state.protective_stop):
             return reason
         if link is not None and not link.is_enabled:
