@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 
 CATCH_UP: Final = 0.1
 """How late a step may begin and still count from when it was due [s]."""
+AT_ONCE: Final = 0.02
+"""Within which a program has gone on after a step, if it waited for nothing else [s]."""
 _ROUNDING: Final = 1e-9
 
 
@@ -27,12 +29,15 @@ class Pacer:
         self._box = box
         self._due = -math.inf
         """When the last interval ended [s]."""
+        self._went_on = -math.inf
+        """When the program saw that, and went on [s]."""
 
     @property
     def start(self) -> float:
         """When an interval begins that is waited for now [s]."""
         now = self._box.time
-        return self._due if 0.0 <= now - self._due <= CATCH_UP else now
+        follows = 0.0 <= now - self._went_on <= AT_ONCE
+        return self._due if follows and 0.0 <= now - self._due <= CATCH_UP else now
 
     async def wait(self, duration: float, *, is_scaled: bool = False) -> None:
         """Wait for simulated time to pass [s]; a reset of the time ends it.
@@ -51,3 +56,4 @@ class Pacer:
                     break
             left -= scale * (box.time - start)
             start = box.time
+        self._went_on = box.time

@@ -45,7 +45,7 @@ export function RealRobotBar() {
           ` · ${t("real.stopped", { reason: box.motion_failure })}`}
       </span>
       {!link.is_enabled && link.obstacles.length > 0 && (
-        <details>
+        <details open>
           <summary>{t("real.obstacles")}</summary>
           <ul>
             {link.obstacles.map((text) => (

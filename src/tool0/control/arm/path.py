@@ -364,7 +364,8 @@ class SplineMotion:
             return None
         time = self._clock.at(now)
         course = self._courses[self._active(time)]
-        return course.number, min(time - course.start, course.duration)
+        passed = max(time - course.start, 0.0)  # it may start later
+        return course.number, min(passed, course.duration)
 
     def _active(self, time: float) -> int:
         """Return which of the courses is executed at the clock's ``time`` [s]."""
