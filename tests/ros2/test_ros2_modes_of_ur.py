@@ -58,6 +58,13 @@ def modes(client: Client, bringup: Bringup) -> Iterator[Topic]:
         yield topic
 
 
+@pytest.fixture(autouse=True)
+def usual_controllers(manager: Manager) -> Iterator[None]:
+    """Have the usual controllers after a test, also after one that failed."""
+    yield
+    manager.switch([JTC], [FORCE, PASSTHROUGH, FREEDRIVE], BEST_EFFORT)
+
+
 @pytest.fixture
 def force_mode(manager: Manager) -> Iterator[None]:
     """Have its controller active, and nothing else that moves the arm."""
