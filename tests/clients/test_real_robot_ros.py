@@ -80,7 +80,7 @@ def test_a_client_of_ros_2_moves_it_once_its_motion_is_enabled() -> None:
         bringup = domain.bring_up(*options)
         with closing(domain.client()) as client, connected(bringup) as robot:
             goal = trajectory([(2.0, AWAY)])
-            assert follow(client, goal, SCALED).outcome()[0] != "succeeded"
+            assert not follow(client, goal, SCALED).is_accepted
             enable(robot)
             status, result = follow(client, goal, SCALED).outcome()
             assert (status, result.error_string) == ("succeeded", REACHED)
@@ -94,12 +94,12 @@ def test_a_client_of_ros_1_moves_it_once_its_motion_is_enabled() -> None:
     require_ros()
     with Ros() as ros, controller() as (twin, options):
         with closing(ros.bring_up(*options)) as bringup, connected(bringup) as robot:
+            enable(robot)
             (name,) = (
                 status.name
                 for status in robot.controllers()
-                if PAN in status.joints and "traj" in status.name
+                if status.is_running and PAN in status.joints and "traj" in status.name
             )
-            enable(robot)
             words = (ROSPY, name, "0.3", *ARM_JOINTS)
             assert ros.python(*words).split()[0] == "3"  # SUCCEEDED
         until(

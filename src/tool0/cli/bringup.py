@@ -150,6 +150,8 @@ def _robot(options: BringupOptions) -> Robot:
 
     with _without_warnings("tool0.api.bringup"):
         robot = bringup(
+            # without that, a real robot has the controllers of ROS 2
+            ros2_control=False if options.run.ros1 else None,
             description=options.full_description(),
             control=options.control,
             simulation=options.full_simulation(),

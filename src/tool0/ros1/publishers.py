@@ -20,7 +20,7 @@ from tool0.description.forward_kinematics import joint_transform
 from tool0.description.model import FLANGE, Joint
 from tool0.description.parts import flange_names
 from tool0.description.transform import Transform
-from tool0.errors import Tool0Error
+from tool0.errors import NotOfferedError, Tool0Error
 from tool0.installation.child_process import ChildProcess
 from tool0.installation.ros1.library import find_node
 from tool0.protocol.sensors import WrenchReading
@@ -45,13 +45,18 @@ def sensor_publishers(
         for name, link in flange_names(robot.description.model).items()
         if ros.owns(link)
     }
+    try:
+        sensors = {name: robot.force_torque_of(link) for name, link in flanges.items()}
+    except NotOfferedError as error:  # by a real robot
+        logger.warning("no topic 'wrench': %s", error)
+        return [*cameras]
     wrenches = [
         WrenchPublisher(
             ros,
-            robot.force_torque_of(link),
-            "" if len(flanges) == 1 or link == FLANGE else f"{name}_",
+            sensor,
+            "" if len(flanges) == 1 or flanges[name] == FLANGE else f"{name}_",
         )
-        for name, link in flanges.items()
+        for name, sensor in sensors.items()
     ]
     return [*cameras, *wrenches]
 

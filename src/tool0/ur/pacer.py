@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 CATCH_UP: Final = 0.1
 """How late a step may begin and still count from when it was due [s]."""
 AT_ONCE: Final = 0.02
-"""Within which a program has gone on after a step, if it waited for nothing else [s]."""
+"""Within which a program goes on after a step, if it waits for nothing else [s]."""
 _ROUNDING: Final = 1e-9
 
 

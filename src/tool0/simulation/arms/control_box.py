@@ -29,9 +29,9 @@ from tool0.protocol.control_box_state import (
 RAMP: Final = 5.0
 """Largest change of the speed scaling factor [1/s]: UR's driver adds 0.01 in each cycle
 of 2 ms after a pause (ur_robot_driver, hardware_interface.cpp)."""
-REAL_RAMP: Final = 1.0
-"""The same for a real robot, which hears of each change a little late [1/s]: what it
-does meanwhile must stay small."""
+REAL_RAMP: Final = (10.0, 1.0)
+"""The same for a real robot, down and up [1/s].  It limits its speed at once; it hears
+of an increase a little late, and what it does meanwhile must stay small."""
 MOST_VOLTAGE: Final = 10.0
 """Of an analogue pin [V]."""
 _WIRED: Final = "the inputs of a real robot are what their wires say"
@@ -71,7 +71,8 @@ class ControlBox:
         """Move the speed scaling factor towards its value for one tick [s]."""
         now, target = self.state.speed_scaling, _target(self.state)
         if now != target:
-            most = (RAMP if self._own_drives is None else REAL_RAMP) * period
+            ramp = RAMP if self._own_drives is None else REAL_RAMP[target > now]
+            most = ramp * period
             factor = min(max(target, now - most), now + most)
             self._hardware.speed_scaling[self.state.prefix] = factor
             self.change(speed_scaling=factor)
