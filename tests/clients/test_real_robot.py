@@ -35,6 +35,7 @@ def rig() -> Iterator[RealRobotRig]:
 @pytest.fixture
 def moving(rig: RealRobotRig) -> RealRobotRig:
     """The rig, with its motion enabled and at rest in the same pose."""
+    until(lambda: not rig.state.taken_by, "the end of what moved it before")
     link = rig.state.link
     assert link is not None
     if not link.is_enabled:
@@ -167,7 +168,7 @@ def test_a_program_does_what_its_simulation_does(
     assert run.lag < 0.3
     for name in robot.arm.joint_names:
         # benchmarks/real_robot.py measures it on a quiet machine
-        assert run.joints[name].position_rms < 0.02
+        assert run.joints[name].position_rms < 0.05
 
 
 def test_force_mode_and_freedrive_are_those_of_the_robot(moving: RealRobotRig) -> None:
