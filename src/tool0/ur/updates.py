@@ -18,8 +18,8 @@ from tool0.ur.control_box import UrControlBox
 
 logger = logging.getLogger(__name__)
 
-MOST_TIME: Final = 0.03
-"""Time that may be spent at once on the states before the newest [wall s]: a tenth of
+MOST_TIME: Final = 0.05
+"""Time that may be spent at once on the states before the newest [wall s]: a fifth of
 a second of them, at 500 Hz for clients that read everything.  Who sends targets by the
 robot's time aims that much too early, so that it must not be longer."""
 SHARE: Final = 0.1
