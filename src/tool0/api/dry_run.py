@@ -108,8 +108,8 @@ def dry_run(
             for box in snapshot.control_boxes:
                 slider = SetSpeedSlider(arm=box.arm, fraction=box.speed_slider)
                 answer(simulation, slider)
-            observer = _Observer(simulation)
             goal = answer(simulation, RunProgram(program=program)).goal
+            observer = _Observer(simulation)
             while (run := _run(simulation, -goal)).state in {"running", "paused"}:
                 when_passed(run)
                 if run.time > timeout:

@@ -19,7 +19,7 @@ from tool0.ur.control_box import UrControlBox
 logger = logging.getLogger(__name__)
 
 MOST_TIME: Final = 0.05
-"""Time that may be spent at once on the states before the newest [wall s]: a fifth of
+"""Time that may be spent at once on the states before the newest [wall s]: a quarter of
 a second of them, at 500 Hz for clients that read everything.  Who sends targets by the
 robot's time aims that much too early, so that it must not be longer."""
 SHARE: Final = 0.1

@@ -9,6 +9,7 @@ on) do not occur.
 
 from __future__ import annotations
 
+import contextlib
 import logging
 from typing import Final, final
 
@@ -22,7 +23,7 @@ from tool0.description.model import RobotModel
 from tool0.description.parts import ArmParts
 from tool0.description.payload import Payload
 from tool0.description.scene_state import Contact
-from tool0.errors import ControlError
+from tool0.errors import ControlError, TransportError
 from tool0.hardware.engine import Engine, JointState
 from tool0.hardware.own_drives import OwnDrives, RobotReport
 from tool0.hardware.robot_hardware import RobotHardware
@@ -539,6 +540,8 @@ class Arm:
 
     def _stop(self, now: JointState) -> None:
         """Stop what moves the arm, and its program; then the brakes hold it."""
+        with contextlib.suppress(TransportError):  # it has ended with the link
+            self._end_own_task()
         stopped = self._stop_controllers(now, self._stopped_with)
         if self.motion.is_taken:
             self.motion.abort(now)
@@ -620,20 +623,21 @@ class Arm:
             task.limits.tolist(),
         )
 
-    def _stiffen_by_itself(self, now: JointState, own_drives: OwnDrives) -> None:
-        """End the mode of a real arm: it holds where it is."""
+    def _end_own_task(self) -> bool:
+        """End force mode or freedrive of a real arm; return whether there was one."""
         task, self._own_task = self._own_task, None
-        if task is None:
-            return
+        if task is None or self._own_drives is None:
+            return False
         if task.is_freedrive:
-            own_drives.end_freedrive()
+            self._own_drives.end_freedrive()
         else:
-            own_drives.end_force_mode()
-        self.motion.rest(now)
+            self._own_drives.end_force_mode()
+        return True
 
     def _stiffen(self, now: JointState) -> None:
         if self._own_drives is not None:
-            self._stiffen_by_itself(now, self._own_drives)
+            if self._end_own_task():
+                self.motion.rest(now)
             return
         if self.motion.controller.is_compliant:
             self.motion.rest(now)
