@@ -9,11 +9,15 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import random
 import socket
+import struct
 import threading
+import weakref
 from collections.abc import Coroutine, Iterator, Mapping
 from contextlib import contextmanager
+from enum import Enum
 from typing import Any, Final, final
 
 RECOVERY: Final = 0.055
@@ -23,14 +27,26 @@ _CHUNK: Final = 1 << 16
 Address = tuple[str, int]
 
 
+class End(Enum):
+    """An end of a connection."""
+
+    CLIENT = "client"
+    """Which has opened it."""
+    SERVER = "server"
+
+
 @final
 class LinkProxy:
     """Forwards ports, with faults that may change at any time."""
 
     def __init__(self, routes: Mapping[Address, Address], seed: int = 0) -> None:
         """Listen at each address, and forward to the other one."""
+        self.delay = 0.0
+        """Each chunk is late by this [wall s] …"""
         self.jitter = 0.0
-        """Each chunk is late by a random time up to this [wall s], in order."""
+        """… and by a random time up to this, in order."""
+        self.rate = math.inf
+        """Each direction of a connection delivers at most that much [byte/s]."""
         self.loss = 0.0
         """Part of the chunks that are lost at first."""
         self._random = random.Random(seed)
@@ -39,7 +55,8 @@ class LinkProxy:
         self._flows = asyncio.Event()
         self._flows.set()
         self._accepts = True
-        self._writers: set[asyncio.StreamWriter] = set()
+        self._writers: dict[asyncio.StreamWriter, End] = {}
+        self._half_closed = weakref.WeakSet[asyncio.StreamWriter]()
         self._servers: list[asyncio.Server] = []
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
@@ -56,6 +73,13 @@ class LinkProxy:
     def cut(self) -> None:
         """Reset all connections, and accept no others until ``mend``."""
         self._run(self._cut())
+
+    def half_close(self, end: End) -> None:
+        """Tell one end of all connections that the other one sends nothing more.
+
+        What it sends itself still arrives.
+        """
+        self._run(self._half_close(end))
 
     def mend(self) -> None:
         """Accept connections again."""
@@ -91,22 +115,28 @@ class LinkProxy:
         target: Address,
     ) -> None:
         if not self._accepts:
-            writer.transport.abort()
+            _reset(writer)
             return
         try:
             far_reader, far_writer = await asyncio.open_connection(*target)
         except OSError:
             writer.transport.abort()
             return
-        for one in (writer, far_writer):
+        ends = {writer: End.CLIENT, far_writer: End.SERVER}
+        for one in ends:
             one.get_extra_info("socket").setsockopt(
                 socket.IPPROTO_TCP, socket.TCP_NODELAY, 1
             )
-            self._writers.add(one)
-        with contextlib.suppress(asyncio.CancelledError):  # at the end
-            await asyncio.gather(
-                self._pump(reader, far_writer), self._pump(far_reader, writer)
-            )
+        self._writers |= ends
+        try:
+            with contextlib.suppress(asyncio.CancelledError):  # at the end
+                await asyncio.gather(
+                    self._pump(reader, far_writer), self._pump(far_reader, writer)
+                )
+        finally:
+            for one in ends:
+                self._writers.pop(one, None)
+                one.close()
 
     async def _pump(
         self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
@@ -117,10 +147,12 @@ class LinkProxy:
         due = 0.0
         with contextlib.suppress(OSError):
             while data := await reader.read(_CHUNK):
-                late = self._random.uniform(0.0, self.jitter) if self.jitter else 0.0
+                late = self.delay
+                if self.jitter:
+                    late += self._random.uniform(0.0, self.jitter)
                 if self.loss and self._random.random() < self.loss:
                     late += RECOVERY
-                due = max(due, self._loop.time() + late)
+                due = max(due, self._loop.time() + late) + len(data) / self.rate
                 queue.put_nowait((due, data))
         queue.put_nowait((due, b""))
         await deliver
@@ -136,10 +168,19 @@ class LinkProxy:
                 await self._flows.wait()
                 if not data:
                     break
-                writer.write(data)
-                await writer.drain()
-        self._writers.discard(writer)
-        writer.close()
+                if writer not in self._half_closed:
+                    writer.write(data)
+                    await writer.drain()
+            self._write_eof(writer)
+
+    async def _half_close(self, end: End) -> None:
+        for writer in [one for one, its in self._writers.items() if its is end]:
+            self._write_eof(writer)
+
+    def _write_eof(self, writer: asyncio.StreamWriter) -> None:
+        if writer not in self._half_closed and not writer.is_closing():
+            self._half_closed.add(writer)
+            writer.write_eof()
 
     async def _end(self) -> None:
         for server in self._servers:
@@ -152,9 +193,18 @@ class LinkProxy:
     async def _cut(self) -> None:
         self._accepts = False
         for writer in tuple(self._writers):
-            writer.transport.abort()
+            _reset(writer)
         self._writers.clear()
         self._flows.set()
+
+
+def _reset(writer: asyncio.StreamWriter) -> None:
+    """End a connection with RST: what was sent may be lost."""
+    linger = struct.pack("ii", 1, 0)  # on, for 0 s
+    connection = writer.get_extra_info("socket")
+    with contextlib.suppress(OSError):  # it is closed already
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
+    writer.transport.abort()
 
 
 @contextmanager

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import gc
 import logging
 import math
 import sys
@@ -22,6 +21,7 @@ from tool0.cli.text import (
 )
 from tool0.errors import ConfigError, EngineError, EngineUnavailableError
 from tool0.protocol.channel import backend_of
+from tool0.server import garbage
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -57,8 +57,7 @@ def bringup(options: BringupOptions) -> int:
     console = sys.stderr if is_json else sys.stdout
     with contextlib.ExitStack() as exits:
         exits.enter_context(quiet_overruns())
-        gc.disable()  # objects made at start live on: nothing to collect
-        exits.callback(gc.enable)
+        exits.enter_context(garbage.starting())
         stop = exits.enter_context(StopSignal())
         # Names first: report a wrong or used one before the robot is built.
         claim = _claim(options.run)
@@ -94,9 +93,7 @@ def bringup(options: BringupOptions) -> int:
             from tool0.cli.panel import show
 
             show(endpoint.url, options.panel, console)
-        gc.freeze()
-        exits.callback(gc.unfreeze)
-        gc.enable()
+        garbage.started()
         url = None if endpoint is None else endpoint.url
         if not is_json or console.isatty():
             print(greeting(robot, options, url, interfaces), file=console, flush=True)

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from tool0.errors import Tool0Error
+from tool0.server import garbage
 from tool0.server.companion import UNABLE
 from tool0.ur.compiling import prepare
 from tool0.ur.options import UrArm, UrOptions
@@ -69,7 +70,7 @@ async def _run(name: str, options: UrOptions) -> None:
 def _report(arms: Mapping[str, UrArm]) -> None:
     """Tell the program that started this one that the ports are open."""
     gc.collect()
-    gc.freeze()  # what exists now stays: nothing to look through 500 times a second
+    garbage.started()
     rows = {name: asdict(arm) for name, arm in arms.items()}
     print(json.dumps({"ready": True, "arms": rows}), flush=True)
 

@@ -9,11 +9,10 @@ on) do not occur.
 
 from __future__ import annotations
 
-import contextlib
+import abc
 import logging
-from typing import Final, final
-
-from msgspec import structs
+from collections.abc import Iterable
+from typing import Final
 
 from tool0.control.arm.compliance import ComplianceTask
 from tool0.control.arm.motion import ArmMotionController
@@ -23,18 +22,11 @@ from tool0.description.model import RobotModel
 from tool0.description.parts import ArmParts
 from tool0.description.payload import Payload
 from tool0.description.scene_state import Contact
-from tool0.errors import ControlError, TransportError
-from tool0.hardware.engine import Engine, JointState
-from tool0.hardware.own_drives import OwnDrives, RobotReport
+from tool0.errors import ControlError
+from tool0.hardware.engine import JointState
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.protocol.control_box_state import (
-    Pose6,
-    ProgramState,
-    RobotMode,
-    SafetyMode,
-)
+from tool0.protocol.control_box_state import ProgramState, RobotMode, SafetyMode
 from tool0.protocol.state import ArmSample
-from tool0.sensing.tool_wrench import ToolWrench
 from tool0.simulation.arms.control_box import ControlBox
 from tool0.simulation.arms.controller_mode import ControllerMode
 from tool0.simulation.arms.modes import Modes
@@ -46,58 +38,41 @@ UNLOCK_AFTER: Final = 5.0
 """Simulated time from a protective stop until it can be unlocked [s]: dashboard server,
 ``unlock protective stop``
 (https://www.universal-robots.com/articles/ur/dashboard-server/dashboard-server-e-series-port-29999/)."""
-_OF_ITS_CONTROLLER: Final = "the robot's safety system; its pendant says why"
-_NO_MODE: Final = (
-    "controllers of freedrive and force mode are not supported on a real robot; take "
-    "the arm with a program"
-)
-_EMERGENCY_STOPS: Final = frozenset(
-    {SafetyMode.ROBOT_EMERGENCY_STOP, SafetyMode.SYSTEM_EMERGENCY_STOP}
-)
-_RELEASE: Final = (
-    "the robot's emergency stop is engaged; release its button, switch the arm on and "
-    "release its brakes (`tool0 hardware release-brakes`), and enable its motion again"
-)
-_LOST: Final = "check power and network; tool0 tries again"
 _TOO_SOON: Final = (
     "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of "
     "protective stop before unlocking"
 )
 
 
-@final
-class Arm:
-    """An arm with its control box.  Only the thread of the tick may use it."""
+class Arm(abc.ABC):
+    """An arm with its control box, whatever moves it: simulated drives, or its own.
+
+    Only the thread of the tick may use it.
+    """
 
     def __init__(
         self,
         name: str,
         parts: ArmParts,
+        box: ControlBox,
         *,
         model: RobotModel,
-        engine: Engine,
         hardware: RobotHardware,
         manager: ControllerManager,
+        moving_with_it: Iterable[str] = (),
     ) -> None:
+        """Serve an arm; further joints may move only if it may."""
         self.name, self.parts = name, parts
-        self._own_drives = engine if isinstance(engine, OwnDrives) else None
-        self.box = ControlBox(name, parts.flange, model, hardware, self._own_drives)
+        self.box = box
         self.motion = ArmMotion(name, parts, model, hardware, manager)
         """For a program that has taken the arm."""
         self.mode = ControllerMode(self.motion.spec, hardware, manager)
         """Freedrive and force mode of a controller."""
-        self._model, self._engine = model, engine
         self._hardware, self._manager = hardware, manager
-        self._report: RobotReport | None = None
-        """What the controller of a real robot reported last."""
-        self._own_task: ComplianceTask | None = None
-        """By which a real arm pushes with a force, or gives way, by itself."""
         self._joints = frozenset(joint.name for joint in parts.joints)
         """Which a program takes."""
-        self._stopped_with = self._joints
-        """Which move only if the arm may: those of a real arm's gripper, too."""
-        if self._own_drives is not None:
-            self._stopped_with = frozenset(hardware.interfaces)
+        self._stopped_with = self._joints.union(moving_with_it)
+        """Which move only if the arm may."""
         self._modes = Modes()
         self._stopped: tuple[str, ...] = ()
         """The controllers that play starts."""
@@ -105,8 +80,6 @@ class Arm:
         """When the protective stop occurred [s]."""
         self._resumes = False
         """Whether the controllers of a taken arm start when it is given back."""
-        self._tool_wrench: ToolWrench | None = None
-        """On the tool, once it was sampled."""
 
     def require_ready(self) -> None:
         """Raise ControlError if it may not move, with the reason and the remedy."""
@@ -134,46 +107,8 @@ class Arm:
         """Let speed scaling go on for one tick [s]; end a return that is at rest."""
         self.box.tick(period)
         self.mode.tick(state)
-        if self.motion.has_torques:
-            self._watch_torques(state, period)
         if self.motion.has_returned(state.time):
             self._give_back(state)
-
-    # ---- a real robot ---------------------------------------------------------------
-
-    def follow(self, report: RobotReport, now: JointState) -> None:
-        """Show what the controller of a real robot reports, and stop what it stopped.
-
-        Nothing starts by itself: that takes ``play``.
-        """
-        if report is self._report:
-            return
-        last, self._report = self._report, report
-        payload = Payload(report.payload_mass, report.payload_center)
-        self.box.change(
-            link=report.link,
-            digital_inputs=report.digital_inputs,
-            digital_outputs=report.digital_outputs,
-            analog_inputs=report.analog_inputs,
-            analog_outputs=report.analog_outputs,
-            tool_analog_inputs=report.tool_analog_inputs,
-            tool_voltage=report.tool_voltage,
-            tool_current=report.tool_current,
-            tool_temperature=report.tool_temperature,
-            speed_slider=max(report.speed_slider, 0.0),
-            payload=payload,
-            tcp=report.tcp,
-        )
-        if report.safety_mode is SafetyMode.PROTECTIVE_STOP:
-            self.box.change(protective_stop=_OF_ITS_CONTROLLER)
-        self._set(now, report.robot_mode, report.safety_mode)
-        is_stopped = self.box.state.program is ProgramState.STOPPED
-        if report.program is ProgramState.STOPPED or report.motion_failure:
-            if not is_stopped:
-                self._stop(now)
-            self.box.change(motion_failure=report.motion_failure)
-        elif not is_stopped and last is not None and report.program is not last.program:
-            self.box.change(program=report.program)
 
     # ---- power and stops ------------------------------------------------------------
 
@@ -242,9 +177,7 @@ class Arm:
                 "the emergency stop is engaged; release it before playing the program"
             )
         self.require_ready()
-        if self._own_drives is not None:
-            self._own_drives.forgive()
-            self.box.change(motion_failure="")
+        self._forgive()
         if not self.box.state.taken_by:
             self._start_again(now)
         self.box.change(program=ProgramState.PLAYING)
@@ -277,8 +210,7 @@ class Arm:
             ControlError: If the arm may not move.
         """
         self.require_ready()
-        if self._own_drives is not None:
-            self._own_drives.forgive()
+        self._forgive()
         held = self.motion.desired(now)
         if not self.box.state.taken_by:
             self._resumes = self.box.state.program is ProgramState.PLAYING
@@ -354,48 +286,17 @@ class Arm:
             ControlError: If neither is so, or it may not move.
         """
         if controller_name is not None:
-            if self._own_drives is not None:
-                raise ControlError(_NO_MODE)
+            self._require_modes()
             self.require_ready()
             self.mode.start(controller_name, task, now)
             self._show_freedrive(task.is_freedrive, now)
             return
-        controller = self.controller_to_move()
-        if controller.is_guided and not task.is_freedrive:
+        self.controller_to_move()
+        if self._is_guided and not task.is_freedrive:
             raise ControlError(
                 f"the arm '{self.name}' is in freedrive; end that before force mode"
             )
-        if self._own_drives is not None:
-            self._comply_by_itself(task, self._own_drives)
-            return
-        self.end_torques(now)
-        self.motion.comply(task, now)
-        self._show_freedrive(task.is_freedrive, now)
-
-    def drive(self, command: TorqueCommand, now: JointState) -> None:
-        """Drive the joints of a taken arm with torques.
-
-        Raises:
-            ControlError: If the arm is not taken, may not move, gives way to forces, or
-                a drive has not that torque, which is a violation.
-        """
-        controller = self.controller_to_move()
-        if not self._engine.has_rotors:
-            raise ControlError(
-                f"the engine '{self._engine.name}' has no torque control: its joints "
-                "have no rotors; use MuJoCo"
-            )
-        if controller.is_compliant and not self.motion.has_torques:
-            mode = "freedrive" if controller.is_guided else "force mode"
-            raise ControlError(
-                f"the arm '{self.name}' is in {mode}; end that before torques"
-            )
-        try:
-            self.motion.drive(command, now)
-        except ControlError as error:
-            if self.motion.is_protected:
-                self.stop_protectively(str(error), now)
-            raise
+        self._comply(task, now)
 
     def end_torques(self, now: JointState) -> None:
         """Return to position control, if torques drive the joints: ramp to rest."""
@@ -418,8 +319,8 @@ class Arm:
             self.mode.end(controller_name, now, is_freedrive=is_freedrive)
             self._show_freedrive(self.mode.is_freedrive, now)
             return
-        controller = self.controller_to_stop()
-        if controller.is_guided == is_freedrive or self._own_drives is not None:
+        self.controller_to_stop()
+        if self._is_guided == is_freedrive:
             self._stiffen(now)
 
     def note_restart(self, now: JointState, stopped: str = "") -> None:
@@ -445,8 +346,9 @@ class Arm:
         if was_guided and not self.mode.is_freedrive:
             self._show_freedrive(False, now)
 
-    # ---- samples --------------------------------------------------------------------
+    # ---- what moves it --------------------------------------------------------------
 
+    @abc.abstractmethod
     def sample(
         self,
         now: float,
@@ -458,47 +360,58 @@ class Arm:
 
         The last step was from ``before`` to ``after``, with these external ``forces``.
         """
-        failure, own_drives = self.box.state.motion_failure, self._own_drives
-        if own_drives is not None:
-            sample = self.motion.sample(now, own_drives.wrench, failure)
-            return structs.replace(sample, currents=own_drives.currents)
-        wrench = self._wrench.read(before, after, forces)
-        sample = self.motion.sample(now, wrench, failure)
-        if self.mode.is_on and not self.mode.is_freedrive:
-            return structs.replace(sample, force_mode=True)
-        return sample
 
+    @abc.abstractmethod
     def zero_wrench(self) -> None:
-        """Let the wrench on the tool be that of the last sample from now on."""
-        self._wrench.zero()
+        """Let the wrench on the tool be that of the last sample from now on.
+
+        Raises:
+            ControlError: If this arm does not do that.
+        """
 
     def set_payload(self, payload: Payload | None) -> None:
         """Take this to be at the flange; None is what the description has."""
         self.box.set_payload(payload)
-        if self._tool_wrench is not None:
-            self._tool_wrench.subtract(self._known_payload)
+
+    @abc.abstractmethod
+    def drive(self, command: TorqueCommand, now: JointState) -> None:
+        """Drive the joints of a taken arm with torques.
+
+        Raises:
+            ControlError: If the arm is not taken, may not move, gives way to forces, or
+                a drive has not that torque, which is a violation.
+        """
 
     @property
-    def _wrench(self) -> ToolWrench:
-        if self._tool_wrench is None:
-            self._tool_wrench = ToolWrench(self._model, self.parts.flange, self._engine)
-            self._tool_wrench.subtract(self._known_payload)
-        return self._tool_wrench
+    @abc.abstractmethod
+    def _is_guided(self) -> bool:
+        """Whether a program that has taken the arm lets a hand guide it."""
 
-    @property
-    def _known_payload(self) -> Payload | None:
-        return self._hardware.payloads.get(self.parts.flange)
+    @abc.abstractmethod
+    def _comply(self, task: ComplianceTask, now: JointState) -> None:
+        """Let a taken arm push with a force, or give way to a hand."""
+
+    @abc.abstractmethod
+    def _stiffen(self, now: JointState) -> None:
+        """End that, if it is so: the arm stops where it is."""
+
+    @abc.abstractmethod
+    def _require_modes(self) -> None:
+        """Raise ControlError if controllers cannot let this arm comply."""
+
+    @abc.abstractmethod
+    def _forgive(self) -> None:
+        """Let the arm move again after a failure."""
+
+    @abc.abstractmethod
+    def _shown_modes(self) -> Modes:
+        """Return the modes that people see."""
+
+    @abc.abstractmethod
+    def _obstacle(self) -> str:
+        """Return why the arm may not move, and a remedy; empty if it may."""
 
     # ---- what they have in common ---------------------------------------------------
-
-    def _watch_torques(self, state: JointState, period: float) -> None:
-        """Stop protectively at a violation; end torques that no program renews."""
-        torques = self.motion.controller.torques
-        assert torques is not None  # the mode has one
-        if reason := torques.violation(state, period):
-            self.stop_protectively(reason, state)
-        elif torques.is_over(state.time):
-            self.end_torques(state)
 
     def _require_released(self) -> None:
         """Raise ControlError if the emergency stop holds the arm."""
@@ -524,13 +437,11 @@ class Arm:
             self._block()
 
     def _show(self) -> None:
-        """Show the modes of the arm, or the emergency stop's."""
-        robot, safety = self._modes
+        """Show the modes of the arm, or those of an emergency stop."""
         reason = self.box.state.protective_stop
-        if safety is not SafetyMode.PROTECTIVE_STOP:
+        if self._modes.safety is not SafetyMode.PROTECTIVE_STOP:
             reason = ""
-        if self._hardware.is_stopped and self._own_drives is None:
-            robot, safety = RobotMode.POWER_OFF, SafetyMode.ROBOT_EMERGENCY_STOP
+        robot, safety = self._shown_modes()
         self.box.change(robot_mode=robot, safety_mode=safety, protective_stop=reason)
 
     def _show_freedrive(self, engaged: bool, now: JointState) -> None:
@@ -540,8 +451,6 @@ class Arm:
 
     def _stop(self, now: JointState) -> None:
         """Stop what moves the arm, and its program; then the brakes hold it."""
-        with contextlib.suppress(TransportError):  # it has ended with the link
-            self._end_own_task()
         stopped = self._stop_controllers(now, self._stopped_with)
         if self.motion.is_taken:
             self.motion.abort(now)
@@ -560,22 +469,6 @@ class Arm:
         if taken_by and not reason:
             reason = f"'{taken_by}' moves the arm '{self.name}'; stop that first"
             self._manager.block(self._joints, reason)
-
-    def _obstacle(self) -> str:
-        """Return why the arm may not move, and a remedy; empty if it may."""
-        link = self.box.state.link
-        if link is not None and not link.is_connected:
-            return f"the robot at {link.address} is not reached: {_LOST}"
-        if link is not None and self._modes.safety in _EMERGENCY_STOPS:
-            return _RELEASE
-        if reason := self._modes.obstacle(self.name, self.box.state.protective_stop):
-            return reason
-        if link is not None and not link.is_enabled:
-            return (
-                f"tool0 only reads the robot at {link.address}; enable its motion in "
-                "the panel or with `tool0 hardware enable`"
-            )
-        return ""
 
     def _stop_controllers(
         self, now: JointState, joints: frozenset[str]
@@ -604,44 +497,6 @@ class Arm:
             self._start_again(wanted)
             self.box.change(program=ProgramState.PLAYING)
         self.motion.preload_integrals(now)
-
-    def _comply_by_itself(self, task: ComplianceTask, own_drives: OwnDrives) -> None:
-        """Let a real robot be compliant: its own controller has that mode."""
-        from tool0.description.transform import from_matrix
-
-        frame = from_matrix(task.frame)
-        pose: Pose6 = (*frame.position, *frame.rotation_vector)
-        self._own_task = task
-        if task.is_freedrive:
-            own_drives.start_freedrive(task.free.tolist(), pose)
-            return
-        own_drives.start_force_mode(
-            pose,
-            task.free.tolist(),
-            task.wrench.tolist(),
-            task.kind,
-            task.limits.tolist(),
-        )
-
-    def _end_own_task(self) -> bool:
-        """End force mode or freedrive of a real arm; return whether there was one."""
-        task, self._own_task = self._own_task, None
-        if task is None or self._own_drives is None:
-            return False
-        if task.is_freedrive:
-            self._own_drives.end_freedrive()
-        else:
-            self._own_drives.end_force_mode()
-        return True
-
-    def _stiffen(self, now: JointState) -> None:
-        if self._own_drives is not None:
-            if self._end_own_task():
-                self.motion.rest(now)
-            return
-        if self.motion.controller.is_compliant:
-            self.motion.rest(now)
-            self._show_freedrive(False, now)
 
     def _refuse(self, reason: str) -> None:
         self.box.change(motion_failure=self.box.state.motion_failure or reason)

@@ -11,11 +11,13 @@ from tool0.description.parts import find_arms
 from tool0.description.scene_state import Contact
 from tool0.errors import ControlError, did_you_mean
 from tool0.hardware.engine import Engine, JointState
-from tool0.hardware.own_drives import RobotReport
+from tool0.hardware.own_drives import OwnDrives, RobotReport
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.protocol.control_box_state import ControlBoxState
 from tool0.protocol.state import ArmSample
 from tool0.simulation.arms.arm import Arm
+from tool0.simulation.arms.real_arm import RealArm
+from tool0.simulation.arms.simulated_arm import SimulatedArm
 
 
 @final
@@ -29,17 +31,30 @@ class Arms:
         hardware: RobotHardware,
         manager: ControllerManager,
     ) -> None:
-        self._arms = tuple(
-            Arm(
-                name,
-                parts,
-                model=model,
-                engine=engine,
-                hardware=hardware,
-                manager=manager,
+        found = find_arms(model).items()
+        if isinstance(engine, OwnDrives):
+            self._real = tuple(
+                RealArm(
+                    *(name, parts, engine),
+                    model=model,
+                    hardware=hardware,
+                    manager=manager,
+                )
+                for name, parts in found
             )
-            for name, parts in find_arms(model).items()
-        )
+            self._arms: tuple[Arm, ...] = self._real
+        else:
+            self._real = ()
+            self._arms = tuple(
+                SimulatedArm(
+                    *(name, parts),
+                    model=model,
+                    engine=engine,
+                    hardware=hardware,
+                    manager=manager,
+                )
+                for name, parts in found
+            )
         self.boxes: tuple[ControlBoxState, ...] = ()
         """The state of each control box: the same tuple until one changes."""
         self._note_change()
@@ -81,7 +96,7 @@ class Arms:
 
     def follow(self, report: RobotReport, now: JointState) -> None:
         """Show what a real robot's controller reports, and stop what it stopped."""
-        for arm in self._arms:
+        for arm in self._real:
             arm.follow(report, now)
 
     def samples(

@@ -199,12 +199,12 @@ class Enabling:
                 "the speed slider did not move to 25 %",
             )
         self._start_program()
-        arm = self._simulation.core.arms.find(None)
+        core = self._simulation.core
 
         def begin() -> None:
             self._engine.set_enabled(True)
-            arm.follow(self._engine.report, self._simulation.core.state)
-            arm.play(self._simulation.core.state)
+            core.arms.follow(self._engine.report, core.state)
+            core.arms.find(None).play(core.state)
 
         self._simulation.loop.call(begin)
         logger.info("the motion of %s is enabled", link.address)
