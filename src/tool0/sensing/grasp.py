@@ -24,6 +24,10 @@ from tool0.protocol.state import Snapshot
 WINDOW = 0.1
 """Simulated time for which the pads must be still to hold something [s].  Pads of a
 simulated grip chatter, so their velocity at one instant is no criterion."""
+SHORT_OF_IT = 0.3
+"""Time after which pads that are still, neither at their target nor pushing, have ended
+their motion [s].  A real gripper tells up to 0.15 s after its pads have met an object
+that it pushes."""
 STILL = 0.1
 """Part of the travel at the slowest speed within the window, below which pads count as
 still: weak gains creep to their target at twice that."""
@@ -67,6 +71,8 @@ class GraspDetector:
         self._samples: deque[_Sample] = deque()
         self._target: float | None = None
         self._was_still = True
+        self._still_since = math.inf
+        """[s]"""
 
     def observe(self, snapshot: Snapshot) -> GraspState:
         """Return the state at a snapshot; one older than the last means a reset."""
@@ -80,7 +86,7 @@ class GraspDetector:
             self._samples and snapshot.time < self._samples[-1].time
         ):
             self._samples.clear()
-            self._target = target
+            self._target, self._still_since = target, math.inf
         self._remember(
             _Sample(snapshot.time, position, opening, snapshot.effort[index])
         )
@@ -111,12 +117,15 @@ class GraspDetector:
         still = CREEP if push >= FIRM else STILL
         self._was_still = way <= (MOVED if self._was_still else still)
         if not self._was_still:
+            self._still_since = math.inf
             return "moving"
+        self._still_since = min(self._still_since, last.time)
         is_there = abs(lack) <= TOLERANCE
         is_long_still = last.time - self._samples[0].time >= WINDOW - _ROUNDING
         if is_long_still and not is_there and push >= PUSH:
             return "holding_inside" if lack < 0.0 else "holding_outside"
-        if abs(target - desired) <= TOLERANCE and (is_there or is_long_still):
+        has_ended = last.time - self._still_since >= SHORT_OF_IT - _ROUNDING
+        if abs(target - desired) <= TOLERANCE and (is_there or has_ended):
             return "at_target"
         return "moving"
 
@@ -139,7 +148,7 @@ def _is_parallel(gripper: ParallelGripper, snapshot: Snapshot) -> bool:
 
 
 def judge(geometry: ParallelGripper, snapshots: Sequence[Snapshot]) -> GraspState:
-    """Return the state at the end of ``snapshots``: one or more, over ``WINDOW``."""
+    """Return the state at the end of ``snapshots``, over ``SHORT_OF_IT`` or more."""
     detector = GraspDetector(geometry)
     return [detector.observe(snapshot) for snapshot in snapshots][-1]
 

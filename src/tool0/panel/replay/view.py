@@ -36,7 +36,7 @@ from tool0.protocol.robot import LimitsInfo
 from tool0.protocol.running import Pause, Reset, Resume, SetSpeed, Step
 from tool0.recording.signals import Signals, thinned
 from tool0.recording.video import cameras_of
-from tool0.sensing.grasp import WINDOW, judge
+from tool0.sensing.grasp import SHORT_OF_IT, judge
 
 if TYPE_CHECKING:
     from tool0.description.scene import SceneObject
@@ -216,7 +216,7 @@ class Replay:
         return ReplaySamples(times=times, values=values)
 
     def _gripper_states(self, index: int) -> list[GripperState]:
-        first = bisect_right(self._times, self._times[index] - WINDOW) - 1
+        first = bisect_right(self._times, self._times[index] - SHORT_OF_IT) - 1
         recent = self._snapshots[max(0, first) : index + 1]
         return [
             gripper_state(name, judge(gripper, recent))
