@@ -346,6 +346,26 @@ def test_a_second_client_is_refused_with_the_reason(rig: RealRobotRig) -> None:
         tool0.bringup(arm="ur5", hardware=rig.host)
 
 
+def test_an_e_series_under_local_control_is_not_moved() -> None:
+    """The pendant has the choice, and the robot 500 periods a second."""
+    with real_robot("ur5e") as rig:
+        rig.pendant.is_remote = False
+        wrong = "the robot is under local control; choose Remote Control"
+        with raises_naming(ControlError, wrong):
+            rig.enable()
+        link = rig.state.link
+        assert link is not None
+        assert not link.is_remote
+        assert any(text.startswith(wrong) for text in link.obstacles)
+        rig.pendant.is_remote = True
+        rig.enable()
+        assert rig.robot.control_period == 0.002
+        (goal,) = rig.robot.move_joints({ELBOW: 1.3}, speed=0.3)
+        assert goal.wait(30.0).status is SUCCEEDED, rig.state.motion_failure
+        with rig.twin() as twin:
+            until(lambda: abs(twin.snapshot.positions[ELBOW] - 1.3) < 2e-3, "the goal")
+
+
 def test_another_arm_than_described_is_not_moved() -> None:
     host = free_host()
     words = ("--ur", "--arm", "ur10", "--gripper", "none", "--ur-host", host)

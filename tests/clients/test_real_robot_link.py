@@ -127,6 +127,39 @@ def test_a_slow_network_does_not_stop_a_motion(rig: RealRobotRig) -> None:
         until(lambda: abs(twin.joint_state.position[PAN]) < 2e-3, "the goal")
 
 
+def test_a_gripper_that_is_unplugged_is_told_and_left_alone(rig: RealRobotRig) -> None:
+    rig.enable()
+    gripper = rig.robot.gripper
+    gripper.move(opening=0.05)
+    assert gripper.wait(10.0).motion == "at_target"
+    rig.proxy.cut(63352)
+    until(lambda: "63352" in gripper_problem(rig), "the loss")
+    with raises_naming(ControlError, "the gripper does not move", "63352"):
+        gripper.move(opening=0.02)
+    (goal,) = rig.robot.move_joints({PAN: 0.1}, speed=0.3)  # the arm still does
+    assert goal.wait(30.0).status is GoalStatus.SUCCEEDED
+    rig.proxy.mend()
+    until(lambda: not gripper_problem(rig), "the gripper")
+    assert gripper.opening == pytest.approx(0.05, abs=2e-3)
+    gripper.move(opening=0.02)
+    assert gripper.wait(10.0).motion == "at_target"
+
+
+def test_a_gripper_without_power_is_told(rig: RealRobotRig) -> None:
+    rig.box.power_off()
+    until(lambda: "no power" in gripper_problem(rig), "the loss of power")
+    with raises_naming(ControlError, "the gripper does not move", "switch the robot"):
+        rig.robot.gripper.move(opening=0.06)
+    rig.box.release_brakes()
+    until(lambda: "not activated" in gripper_problem(rig), "power")
+
+
+def gripper_problem(rig: RealRobotRig) -> str:
+    link = rig.state.link
+    assert link is not None
+    return link.gripper_problem
+
+
 def test_a_robot_that_was_restarted_is_only_read() -> None:
     with real_robot() as rig:
         rig.enable()

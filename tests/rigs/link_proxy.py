@@ -54,8 +54,10 @@ class LinkProxy:
         self._loop = asyncio.new_event_loop()
         self._flows = asyncio.Event()
         self._flows.set()
-        self._accepts = True
-        self._writers: dict[asyncio.StreamWriter, End] = {}
+        self._refused: set[int] = set()
+        """Ports that accept no connections."""
+        self._writers: dict[asyncio.StreamWriter, tuple[End, int]] = {}
+        """With their end, and the port of the proxy."""
         self._half_closed = weakref.WeakSet[asyncio.StreamWriter]()
         self._servers: list[asyncio.Server] = []
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
@@ -70,9 +72,9 @@ class LinkProxy:
         """Deliver again what was held, and all that follows."""
         self._loop.call_soon_threadsafe(self._flows.set)
 
-    def cut(self) -> None:
-        """Reset all connections, and accept no others until ``mend``."""
-        self._run(self._cut())
+    def cut(self, port: int | None = None) -> None:
+        """Reset connections, all or those of a port; refuse others until ``mend``."""
+        self._run(self._cut(port))
 
     def half_close(self, end: End) -> None:
         """Tell one end of all connections that the other one sends nothing more.
@@ -83,11 +85,11 @@ class LinkProxy:
 
     def mend(self) -> None:
         """Accept connections again."""
-        self._accepts = True
+        self._refused.clear()
         self.release()
 
     def close(self) -> None:
-        self._run(self._cut())
+        self._run(self._cut(None))
         self._run(self._end())
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
@@ -103,8 +105,9 @@ class LinkProxy:
                 reader: asyncio.StreamReader,
                 writer: asyncio.StreamWriter,
                 target: Address = target,
+                port: int = port,
             ) -> None:
-                await self._serve(reader, writer, target)
+                await self._serve(reader, writer, target, port)
 
             self._servers.append(await asyncio.start_server(serve, host, port))
 
@@ -113,8 +116,9 @@ class LinkProxy:
         reader: asyncio.StreamReader,
         writer: asyncio.StreamWriter,
         target: Address,
+        port: int,
     ) -> None:
-        if not self._accepts:
+        if port in self._refused:
             _reset(writer)
             return
         try:
@@ -122,7 +126,7 @@ class LinkProxy:
         except OSError:
             writer.transport.abort()
             return
-        ends = {writer: End.CLIENT, far_writer: End.SERVER}
+        ends = {writer: (End.CLIENT, port), far_writer: (End.SERVER, port)}
         for one in ends:
             one.get_extra_info("socket").setsockopt(
                 socket.IPPROTO_TCP, socket.TCP_NODELAY, 1
@@ -174,8 +178,9 @@ class LinkProxy:
             self._write_eof(writer)
 
     async def _half_close(self, end: End) -> None:
-        for writer in [one for one, its in self._writers.items() if its is end]:
-            self._write_eof(writer)
+        for writer, (its, _) in tuple(self._writers.items()):
+            if its is end:
+                self._write_eof(writer)
 
     def _write_eof(self, writer: asyncio.StreamWriter) -> None:
         if writer not in self._half_closed and not writer.is_closing():
@@ -190,12 +195,14 @@ class LinkProxy:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _cut(self) -> None:
-        self._accepts = False
-        for writer in tuple(self._writers):
-            _reset(writer)
-        self._writers.clear()
-        self._flows.set()
+    async def _cut(self, port: int | None) -> None:
+        ports = {own for _, own in self._routes} if port is None else {port}
+        self._refused |= ports
+        for writer, (_, own) in tuple(self._writers.items()):
+            if own in ports:
+                _reset(writer)
+        if port is None:
+            self._flows.set()
 
 
 def _reset(writer: asyncio.StreamWriter) -> None:

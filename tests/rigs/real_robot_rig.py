@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from link_proxy import LinkProxy, link_proxy
+from pendant import Pendant, pendant
 from ros import Bringup
 from ur_address import free_host
 from ur_rig import DashboardLines
@@ -21,6 +22,7 @@ from tool0.api.control_box import ControlBox
 from tool0.protocol.control_box_state import ControlBoxState
 from tool0.simulation.config import SimulationConfig
 
+CB3_ARMS = ("ur3", "ur5", "ur10")
 PORTS = (29999, 30001, 30004, 63352)
 
 
@@ -33,6 +35,8 @@ class RealRobotRig:
     """Where the robot is, without the proxy."""
     simulated: Bringup
     proxy: LinkProxy
+    pendant: Pendant
+    """Only an e-Series has one."""
 
     @property
     def box(self) -> ControlBox:
@@ -68,7 +72,7 @@ def real_robot(arm: str = "ur5", *words: str, **options: Any) -> Iterator[RealRo
     """Bring up a robot's controller, and tool0 on it, which only reads at first.
 
     Args:
-        arm: A ur3, ur5 or ur10 has 125 periods a second, others 500.
+        arm: One of ``CB3_ARMS`` has 125 periods a second, others 500.
         words: Further ones of the controller's command line.
         options: Of tool0's bring-up.
     """
@@ -79,8 +83,13 @@ def real_robot(arm: str = "ur5", *words: str, **options: Any) -> Iterator[RealRo
     routes[near, port] = ("127.0.0.1", port)
     usual = ("--ur-active-gripper", "--dt", "0.002")  # half of the processor time
     command = ("--ur", *usual, "--arm", arm, "--ur-host", host)
-    with closing(Bringup(os.environ, *command, *words)) as simulated:
+    with (
+        closing(Bringup(os.environ, *command, *words)) as simulated,
+        pendant(host) as its_pendant,
+    ):
         simulated.wait()
+        if arm not in CB3_ARMS:
+            routes[near, 29999] = its_pendant.address
         engine = {"callback_host": near, "callback_port": port}
         simulation = SimulationConfig(engine_options=engine)
         with (
@@ -89,4 +98,4 @@ def real_robot(arm: str = "ur5", *words: str, **options: Any) -> Iterator[RealRo
                 arm=arm, hardware=near, simulation=simulation, **options
             ) as robot,
         ):
-            yield RealRobotRig(robot, host, simulated, proxy)
+            yield RealRobotRig(robot, host, simulated, proxy, its_pendant)

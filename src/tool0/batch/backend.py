@@ -37,8 +37,8 @@ class BatchBackend(Protocol):
     def has_diverged(self) -> NDArray[np.bool_]:
         """Copies whose physics failed, until ``reset``."""
 
-    def step(self, ticks: int) -> None:
-        """Advance each copy that has not diverged."""
+    def step(self, ticks: int, rows: Indices) -> None:
+        """Advance these copies, but for those that have diverged."""
 
     def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
         """Reset copies, at the initial pose changed by ``starts`` [rad | m]."""

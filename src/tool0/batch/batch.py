@@ -399,20 +399,28 @@ class Batch:
 
     # ---- time -----------------------------------------------------------------------
 
-    def step(self, ticks: int = 1) -> None:
-        """Advance all copies by ``ticks`` control periods.
+    def step(self, ticks: int = 1, which: Which | None = None) -> None:
+        """Advance copies by ``ticks`` control periods.
 
         A copy that diverged stands still.
 
+        Args:
+            ticks: How many.
+            which: The copies; all, if left out.  Time stands still in the others.
+
         Raises:
-            ControlError: If ``ticks`` is no whole number, or negative.
+            ControlError: If ``ticks`` is no whole number, or negative, or if only some
+                copies are to advance on a GPU.
         """
         if not isinstance(ticks, int | np.integer) or ticks < 0:
             raise ControlError(
                 f"Batch.step: 'ticks' must be a whole number, 0 or more, got {ticks!r}"
             )
+        rows = Arguments(self._n, "step").which(which)
+        if len(rows) < self._n:
+            self._check_on_cpu("step(which=…)")
         with self._changing():
-            self._copies.step(int(ticks))
+            self._copies.step(int(ticks), rows)
 
     def run(self, duration: float) -> None:
         """Advance all copies by ``duration`` [s], rounded to whole control periods."""

@@ -72,9 +72,10 @@ class Copies:
         """Copies whose physics failed, until ``reset``."""
         return self._has_diverged
 
-    def step(self, ticks: int) -> None:
-        """Advance each copy that has not diverged."""
-        left = np.where(self._has_diverged, 0, ticks)
+    def step(self, ticks: int, rows: Indices) -> None:
+        """Advance these copies, but for those that have diverged."""
+        left = np.zeros_like(self._ticks)
+        left[rows] = np.where(self._has_diverged[rows], 0, ticks)
         while (rows := left.nonzero()[0]).size:
             is_loaded = self.load(rows)
             native = rows if is_loaded else rows[self._is_loaded[rows]]

@@ -67,8 +67,8 @@ class DeviceCopies:
         """Copies whose physics failed, until ``reset``."""
         return self._worlds.has_diverged
 
-    def step(self, ticks: int) -> None:
-        """Advance each copy that has not diverged."""
+    def step(self, ticks: int, rows: Indices) -> None:
+        """Advance all copies, but for those that have diverged; ``rows`` are all."""
         if self._control.upload():
             self._launch = None
         for _ in range(ticks):

@@ -41,7 +41,8 @@ def collect(
     interruptions make no difference.
 
     Args:
-        task: The task, such as Lift, or the id of a Gymnasium environment.
+        task: The task, such as Lift, or the id of a Gymnasium environment, as
+            MODULE:ID or FILE.py:ID if it has to be registered.
         episodes: Number of episodes that the folder shall have.
         folder: A new folder, or one to continue; if not given, the task's name.
         workers: Number of processes; if not given, one per processor.
@@ -66,7 +67,7 @@ def collect(
         manifest = carry_out(
             task,
             episodes,
-            folder or Path(task),
+            folder or Path(task.rpartition(":")[2]),
             workers=workers,
             ray=ray,
             policy=policy,

@@ -66,6 +66,8 @@ def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
     print(f"motion: {'enabled' if link.is_enabled else 'not enabled'}")
     if state.motion_failure:
         print(f"stopped: {state.motion_failure}")
+    if link.gripper_problem:
+        print(f"gripper: {link.gripper_problem}")
     for text in link.obstacles:
         print(f"before it may move: {text}")
 

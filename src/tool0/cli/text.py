@@ -107,6 +107,7 @@ def _real_robot(robot: Robot, name: str) -> str:
         "stop in reach.",
         "tool0 has not been run on real hardware yet (docs/hardware.md).",
         *(f"  before it may move: {text}" for text in link.obstacles),
+        *([f"  gripper: {link.gripper_problem}"] if link.gripper_problem else ()),
         "  tool0 hardware enable   lets it move",
     ]
     return "\n".join(lines)

@@ -18,8 +18,8 @@ from tool0.collect.dataset import Dataset, Manifest, opened
 from tool0.collect.executor import Executor, Finished
 from tool0.collect.packets import unpacked
 from tool0.collect.policy import Policy, located
-from tool0.collect.rollout import default_instruction
 from tool0.collect.settings import Format, Settings, require_extra
+from tool0.collect.tasks import default_instruction, located_task
 from tool0.collect.worker import Chunk
 from tool0.errors import CollectError, ConfigError, did_you_mean
 
@@ -70,7 +70,8 @@ def collect(
     Episode i follows from the task, the policy, ``seed`` and i alone.
 
     Args:
-        task: ``Reach``, ``Lift``, …, or the id of a Gymnasium environment.
+        task: ``Reach``, ``Lift``, …, or the id of a Gymnasium environment; with the
+            module or the file that registers it, ``module:id`` or ``file.py:id``.
         episodes: Number of episodes that the folder shall have.
         folder: A new or empty folder, or one with a part of the same episodes.
         options: Keywords of the environment, such as ``{"arm": "ur5e"}``.
@@ -101,12 +102,16 @@ def collect(
     if format not in get_args(Format):
         hint = did_you_mean(format, get_args(Format))
         raise ConfigError(f"unknown format '{format}'{hint}")
-    said = default_instruction(task) if instruction is None else instruction
+    task, task_digest = located_task(task)
+    said = instruction
+    if said is None:
+        said = default_instruction(task, task_digest)
     if instruction is not None and format != "lerobot":
         raise ConfigError("an instruction needs the format lerobot")
     name, digest = (None, None) if policy is None else located(policy)
     settings = Settings(
         task=task,
+        task_digest=task_digest,
         options=_plain(options or {}),
         seed=seed,
         policy=name,

@@ -82,6 +82,7 @@ def export_lerobot(
     task = tasks.pop() or folder.resolve().name
     settings = Settings(
         task=task,
+        task_digest=None,
         options={
             "rate": rate,
             "only_successes": only_successes,

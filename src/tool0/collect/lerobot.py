@@ -108,6 +108,11 @@ def _columns(episode: Episode) -> tuple[dict[str, Array], dict[str, list[str]]]:
         if is_image(values):
             images[f"observation.images.{key}" if key else "observation.image"] = values
             continue
+        if values.ndim > 2:
+            raise CollectError(
+                f"LeRobot's format has no column for '{key}', of shape "
+                f"{values.shape[1:]}: leave it out, or collect in the format parquet"
+            )
         flat = values.reshape(episode.n_frames, -1)
         for name, column in zip(_names(episode, key, flat), flat.T, strict=True):
             place = _SURROUNDINGS if name in episode.surroundings else _STATE

@@ -38,7 +38,7 @@ def located(policy: str | Policy) -> tuple[str, str | None]:
     digest = None
     if place.endswith(".py"):
         name = f"{Path(place).absolute()}:{attribute}"
-        digest = hashlib.sha256(_text(name)).hexdigest()
+        digest = hashlib.sha256(text_of(name, "policy")).hexdigest()
     loaded(name, digest)
     return name, digest
 
@@ -50,11 +50,11 @@ def loaded(name: str, digest: str | None) -> Policy:
         ConfigError: If there is none, or if its file has another digest.
     """
     place, _, attribute = name.rpartition(":")
-    text = None if digest is None else _text(name)
+    text = None if digest is None else text_of(name, "policy")
     if text is not None and hashlib.sha256(text).hexdigest() != digest:
         raise ConfigError(f"policy '{name}' has changed, or differs between machines")
     try:
-        values = _defined(place, text)
+        values = defined(place, text)
     except Exception as error:  # of the person's own program
         reason = f"{type(error).__name__}: {error}"
         raise ConfigError(f"policy '{name}' cannot be loaded: {reason}") from error
@@ -66,14 +66,15 @@ def loaded(name: str, digest: str | None) -> Policy:
     return found
 
 
-def _text(name: str) -> bytes:
+def text_of(name: str, what: str) -> bytes:
+    """Return the text of the file of a policy or a task, ``file.py:name``."""
     try:
         return Path(name.rpartition(":")[0]).read_bytes()
     except OSError as error:
-        raise ConfigError(f"policy '{name}' cannot be read: {error.strerror}") from None
+        raise ConfigError(f"{what} '{name}' cannot be read: {error.strerror}") from None
 
 
-def _defined(place: str, text: bytes | None) -> dict[str, Any]:
+def defined(place: str, text: bytes | None) -> dict[str, Any]:
     """Return the names that a module, or the text of a file, defines."""
     if text is None:
         from importlib import import_module

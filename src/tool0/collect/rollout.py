@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final, final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tool0.collect.policy import Act, Policy
-from tool0.errors import CollectError, ConfigError, did_you_mean
-
-if TYPE_CHECKING:
-    from gymnasium.envs.registration import EnvSpec
+from tool0.collect.tasks import environment_spec
+from tool0.errors import CollectError, ConfigError
 
 Array = NDArray[Any]
-
-_VERSION: Final = re.compile(r"-v\d+$")
 
 
 @final
@@ -51,43 +45,6 @@ class Episode:
         return len(self.rewards)
 
 
-def environment_spec(task: str) -> EnvSpec:
-    """Return Gymnasium's specification of a task, or of another environment by its id.
-
-    Raises:
-        ConfigError: If there is none.
-    """
-    import gymnasium
-
-    if _VERSION.search(task):
-        module, _, name = task.rpartition(":")
-        try:
-            if module:
-                import_module(module)
-            return gymnasium.spec(name)
-        except (gymnasium.error.Error, ImportError) as error:
-            raise ConfigError(f"task '{task}': {error}") from None
-    from tool0.gym.tasks import TASKS
-
-    if task not in TASKS:
-        raise ConfigError(f"unknown task '{task}'{did_you_mean(task, list(TASKS))}")
-    return gymnasium.spec(f"tool0/{task}-v0")
-
-
-def default_instruction(task: str) -> str:
-    """Return what a task asks for in words; its id, if it says nothing.
-
-    Raises:
-        ConfigError: If there is no such task.
-    """
-    spec = environment_spec(task)
-    if spec.namespace != "tool0":
-        return task
-    from tool0.gym.tasks import TASKS
-
-    return TASKS[spec.kwargs["task"]].instruction
-
-
 @final
 class Rollout(AbstractContextManager["Rollout"]):
     """Copies of a task's environment.  No episode depends on the others."""
@@ -98,17 +55,23 @@ class Rollout(AbstractContextManager["Rollout"]):
         options: Mapping[str, Any],
         policy: Policy | None,
         n_copies: int,
+        *,
+        digest: str | None = None,
     ) -> None:
         """Make the environments; None for ``policy`` means the task's expert.
+
+        ``digest`` is that of the file of the task, if it is in one.
 
         Raises:
             ConfigError: If there is no such task, or no expert for it.
         """
         import gymnasium
 
-        spec = environment_spec(task)
+        from tool0.gym.registration import task_of
+
+        spec = environment_spec(task, digest)
         given = dict(options)
-        if spec.namespace == "tool0":
+        if task_of(spec) is not None:
             given.setdefault("threads", 1)  # others use the other processors
         mode = {"autoreset_mode": gymnasium.vector.AutoresetMode.DISABLED}
         given |= mode if spec.vector_entry_point else {"vector_kwargs": mode}

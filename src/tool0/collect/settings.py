@@ -26,7 +26,9 @@ class Settings:
     """The parameters of a data set.  Together with an index they define an episode."""
 
     task: str
-    """Name of the task, or id of a Gymnasium environment."""
+    """Name of the task, or id of a Gymnasium environment, with its module or file."""
+    task_digest: str | None
+    """SHA-256 of the task's file."""
     options: Mapping[str, Any]
     """Keywords of the environment, as JSON holds them."""
     seed: int
@@ -49,12 +51,14 @@ class Settings:
         return cls(**values)
 
     def recorded(self) -> dict[str, Any]:
-        """Return the manifest's values.  A policy's file may move, but not change."""
-        policy = self.policy
+        """Return the manifest's values.  The files may move, but not change."""
+        policy, task = self.policy, self.task
         if self.digest is not None and policy is not None:
             policy = f"{policy.rpartition(':')[2]}@sha256:{self.digest}"
+        if self.task_digest is not None:
+            task = f"{task.rpartition(':')[2]}@sha256:{self.task_digest}"
         values = {
-            "task": self.task,
+            "task": task,
             "options": dict(self.options),
             "seed": self.seed,
             "policy": policy,

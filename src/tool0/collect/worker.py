@@ -79,7 +79,8 @@ class Worker:
             if settings.policy is not None:
                 policy = loaded(settings.policy, settings.digest)
             self._rollout = Rollout(
-                settings.task, settings.options, policy, self._n_copies
+                *(settings.task, settings.options, policy, self._n_copies),
+                digest=settings.task_digest,
             )
         index_of = {
             episode_seed(settings.seed, index): index

@@ -13,7 +13,7 @@ from __future__ import annotations
 from tool0.errors import GymUnavailableError
 
 try:
-    import gymnasium
+    import gymnasium  # noqa: F401  # the message is for people who lack it
 except ImportError:
     raise GymUnavailableError(
         "tool0.gym needs Gymnasium, which is not installed; run pip install '.[gym]'"
@@ -21,15 +21,27 @@ except ImportError:
 
 from tool0.gym.expert import Expert, expert
 from tool0.gym.options import Randomisation
-from tool0.gym.tasks import EPISODE_STEPS, TASKS
+from tool0.gym.registration import register, register_tasks
+from tool0.gym.task import Start, State, Target, Task
+from tool0.gym.ways import Grasp, grasp, lift, place, push, reach
+from tool0.gym.workspace import Workspace
 
-__all__ = ["Expert", "Randomisation", "expert"]
+__all__ = [
+    "Expert",
+    "Grasp",
+    "Randomisation",
+    "Start",
+    "State",
+    "Target",
+    "Task",
+    "Workspace",
+    "expert",
+    "grasp",
+    "lift",
+    "place",
+    "push",
+    "reach",
+    "register",
+]
 
-for _task in TASKS:
-    gymnasium.register(
-        f"tool0/{_task}-v0",
-        entry_point="tool0.gym.environments:TaskEnv",
-        vector_entry_point="tool0.gym.environments:TaskVectorEnv",
-        max_episode_steps=EPISODE_STEPS[_task],
-        kwargs={"task": _task},
-    )
+register_tasks()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, NamedTuple, final
+from typing import Any, Final, NamedTuple, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,9 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from tool0.batch.batch import Batch
 from tool0.description.transform_arrays import quats_wxyz
 from tool0.gym.actions import Actions
+from tool0.gym.checks import check_functions, check_objects, check_start
 from tool0.gym.history import History
 from tool0.gym.options import EnvOptions
-from tool0.gym.tasks import Mask, State, make_task
+from tool0.gym.task import Mask, State, Task
+from tool0.gym.tasks import task_class
 from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
@@ -52,7 +54,7 @@ class ObservationPart(NamedTuple):
 class Copies:
     """n copies of one task.  Each one has a random generator of its own."""
 
-    def __init__(self, task: str, n: int, options: EnvOptions) -> None:
+    def __init__(self, task: str | type[Task], n: int, options: EnvOptions) -> None:
         """Make the copies; each needs a reset before it acts.
 
         Raises:
@@ -60,16 +62,15 @@ class Copies:
         """
         self.n = n
         self.options = options
-        self._task_name = task
+        self._task_class = task_class(task)
         self._history = History(n)
         self.workspace = workspace = Workspace(options)
-        self.task = make_task(task, workspace)
+        self.task = self._task_class(workspace)
         self.actions = Actions(workspace, options)
         scene = self.task.scene()
-        by_name = {item.name: item for item in scene.objects}
-        cubes = [by_name[name] for name in self.task.objects]
-        self._mass = np.array([cube.mass for cube in cubes], dtype=np.float64)
-        self._friction = np.array([cube.friction for cube in cubes])
+        movable = check_objects(self.task, scene)
+        self._mass = np.array([item.mass for item in movable], dtype=np.float64)
+        self._friction = np.array([item.friction for item in movable])
         self.batch = Batch(
             n,
             description=workspace.description,
@@ -89,13 +90,14 @@ class Copies:
         """Targets of the arm's joints [rad], shape (n, 6)."""
         self._opening_target = np.full(n, gripper.max_opening)
         self._last_opening = self._opening_target.copy()
-        width = len(self.task.draw(np.random.default_rng(0)).goal)
-        self._goal = np.zeros((n, width))
+        drawn = check_start(self.task, self.task.draw(np.random.default_rng(0)))
+        self._goal = np.zeros((n, len(drawn.goal)))
         self._state: State | None = None
+        check_functions(self.task, self.state)
 
     def __deepcopy__(self, memo: dict[int, object]) -> Copies:
         """Return other copies in the same state, by the same actions."""
-        twin = Copies(self._task_name, self.n, self.options)
+        twin = Copies(self._task_class, self.n, self.options)
         self._history.repeat(twin)
         return twin
 
@@ -274,19 +276,23 @@ class Copies:
         for name, values in (("goal", goal), ("to_goal", missing)):
             columns = _of(name, self.task.goal_names)
             parts.append(ObservationPart(name, columns, values, -bound, bound, False))
+        for name, given in self.task.observe(state).items():
+            values = _finite(np.asarray(given, np.float64).reshape(self.n, -1))
+            columns = _of(name, [str(k) for k in range(values.shape[1])])
+            bound = np.full(values.shape[1], np.inf)
+            parts.append(ObservationPart(name, columns, values, -bound, bound, False))
         return parts
 
     def rewards(self, success: Mask) -> Array:
-        """Return the rewards, -1 … 0, shape (n,); a copy that diverged gets -1."""
+        """Return the rewards, shape (n,); a copy that diverged gets the worst."""
         state, task = self.state, self.task
         if self.options.reward == "sparse":
             found = np.where(success, 0.0, -1.0)
         elif self.options.observation == "goal":
             found = self.goal_rewards(task.achieved(state), task.desired(state))
         else:
-            progress = np.clip(task.progress(state), 0.0, 1.0)
-            found = np.where(success, 0.0, progress - 1.0)
-        return np.where(self.batch.diverged, -1.0, found)
+            found = task.reward(state, success)
+        return np.where(self.batch.diverged, task.worst_reward, found)
 
     def goal_rewards(self, achieved: Array, desired: Array) -> Array:
         """Return the rewards that follow from goals alone, shape (…)."""
@@ -307,8 +313,25 @@ class Copies:
         return self.actions.checked(actions, self.n)
 
     def image(self, i: int) -> NDArray[np.uint8]:
-        """Return what the camera sees of copy ``i``, shape (height, width, 3)."""
-        return self.batch.render(i, self.options.camera).rgb
+        """Return what the first camera sees of copy ``i``, (height, width, 3)."""
+        return self.batch.render(i, self.options.cameras[0]).rgb
+
+    def images(self) -> dict[str, NDArray[Any]]:
+        """Return what the cameras see of all copies.
+
+        ``rgb``, uint8 of shape (n, height, width, 3), and perhaps ``depth`` [m],
+        float32 of shape (n, height, width), at most ``FARTHEST``; with several cameras
+        as ``rgb_scene``.
+        """
+        names, found = self.options.cameras, {}
+        for name in names:
+            end = f"_{name}" if len(names) > 1 else ""
+            drawn = [self.batch.render(i, name) for i in range(self.n)]
+            found[f"rgb{end}"] = np.stack([image.rgb for image in drawn])
+            if self.options.depth:
+                depths = np.stack([image.depth for image in drawn])
+                found[f"depth{end}"] = np.minimum(depths, np.float32(FARTHEST))
+        return found
 
 
 def _finite(values: Array) -> Array:

@@ -17,7 +17,7 @@ from tool0.errors import ConfigError, ControlError
 from tool0.gym.copies import Copies
 from tool0.gym.observations import NumberNames, Observation, Observer, row
 from tool0.gym.options import read_options
-from tool0.gym.tasks import Mask
+from tool0.gym.task import Mask, Task
 from tool0.kinematics.chain import Array
 
 RENDER_MODES = ["rgb_array"]
@@ -30,12 +30,15 @@ class TaskEnv(gymnasium.Env[Any, Any]):
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES}  # noqa: RUF012  # theirs
 
     def __init__(
-        self, task: str, render_mode: str | None = None, **options: object
+        self,
+        task: str | type[Task],
+        render_mode: str | None = None,
+        **options: object,
     ) -> None:
         """Make the environment.
 
         Args:
-            task: Such as ``Lift``.
+            task: Such as ``Lift``, or a class of your own.
             render_mode: ``rgb_array``, or None.
             options: Those of ``EnvOptions``.
 
@@ -126,7 +129,7 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
 
     def __init__(
         self,
-        task: str,
+        task: str | type[Task],
         num_envs: int = 1,
         render_mode: str | None = None,
         max_episode_steps: int | None = None,
@@ -136,7 +139,7 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
         """Make the environments.
 
         Args:
-            task: Such as ``Lift``.
+            task: Such as ``Lift``, or a class of your own.
             num_envs: How many copies.
             render_mode: ``rgb_array``, or None.
             max_episode_steps: Actions after which an episode is truncated.

@@ -10,7 +10,7 @@ from typing import Final, Protocol, final
 import numpy as np
 
 from tool0.errors import ControlError
-from tool0.gym.tasks import Mask
+from tool0.gym.task import Mask
 from tool0.kinematics.chain import Array
 
 LONGEST: Final = 10_000

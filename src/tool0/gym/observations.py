@@ -66,9 +66,19 @@ class Observer:
             return spaces.Dict(
                 {"observation": state, "achieved_goal": goal, "desired_goal": goal}
             )
-        width, height = self._copies.options.image_size
-        image = spaces.Box(0, 255, (height, width, 3), np.uint8)
-        return spaces.Dict({"state": state, "rgb": image})
+        return spaces.Dict({"state": state, **self._image_spaces()})
+
+    def _image_spaces(self) -> dict[str, spaces.Space[Any]]:
+        options = self._copies.options
+        width, height = options.image_size
+        found: dict[str, spaces.Space[Any]] = {}
+        for name in options.cameras:
+            end = f"_{name}" if len(options.cameras) > 1 else ""
+            found[f"rgb{end}"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
+            if options.depth:
+                shape = (height, width)
+                found[f"depth{end}"] = spaces.Box(0.0, FARTHEST, shape, np.float32)
+        return found
 
     def observe(self) -> Observation:
         """Return what the copies are observed to be now; nothing is shared."""
@@ -87,8 +97,7 @@ class Observer:
                 "achieved_goal": achieved.clip(-FARTHEST, FARTHEST),
                 "desired_goal": desired.clip(-FARTHEST, FARTHEST),
             }
-        images = [copies.image(i) for i in range(copies.n)]
-        return {"state": state, "rgb": np.stack(images)}
+        return {"state": state, **copies.images()}
 
 
 def row(observation: Observation, i: int) -> Any:  # an array, or one per key

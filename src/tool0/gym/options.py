@@ -19,7 +19,7 @@ _CHOICES = {
     "reward": ("dense", "sparse"),
 }
 
-_NAMES = {"arm": "ur5", "gripper": "2f85", "camera": "scene"}
+_NAMES = {"arm": "ur5", "gripper": "2f85"}
 
 
 @final
@@ -74,8 +74,10 @@ class EnvOptions:
     """Whether an episode ends with success."""
     randomise: bool | Randomisation = False
     """Whether masses, frictions and start poses differ, and in which ranges."""
-    camera: str = "scene"
-    """The camera of images: scene or wrist."""
+    camera: str | tuple[str, ...] = "scene"
+    """The cameras of images, one or several: scene, wrist."""
+    depth: bool = False
+    """Whether observations have depth images, too."""
     image_size: tuple[int, int] = (96, 96)
     """Width and height of images in observations and of ``render`` [pixels]."""
     dt: float = 0.001
@@ -101,6 +103,20 @@ class EnvOptions:
                 "terminate_on_success must be True or False, got "
                 f"{self.terminate_on_success!r}"
             )
+        if self.depth not in {True, False}:
+            raise ConfigError(f"depth must be True or False, got {self.depth!r}")
+        if self.depth and self.observation != "image":
+            raise ConfigError("depth needs observation='image'")
+        names = self.cameras if isinstance(self.camera, str | tuple | list) else ()
+        if (
+            not names
+            or len(set(names)) < len(names)
+            or not all(isinstance(name, str) for name in names)
+        ):
+            raise ConfigError(
+                "camera must be a name, such as 'scene', or several different ones; "
+                f"got {self.camera!r}"
+            )
         if not isinstance(self.randomise, bool | Randomisation):
             raise ConfigError(
                 "randomise must be True, False or a tool0.gym.Randomisation, got "
@@ -118,6 +134,11 @@ class EnvOptions:
                 f"number of steps of {self.dt:g} s; take 20, 25, 50 or 100 Hz"
             )
         _pair(self.image_size, "image_size")
+
+    @property
+    def cameras(self) -> tuple[str, ...]:
+        """The cameras of images, at least one."""
+        return (self.camera,) if isinstance(self.camera, str) else tuple(self.camera)
 
     @property
     def ticks(self) -> int:

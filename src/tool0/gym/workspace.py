@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 from typing import final
@@ -112,12 +113,15 @@ class Workspace:
         """Of the tcp above what carries the cube, when it grasps it [m]."""
         cameras = {camera.name: camera for camera in default_cameras(model)}
         cameras["scene"] = self._overview()
-        if options.camera not in cameras:
-            hint = did_you_mean(options.camera, cameras)
-            raise ConfigError(f"no camera '{options.camera}'{hint}")
+        for name in options.cameras:
+            if name not in cameras:
+                raise ConfigError(f"no camera '{name}'{did_you_mean(name, cameras)}")
         width, height = options.image_size
-        self.camera = replace(cameras[options.camera], width=width, height=height)
-        """The camera of images."""
+        self.cameras = tuple(
+            replace(cameras[name], width=width, height=height)
+            for name in options.cameras
+        )
+        """The cameras of images."""
         self._ready = named_poses(robot)["ready"]
 
     def _overview(self) -> Camera:
@@ -185,6 +189,26 @@ class Workspace:
         return all(
             self.is_in_reach(np.append(place, z)) for z in (low, low + self.lift)
         )
+
+    def draw_on_table(
+        self,
+        rng: np.random.Generator,
+        n: int,
+        fits: Callable[[Array], bool] = lambda places: True,
+        *,
+        beside_bin: bool = False,
+    ) -> Array:
+        """Return random places of n cubes on the table [m], shape (n, 3).
+
+        The arm can lift cubes there, and the places (n, 2) are such that they fit.
+        """
+        low, high = self.area(beside_bin=beside_bin)
+        for _ in range(ATTEMPTS):
+            places = rng.uniform(low, high, (n, 2))
+            if fits(places) and all(map(self.can_lift, places)):
+                break
+        height = np.full((n, 1), TABLE_TOP + self.edge / 2.0)
+        return np.concatenate([places, height], axis=1)
 
     # ---- the start ------------------------------------------------------------------
 
@@ -263,4 +287,4 @@ class Workspace:
                 zip(cubes, np.linspace(low[0], high[0], len(cubes)), strict=True)
             )
         ]
-        return Scene(objects=(*fixed, *movable), cameras=(self.camera,))
+        return Scene(objects=(*fixed, *movable), cameras=self.cameras)

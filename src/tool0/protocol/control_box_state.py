@@ -145,6 +145,9 @@ class RobotLink(Struct, frozen=True, kw_only=True):
     obstacles: tuple[str, ...] = ()
     """Why ``enable_motion`` would be refused now, or what the user should know: a
     sentence each."""
+    gripper_problem: str = ""
+    """Why the gripper does not move: no power, no activation, no connection.  Empty if
+    it does, or there is none."""
 
 
 _UNUSED: Final = (AnalogPin(),) * N_ANALOG

@@ -245,6 +245,7 @@ WRONG_CALLS: list[tuple[Callable[[tool0.Batch], object], type, tuple[str, ...]]]
         ("'position'", "(6,)", "(3, 12)"),
     ),
     (lambda b: b.step(-1), tool0.ControlError, ("'ticks'", "-1")),
+    (lambda b: b.step(1, which=[3]), tool0.ControlError, ("copy 3", "0 … 2")),
     (lambda b: b.run(-1.0), tool0.ControlError, ("'duration'", "-1.0")),
     (lambda b: b.render(3, "overview"), tool0.ControlError, ("copy 3", "0 … 2")),
     (lambda b: b.render(0, "nowhere"), tool0.RenderError, ("'nowhere'",)),

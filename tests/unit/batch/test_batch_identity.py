@@ -196,3 +196,23 @@ def test_masses_and_frictions_are_as_if_compiled() -> None:
     changed = squeezed(block_between(pads, 0.1), changes=True)
     assert np.array_equal(compiled, changed)
     assert not np.array_equal(compiled[0], compiled[1])
+
+
+def test_steps_of_some_copies() -> None:
+    """Time stands still in the others, which then do as those did."""
+    with tool0.Batch(3, description=HOME, scene="table_and_cubes") as batch:
+        names = batch.arm_joints
+        q = batch.position[:, [batch.joint_names.index(name) for name in names]]
+        batch.command(q + 0.2, duration=0.1)
+        start = batch.position
+        batch.step(40, which=[1])
+        batch.step(15, which=[False, True, False])
+        assert batch.time == pytest.approx([0.0, 0.055, 0.0])
+        assert (batch.position[[0, 2]] == start[[0, 2]]).all()
+        assert (batch.position[1] != start[1]).any()
+        batch.step(55, which=np.array([0, 2]))
+        assert batch.time == pytest.approx([0.055] * 3)
+        for row in (batch.position, batch.velocity, batch.object_position):
+            assert (row == row[0]).all()
+        batch.step(5, which=[])
+        assert batch.time == pytest.approx([0.055] * 3)

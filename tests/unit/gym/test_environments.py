@@ -64,6 +64,25 @@ def test_the_checker_accepts_images() -> None:
     env.close()
 
 
+def test_several_cameras_and_depth() -> None:
+    require_gl()
+    options = {"observation": "image", "image_size": (40, 30), "depth": True}
+    both = make_vec("Lift", 2, camera=("scene", "wrist"), **options)
+    observation, _ = both.reset(seed=0)
+    assert both.observation_space.contains(observation)
+    assert observation["rgb_wrist"].shape == (2, 30, 40, 3)
+    assert (observation["rgb_wrist"] != observation["rgb_scene"]).any()
+    scene, wrist = (observation[f"depth_{name}"] for name in ("scene", "wrist"))
+    assert scene.dtype == np.float32
+    assert 0.1 < wrist[0, 15, 20] < scene[0, 15, 20] < 2.0
+    both.close()
+    one = make("Lift", camera="wrist", **options)
+    same, _ = one.reset(seed=1)
+    assert (same["rgb"] == observation["rgb_wrist"][1]).all()
+    assert (same["depth"] == wrist[1]).all()
+    one.close()
+
+
 @pytest.mark.parametrize(("task", "action"), [(t, a) for t, a, _ in SQUARE[::2]])
 def test_a_copy_is_the_single_environment_bit_for_bit(task: str, action: str) -> None:
     options = {"action": action, "randomise": True}
@@ -322,7 +341,10 @@ def test_a_copy_that_diverges_is_truncated_and_starts_again(
         ({"dt": 0.1}, "dt must be above 0"),
         ({"randomise": 0.5}, "randomise must be True, False"),
         ({"camera": "wirst"}, "no camera 'wirst'; did you mean 'wrist'"),
-        ({"camera": ["scene", "wrist"]}, "camera must be one name.*wrist"),
+        ({"camera": ["scene", "scene"]}, "camera must be a name.*several different"),
+        ({"camera": ()}, "camera must be a name"),
+        ({"camera": 3}, "camera must be a name"),
+        ({"depth": True}, "depth needs observation='image'"),
         ({"arm": ["ur5"]}, "arm must be one name"),
         ({"gripper": None}, "gripper must be one name"),
         ({"terminate_on_success": "no"}, "terminate_on_success must be True or False"),

@@ -158,6 +158,7 @@ export const en = {
   "real.disable": "Disable motion",
   "real.play": "Hold with the controllers",
   "real.stopped": "It came to rest: {reason}",
+  "real.gripper": "gripper: {reason}",
   "real.obstacles": "Before it may move:",
   "real.confirm":
     "Enable the motion of {model} {serial} at {address}? You see this robot, its area is clear, and the emergency stop is in reach.",

@@ -150,6 +150,7 @@ export const zh: Texts = {
   "real.disable": "禁止运动",
   "real.play": "由控制器保持",
   "real.stopped": "它已静止：{reason}",
+  "real.gripper": "夹爪：{reason}",
   "real.obstacles": "运动之前：",
   "real.confirm":
     "允许 {address} 的 {model} {serial} 运动？您能看到这台机器人，其区域已清空，急停按钮在手边。",

@@ -43,6 +43,8 @@ export function RealRobotBar() {
           ` · ${t("real.slider", { percent: Math.round(100 * box.speed_slider) })}`}
         {box.motion_failure !== "" &&
           ` · ${t("real.stopped", { reason: box.motion_failure })}`}
+        {link.gripper_problem !== "" &&
+          ` · ${t("real.gripper", { reason: link.gripper_problem })}`}
       </span>
       {!link.is_enabled && link.obstacles.length > 0 && (
         <details open>

@@ -320,6 +320,12 @@ class RealRobotEngine(OwnDrives):
             return frozenset()
         return frozenset(fingers.geometry.name for fingers in self._grippers.values())
 
+    @property
+    def gripper_problem(self) -> str:
+        """Why the gripper does not move; empty if it does, or there is none."""
+        gripper = self.connection.gripper
+        return "" if gripper is None else gripper.problem
+
     def brake(self) -> None:
         self.connection.link.brake()
 
@@ -431,7 +437,7 @@ class RealRobotEngine(OwnDrives):
         fields = (
             *reader.fields.status(reader.newest),
             *(mode, reader.is_connected, self.connection.link.is_connected),
-            self._failure,
+            *(self._failure, self.gripper_problem),
         )
         if fields == self._fields:
             return
@@ -444,7 +450,11 @@ class RealRobotEngine(OwnDrives):
             self._fail(ENDED if reader.is_connected else LOST)
         if not is_ours:
             boxes["program"] = ProgramState.STOPPED
-        link = replace(self._report.link, is_connected=reader.is_connected)
+        link = replace(
+            self._report.link,
+            is_connected=reader.is_connected,
+            gripper_problem=self.gripper_problem,
+        )
         self._report = RobotReport(link=link, motion_failure=self._failure, **boxes)
 
     def _watch_program(self, mode: int) -> None:

@@ -13,9 +13,9 @@ from tool0.engines.real_robot.rtde_fields import EFFORTS, Fields
 from tool0.errors import TransportError
 
 LOST_AFTER: Final = 0.3
-"""Without a package for that long, the link counts as lost [s]: TCP sends a segment that
-was lost again within 0.2 s.  The arm does not wait for that: without knots, tool0's
-program has brought it to rest by then."""
+"""Without a package for that long, the link counts as lost [s]: TCP repeats a lost
+segment within 0.2 s.  The arm does not wait for that: without knots, tool0's program
+has brought it to rest by then."""
 OFFSETS: Final = 25
 """Periods over which the program's own is compared with the robot's."""
 _FIRST_PACKAGE: Final = 2.0

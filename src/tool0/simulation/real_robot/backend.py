@@ -28,8 +28,8 @@ from tool0.protocol.control_box import (
     UnlockProtectiveStop,
 )
 from tool0.protocol.control_box_state import POWERED, UNSTOPPED, RobotMode
-from tool0.protocol.gripper import ReactivateGripper
-from tool0.protocol.motion import CommandJoints, MoveJoints
+from tool0.protocol.gripper import Grip, ReactivateGripper
+from tool0.protocol.motion import CommandGripper, CommandJoints, MoveJoints
 from tool0.protocol.objects import ApplyWrench, ClearWrenches, PullLink
 from tool0.protocol.poses import GoToPose
 from tool0.protocol.real_robot import DisableMotion, EnableMotion
@@ -142,6 +142,8 @@ class RealRobotBackend:
             self._engine.brake()  # before anything that waits for the tick
         handler = self._handlers.get(type(request))
         if handler is None:
+            if isinstance(request, Grip | CommandGripper):
+                self._require_gripper()
             return self._inner.answer(_checked(request))
         try:
             return cast(Response, handler(request))
@@ -234,6 +236,11 @@ class RealRobotBackend:
             ),
             _DID_NOT.format("set its outputs"),
         )
+
+    def _require_gripper(self) -> None:
+        """Raise ControlError if the gripper would not get a command."""
+        if problem := self._engine.gripper_problem:
+            raise ControlError(f"the gripper does not move: {problem}")
 
     def _beside(self, name: str, *lines: str) -> None:
         """Let the controller execute statements beside the program that runs."""

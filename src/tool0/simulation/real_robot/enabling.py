@@ -106,9 +106,6 @@ class Enabling:
                 "the arm is not powered, or its brakes are on; release them with "
                 "`tool0 hardware release-brakes`, or on the pendant"
             )
-        gripper = self._engine.connection.gripper
-        if gripper is not None and gripper.problem:
-            logger.warning("the gripper: %s", gripper.problem)
         return found
 
     def _wrong_type(self, model: str) -> list[str]:

@@ -104,6 +104,7 @@ class RobotLink(TypedDict):
     is_remote: bool | None
     is_enabled: bool
     obstacles: list[str]
+    gripper_problem: str
 
 
 class ControlBoxState(TypedDict):

@@ -1,0 +1,95 @@
+"""Tasks by name: one of the five, or an environment that a module or a file registers.
+
+Workers find an environment by these names; neither code nor pickles are sent.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import warnings
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from tool0.collect.policy import defined, text_of
+from tool0.errors import ConfigError, did_you_mean
+
+if TYPE_CHECKING:
+    from gymnasium.envs.registration import EnvSpec
+
+_VERSION: Final = re.compile(r"-v\d+$")
+
+
+def located_task(task: str) -> tuple[str, str | None]:
+    """Return where a task is, and the SHA-256 of its file if it is in one.
+
+    Raises:
+        ConfigError: If there is none.
+    """
+    place, _, name = task.rpartition(":")
+    if not place.endswith(".py"):
+        environment_spec(task, None)
+        return task, None
+    task = f"{Path(place).absolute()}:{name}"
+    digest = hashlib.sha256(text_of(task, "task")).hexdigest()
+    environment_spec(task, digest)
+    return task, digest
+
+
+def environment_spec(task: str, digest: str | None) -> EnvSpec:
+    """Return Gymnasium's specification of a task.
+
+    Args:
+        task: One of the five, the id of an environment, ``module:id``, or
+            ``file.py:id`` as ``located_task`` returns it.
+        digest: That of the file.
+
+    Raises:
+        ConfigError: If there is none.
+    """
+    import gymnasium
+
+    if not _VERSION.search(task):
+        from tool0.gym.tasks import TASKS
+
+        if task not in TASKS:
+            raise ConfigError(f"unknown task '{task}'{did_you_mean(task, list(TASKS))}")
+        return gymnasium.spec(f"tool0/{task}-v0")
+    place, _, name = task.rpartition(":")
+    try:
+        if digest is not None:
+            _run_file(task, digest)
+        elif place:
+            import_module(place)
+        return gymnasium.spec(name)
+    except (gymnasium.error.Error, ImportError) as error:
+        raise ConfigError(f"task '{task}': {error}") from None
+
+
+@cache
+def _run_file(task: str, digest: str) -> None:
+    """Run the file that registers a task, once."""
+    text = text_of(task, "task")
+    if hashlib.sha256(text).hexdigest() != digest:
+        raise ConfigError(f"task '{task}' has changed, or differs between machines")
+    try:
+        with warnings.catch_warnings():
+            # the program that calls this may have registered it, too
+            warnings.filterwarnings("ignore", ".*Overriding environment")
+            defined(task.rpartition(":")[0], text)
+    except ConfigError:
+        raise
+    except Exception as error:  # of the person's own program
+        reason = f"{type(error).__name__}: {error}"
+        raise ConfigError(f"task '{task}' cannot be loaded: {reason}") from error
+
+
+def default_instruction(task: str, digest: str | None) -> str:
+    """Return what a task asks for in words; its id, if it says nothing."""
+    from tool0.gym.registration import task_of
+
+    found = task_of(environment_spec(task, digest))
+    name = task if digest is None else task.rpartition(":")[2]
+    return (found and found.instruction) or name

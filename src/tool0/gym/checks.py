@@ -1,0 +1,89 @@
+"""Checks of a task of one's own: what its functions return, once, before it is used."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tool0.description.scene import Scene, SceneObject
+from tool0.errors import ConfigError, did_you_mean
+from tool0.gym.task import Start, State, Task
+
+
+def check_objects(task: Task, scene: Scene) -> list[SceneObject]:
+    """Return the movable objects of a task.
+
+    Raises:
+        ConfigError: If the scene lacks one, or it is fixed.
+    """
+    by_name = {item.name: item for item in scene.objects}
+    for name in task.objects:
+        if name not in by_name:
+            raise ConfigError(
+                f"task {type(task).__name__}: there is no object '{name}' in its scene"
+                f"{did_you_mean(name, by_name)}"
+            )
+        if by_name[name].mass is None:
+            raise ConfigError(
+                f"task {type(task).__name__}: object '{name}' is fixed; give it a mass"
+            )
+    return [by_name[name] for name in task.objects]
+
+
+def check_start(task: Task, start: object) -> Start:
+    """Return what a task drew.
+
+    Raises:
+        ConfigError: If it is no start of this task.
+    """
+    if not isinstance(start, Start):
+        raise _wrong(task, "draw", f"a {type(start).__name__}", "a tool0.gym.Start")
+    k = len(task.objects)
+    _check_array(task, "draw: places", start.places, (k, 3))
+    _check_array(task, "draw: yaws", start.yaws, (k,))
+    _check_array(task, "draw: goal", start.goal, (np.size(start.goal),))
+    return start
+
+
+def check_functions(task: Task, state: State) -> None:
+    """Check the shapes of what the functions return for a state.
+
+    Raises:
+        ConfigError: If one is wrong, with the function and the shape that it must have.
+    """
+    n, g = len(state.q), len(task.goal_names)
+    achieved, desired = task.achieved(state), task.desired(state)
+    _check_array(task, "achieved", achieved, (n, g))
+    _check_array(task, "desired", desired, (n, g))
+    success = task.is_success(achieved, desired)
+    _check_array(task, "is_success", success, (n,), np.bool_)
+    _check_array(task, "distance", task.distance(achieved, desired), (n,))
+    _check_array(task, "progress", task.progress(state), (n,))
+    _check_array(task, "reward", task.reward(state, success), (n,))
+    for name, values in task.observe(state).items():
+        given = np.shape(values)
+        if len(given) not in {1, 2} or given[0] != n:
+            raise _wrong(
+                task, f"observe: {name}", f"shape {given}", f"({n},) or ({n}, m)"
+            )
+
+
+def _check_array(
+    task: Task,
+    what: str,
+    values: Any,
+    shape: tuple[int, ...],
+    dtype: type[np.generic] | None = None,
+) -> None:
+    if np.shape(values) != shape:
+        raise _wrong(task, what, f"shape {np.shape(values)}", f"shape {shape}")
+    found = np.asarray(values).dtype
+    if dtype is not None and found != dtype:
+        raise _wrong(task, what, f"{found}", "booleans")
+
+
+def _wrong(task: Task, what: str, found: str, right: str) -> ConfigError:
+    return ConfigError(
+        f"task {type(task).__name__}: {what} is {found}; it must be {right}"
+    )

@@ -1,0 +1,151 @@
+"""What a task is: functions of the state of n copies, with arrays over all of them.
+
+Subclass ``Task`` for a task of your own (docs/gym.md), and ``tool0.gym.register`` it.
+A *goal* is an array of shape (n, g); ``achieved`` and ``desired`` have the same
+meaning, column by column.
+"""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.description.scene import Scene
+from tool0.description.transform_arrays import Frames
+from tool0.gym.workspace import Workspace
+from tool0.kinematics.chain import Array
+
+Mask = NDArray[np.bool_]
+
+NEARNESS = 5.0
+"""How fast progress falls with the distance from the goal [1/m]."""
+
+
+class State(NamedTuple):
+    """What is measured in n copies; k movable objects.  Poses are in the root."""
+
+    q: Array
+    """Positions of the arm's joints [rad], shape (n, 6)."""
+    qd: Array
+    """Their velocities [rad/s], shape (n, 6)."""
+    tcp_position: Array
+    """[m], shape (n, 3)."""
+    tcp_rotation: Array
+    """Rotation matrices, shape (n, 3, 3)."""
+    opening: Array
+    """Distance between the pads [m], shape (n,)."""
+    opening_rate: Array
+    """Its mean change in the last control period [m/s], shape (n,)."""
+    opening_target: Array
+    """The commanded opening [m], shape (n,)."""
+    object_position: Array
+    """[m], shape (n, k, 3)."""
+    object_quat: Array
+    """w, x, y, z, shape (n, k, 4)."""
+    object_velocity: Array
+    """[m/s], shape (n, k, 3)."""
+    goal: Array
+    """What was drawn at the start of the episode, shape (n, g)."""
+
+
+class Start(NamedTuple):
+    """What is drawn at the start of an episode of one copy."""
+
+    places: Array
+    """Positions of the movable objects [m], shape (k, 3)."""
+    yaws: Array
+    """Their turns about z [rad], shape (k,)."""
+    goal: Array
+    """Shape (g,)."""
+
+
+class Target(NamedTuple):
+    """Where an expert lets tool and gripper of n copies go next."""
+
+    position: Array
+    """Of the tcp in the root [m], shape (n, 3)."""
+    yaw: Array
+    """Of the tcp, which looks down [rad], shape (n,)."""
+    opening: Array
+    """Of the gripper [m], shape (n,)."""
+    speed: Array
+    """Largest part of the fastest action, 0 … 1, shape (n,)."""
+
+
+class Task(abc.ABC):
+    """A task in one workspace.
+
+    Its functions have no memory and get arrays over all copies; what they return has
+    one row per copy, which depends on no other copy.
+    """
+
+    instruction: str = ""
+    """What is to be done, as one says it to a robot."""
+    objects: tuple[str, ...] = ()
+    """Names of the movable objects of the scene, in the order of ``State``."""
+    goal_names: tuple[str, ...] = ()
+    """What the columns of a goal are."""
+    worst_reward: float = -1.0
+    """Of a copy whose physics diverged."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        """Prepare the task for an arm, a gripper, and the table that fits them."""
+        self.workspace = workspace
+
+    @abc.abstractmethod
+    def scene(self) -> Scene:
+        """Return what is around the robot, ``workspace.cameras`` among it."""
+
+    @abc.abstractmethod
+    def draw(self, rng: np.random.Generator) -> Start:
+        """Return the random start of an episode, from ``rng`` alone."""
+
+    @abc.abstractmethod
+    def achieved(self, state: State) -> Array:
+        """Return the goals that the states achieve, shape (n, g)."""
+
+    def desired(self, state: State) -> Array:
+        """Return the goals to achieve, shape (n, g): those that were drawn."""
+        return state.goal
+
+    @abc.abstractmethod
+    def is_success(self, achieved: Array, desired: Array) -> Mask:
+        """Return whether goals are achieved, of any shape (…, g)."""
+
+    def distance(self, achieved: Array, desired: Array) -> Array:
+        """Return how far goals are from being achieved [m], shape (…)."""
+        return length(achieved - desired)
+
+    def progress(self, state: State) -> Array:
+        """Return how far the task is done, 0 … 1, shape (n,)."""
+        return nearness(self.distance(self.achieved(state), self.desired(state)))
+
+    def reward(self, state: State, success: Mask) -> Array:
+        """Return the dense rewards, shape (n,): progress - 1, and 0 with success."""
+        return np.where(success, 0.0, np.clip(self.progress(state), 0.0, 1.0) - 1.0)
+
+    def observe(self, state: State) -> Mapping[str, Array]:
+        """Return further parts of observations by name, shapes (n,) or (n, m)."""
+        return {}
+
+    def expert(self, state: State, commanded: Frames) -> Target:
+        """Return where to go next; ``commanded`` is the tcp's target now.
+
+        It has no memory, and tells from the state how far the task is.  A task needs
+        none; ``tool0.gym.expert`` says so then.
+        """
+        raise NotImplementedError
+
+
+def length(vectors: Array) -> Array:
+    """Return the lengths of vectors (…, k), shape (…)."""
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=-1)))
+
+
+def nearness(distance: Array, rate: float = NEARNESS) -> Array:
+    """Return 1 at no distance, falling to 0 with ``rate`` [1/m]."""
+    return np.asarray(1.0 - np.tanh(rate * distance))

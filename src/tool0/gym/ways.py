@@ -1,0 +1,178 @@
+"""Where experts go next: to a grasp, up, to a place, behind what they push.
+
+They have no memory, and tell from the state how far they are: they go on after a
+disturbance, too.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tool0.api.table import TABLE_TOP
+from tool0.description.transform_arrays import Frames, from_quats, yaw_of
+from tool0.gym.task import Mask, State, Target, length
+from tool0.gym.workspace import Workspace
+from tool0.kinematics.chain import Array
+from tool0.kinematics.geometry import wrapped
+
+HELD = 0.025
+"""Largest distance from the tcp of a cube that is held [m]."""
+ALIGNED = 0.006
+"""Largest offset of pads around a cube [m]."""
+PARALLEL = 0.08
+"""Largest angle between pads and the sides of a cube [rad]."""
+NEAR = 2.0
+"""Times the tolerances: within them an expert goes on with what it began."""
+STILL = 0.004
+"""Speed of pads below which they hold [m/s]."""
+DROP = 0.002
+"""Height above its place at which a cube is released [m]."""
+PUSH_OPENING = 0.4
+"""Of the gripper that pushes, part of the cube's edge: two fingers keep it straight."""
+PUSH_SLOW = 0.35
+"""Speed of a push, part of the fastest action."""
+
+
+def is_holding(state: State, edge: float) -> Mask:
+    """Return whether the pads squeeze the first object, shape (n,)."""
+    near = length(state.tcp_position - state.object_position[:, 0]) < HELD
+    is_stopped = np.abs(state.opening - edge) < 0.2 * edge
+    return near & is_stopped & (state.opening_target < 0.8 * edge)
+
+
+def reach(space: Workspace, state: State) -> Target:
+    """Return the way to the goal, a point."""
+    n = len(state.q)
+    yaw = np.full(n, space.start_yaw)
+    return Target(state.goal, yaw, state.opening_target, np.ones(n))
+
+
+def _grasp_yaw(state: State, k: int = 0) -> Array:
+    """Return the yaw nearest to the tcp's at which pads touch an object's sides."""
+    yaw = yaw_of(from_quats(state.object_quat[:, k]))
+    present = yaw_of(state.tcp_rotation)
+    quarter = np.pi / 2.0
+    turn = np.remainder(yaw - present + quarter / 2.0, quarter) - quarter / 2.0
+    return np.asarray(present + turn)
+
+
+class Grasp(NamedTuple):
+    """How far the first object is grasped, and where to go for that."""
+
+    target: Target
+    held: Mask
+    """Whether it is squeezed firmly, shape (n,)."""
+
+
+def grasp(space: Workspace, state: State, commanded: Frames) -> Grasp:
+    """Return the way to a grasp of the first object."""
+    edge, widest = space.edge, space.gripper.max_opening
+    cube, tcp = state.object_position[:, 0], state.tcp_position
+    yaw = _grasp_yaw(state)
+    middle = cube.copy()
+    middle[:, 2] = np.maximum(
+        cube[:, 2] - edge / 2.0 + space.grasp_height, TABLE_TOP + space.grasp_height
+    )
+    # Commanded, not measured: a step that waits for the arm to settle would oscillate.
+    beside = length(commanded.position[:, :2] - cube[:, :2])
+    twist = np.abs(wrapped(yaw - commanded.yaw))
+    is_low = commanded.position[:, 2] < middle[:, 2] + space.edge
+    slack = np.where(is_low, NEAR, 1.0)
+    aligned = (beside < slack * ALIGNED) & (twist < slack * PARALLEL)
+    hover = TABLE_TOP + space.hover_height
+    aim = middle.copy()
+    aim[:, 2] = np.where(aligned, middle[:, 2], np.maximum(hover, cube[:, 2] + hover))
+    # Straight up first, if the fingers are beside something.
+    stuck = ~aligned & (tcp[:, 2] < hover - 0.02)
+    aim[:, :2] = np.where(stuck[:, None], commanded.position[:, :2], aim[:, :2])
+    there = aligned & (length(tcp - middle) < ALIGNED)
+    closing = state.opening_target < 0.8 * edge
+    closing &= length(tcp[:, :2] - cube[:, :2]) < HELD
+    closing &= np.abs(tcp[:, 2] - middle[:, 2]) < HELD
+    missed = closing & (state.opening < 0.6 * edge)
+    close = (there | closing) & ~missed
+    held = closing & is_holding(state, edge) & (np.abs(state.opening_rate) < STILL)
+    aim = np.where(closing[:, None], commanded.position, aim)
+    yaw = np.where(closing, commanded.yaw, yaw)
+    opening = np.where(close, 0.0, widest)
+    return Grasp(Target(aim, yaw, opening, np.ones(len(state.q))), held)
+
+
+def lift(space: Workspace, state: State, commanded: Frames) -> Target:
+    """Return the way to grasp the first object, and to lift it."""
+    target, held = grasp(space, state, commanded)
+    up = commanded.position.copy()
+    up[:, 2] = TABLE_TOP + space.grasp_height + space.lift
+    return target._replace(position=np.where(held[:, None], up, target.position))
+
+
+def place(space: Workspace, state: State, commanded: Frames, goal: Array) -> Target:
+    """Return the way to carry the first object to its goal, and to release it."""
+    edge = space.edge
+    target, held = grasp(space, state, commanded)
+    cube = state.object_position[:, 0]
+    in_hand = cube - state.tcp_position
+    carry = TABLE_TOP + space.grasp_height + space.lift
+    # The cube goes up, across, and down.
+    high = commanded.position[:, 2] > carry - 0.03
+    off = length(commanded.position[:, :2] + in_hand[:, :2] - goal[:, :2])
+    above = off < np.where(high, 0.5, NEAR) * ALIGNED
+    is_across = high | above
+    across = goal[:, :3] - in_hand
+    across[:, 2] = np.where(above, goal[:, 2] + DROP - in_hand[:, 2], carry)
+    up = commanded.position.copy()
+    up[:, 2] = carry
+    aim = np.where(is_across[:, None], across, up)
+    low = np.abs(cube[:, 2] - goal[:, 2]) < 2.0 * DROP
+    placed = (length(cube[:, :2] - goal[:, :2]) < NEAR * ALIGNED) & low
+    position = np.where(held[:, None], aim, target.position)
+    opening = np.where(held, 0.0, target.opening)
+    # It is there: let go of it, then leave.
+    gone = state.opening > edge + 0.01
+    leave = np.where(gone[:, None], up, commanded.position)
+    position = np.where(placed[:, None], leave, position)
+    opening = np.where(placed, space.gripper.max_opening, opening)
+    yaw = np.where(held | placed, commanded.yaw, target.yaw)
+    return Target(position, yaw, opening, target.speed)
+
+
+def push(space: Workspace, state: State, commanded: Frames) -> Target:
+    """Return the way to push the first object to the goal, a point on the table."""
+    edge = space.edge
+    cube, tcp = state.object_position[:, 0], state.tcp_position
+    way = state.goal[:, :2] - cube[:, :2]
+    along = way / np.maximum(length(way), 1e-6)[:, None]
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    from_cube = tcp[:, :2] - cube[:, :2]
+    behind = -(from_cube * along).sum(axis=1)
+    aside = (from_cube * across).sum(axis=1)
+    heading = np.arctan2(along[:, 1], along[:, 0])
+    half = np.remainder(heading - commanded.yaw + np.pi / 2.0, np.pi) - np.pi / 2.0
+    yaw, twist = commanded.yaw + half, np.abs(half)
+    low = space.lowest + space.advance
+    hover = TABLE_TOP + space.hover_height + space.advance
+    clear = space.run_up
+    is_low = tcp[:, 2] < low + 0.01
+    slack = np.where(is_low, NEAR, 1.0)
+    opening = np.full(len(state.q), PUSH_OPENING * edge)
+    ready = is_low | (state.opening < 1.5 * opening)
+    ready &= (behind > 0.4 * edge) & (behind < clear + 0.03)
+    ready &= (np.abs(aside) < slack * 0.008) & (twist < slack * 0.1)
+    aim = np.empty((len(state.q), 3))
+    # Behind the cube, above it, until the tool can go down there.
+    aim[:, :2] = cube[:, :2] - along * clear
+    aim[:, 2] = np.where(ready, low, hover)
+    stuck = ~ready & (tcp[:, 2] < hover - 0.015)
+    aim[:, :2] = np.where(stuck[:, None], commanded.position[:, :2], aim[:, :2])
+    pushing = ready & is_low
+    on_line = cube[:, :2] - along * behind[:, None]
+    forward = on_line + along * (length(way) + 0.02)[:, None]
+    aim[:, :2] = np.where(pushing[:, None], forward, aim[:, :2])
+    speed = np.where(pushing, PUSH_SLOW, 1.0)
+    # A cube between the fingers is let go.
+    caught = cube[:, 2] > TABLE_TOP + edge
+    aim = np.where(caught[:, None], commanded.position, aim)
+    opening = np.where(caught, space.gripper.max_opening, opening)
+    return Target(aim, yaw, opening, speed)
