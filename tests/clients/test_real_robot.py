@@ -346,6 +346,11 @@ def test_a_second_client_is_refused_with_the_reason(rig: RealRobotRig) -> None:
         tool0.bringup(arm="ur5", hardware=rig.host)
 
 
+def is_local(rig: RealRobotRig) -> bool:
+    link = rig.state.link
+    return link is not None and link.is_remote is False
+
+
 def test_an_e_series_under_local_control_is_not_moved() -> None:
     """The pendant has the choice, and the robot 500 periods a second."""
     with real_robot("ur5e") as rig:
@@ -353,10 +358,7 @@ def test_an_e_series_under_local_control_is_not_moved() -> None:
         wrong = "the robot is under local control; choose Remote Control"
         with raises_naming(ControlError, wrong):
             rig.enable()
-        link = rig.state.link
-        assert link is not None
-        assert not link.is_remote
-        assert any(text.startswith(wrong) for text in link.obstacles)
+        until(lambda: is_local(rig), "local control")
         rig.pendant.is_remote = True
         rig.enable()
         assert rig.robot.control_period == 0.002

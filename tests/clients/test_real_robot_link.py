@@ -128,7 +128,7 @@ def test_a_slow_network_does_not_stop_a_motion(rig: RealRobotRig) -> None:
 
 
 def test_a_gripper_that_is_unplugged_is_told_and_left_alone(rig: RealRobotRig) -> None:
-    rig.enable()
+    ensure_enabled(rig)
     gripper = rig.robot.gripper
     gripper.move(opening=0.05)
     assert gripper.wait(10.0).motion == "at_target"
@@ -158,6 +158,13 @@ def gripper_problem(rig: RealRobotRig) -> str:
     link = rig.state.link
     assert link is not None
     return link.gripper_problem
+
+
+def ensure_enabled(rig: RealRobotRig) -> None:
+    link = rig.state.link
+    assert link is not None
+    if not link.is_enabled:
+        rig.enable()
 
 
 def test_a_robot_that_was_restarted_is_only_read() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 import socketserver
 import threading
@@ -25,7 +26,8 @@ class Pendant:
 
         class Lines(socketserver.StreamRequestHandler):
             def handle(self) -> None:
-                pendant._serve(self.rfile, self.wfile)
+                with contextlib.suppress(OSError):  # the client is gone
+                    pendant._serve(self.rfile, self.wfile)
 
         self._server = socketserver.ThreadingTCPServer(("127.0.0.1", 0), Lines)
         self._server.daemon_threads = True

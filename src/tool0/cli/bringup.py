@@ -20,8 +20,8 @@ from tool0.cli.text import (
     ur_lines,
 )
 from tool0.errors import ConfigError, EngineError, EngineUnavailableError
+from tool0.installation import garbage
 from tool0.protocol.channel import backend_of
-from tool0.server import garbage
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from tool0.errors import Tool0Error
-from tool0.server import garbage
+from tool0.installation import garbage
 from tool0.server.companion import UNABLE
 from tool0.ur.compiling import prepare
 from tool0.ur.options import UrArm, UrOptions

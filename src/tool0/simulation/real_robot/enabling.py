@@ -15,6 +15,7 @@ from tool0.engines.real_robot.control_program import control_program
 from tool0.engines.real_robot.engine import RealRobotEngine
 from tool0.engines.real_robot.flange_frames import FlangeFrames
 from tool0.errors import ControlError
+from tool0.installation import garbage
 from tool0.protocol.control_box_state import (
     POWERED,
     UNSTOPPED,
@@ -195,6 +196,7 @@ class Enabling:
                 lambda: self.box.speed_slider <= FIRST_SLIDER + 0.005,
                 "the speed slider did not move to 25 %",
             )
+        garbage.leave_alone()  # the robot stops if it does not hear of tool0 for 0.1 s
         self._start_program()
         core = self._simulation.core
 
