@@ -25,6 +25,8 @@ from tool0.motion.segments import (
 
 _RAMP_SHARE = 0.25
 """Part of a given time for each ramp from or to rest."""
+LONGEST = 1e6
+"""Of a move [s]: 11 days."""
 _ROUNDS = 16
 _ROUNDING = 1e-9
 _SPEED_SHARE = 0.999
@@ -124,7 +126,7 @@ def timed_segment(
         is_symmetric: Whether the blend may not be longer than the tail.
 
     Raises:
-        UnreachableError: If it would have to be extremely slow.
+        UnreachableError: If it would have to be extremely slow, or take days.
     """
     warnings: list[TimingWarning] = []
     zone_in, zone_out, scale = _zones(segment, move, tail)
@@ -150,6 +152,11 @@ def timed_segment(
         profile = trapezoid(inner, speed, acceleration, into, out)
         if limits.rules.smoothing and into == out == 0.0:
             profile = smoothed(profile, limits.rules.smoothing)
+        if not profile.duration <= LONGEST:
+            raise UnreachableError(
+                f"the move would take more than {LONGEST:g} s; give it more speed and "
+                "acceleration"
+            )
         motion = passage(segment, profile, zone_in)
         too_fast, too_strong, joint = limits.excess(motion)
         if zone_out > 0.0:  # it may have to stop there

@@ -295,9 +295,11 @@ class Expressions:
         if function.is_async:
             return self._call_async(call, function, nodes, convert)
         compute, takes_thread = function.call, function.takes_thread
+        cost = function.cost
 
         def combine(frame: CallFrame, values: list[Value]) -> Value:
             arguments = convert(values)
+            frame.thread.left -= cost
             try:
                 if takes_thread:
                     return cast("Value", compute(frame.thread, *arguments))

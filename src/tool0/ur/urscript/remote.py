@@ -38,6 +38,7 @@ class _Connection(http.client.HTTPConnection):
         super().connect()
         self.sock.settimeout(None)
         if self.is_abandoned:
+            self.close()
             raise ConnectionAbortedError("the connection was closed")
 
     def abandon(self) -> None:
@@ -46,6 +47,7 @@ class _Connection(http.client.HTTPConnection):
         if self.sock is not None:
             with suppress(OSError):
                 self.sock.shutdown(socket.SHUT_RDWR)
+            self.sock.close()
 
 
 @final

@@ -82,11 +82,9 @@ def get_actual_joint_accelerations(thread: Thread) -> Value:
 
 FUNCTIONS: Final[tuple[Function, ...]] = (
     function(direct_torque, physical=True),
-    *(
-        function(item)
-        for item in (
-            *(get_mass_matrix, get_coriolis_and_centrifugal_torques, get_jacobian),
-            *(get_jacobian_time_derivative, get_actual_joint_accelerations),
-        )
-    ),
+    function(get_mass_matrix, cost=60),
+    function(get_coriolis_and_centrifugal_torques, cost=85),
+    function(get_jacobian, cost=4),
+    function(get_jacobian_time_derivative, cost=8),
+    function(get_actual_joint_accelerations),
 )

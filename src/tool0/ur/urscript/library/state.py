@@ -177,13 +177,19 @@ FUNCTIONS: Final[tuple[Function, ...]] = (
             get_actual_joint_accelerations,
             *(force, get_actual_joint_positions, get_actual_joint_positions_history),
             *(get_actual_joint_speeds, get_actual_tcp_pose, get_actual_tcp_speed),
-            *(get_actual_tool_flange_pose, get_forward_kin, get_inverse_kin),
-            *(get_inverse_kin_has_solution, get_joint_torques),
+            *(get_actual_tool_flange_pose, get_joint_torques),
             *(get_target_joint_accelerations, get_target_joint_positions),
             get_target_joint_speeds,
             *(get_target_tcp_pose, get_target_tcp_speed, get_tcp_force),
             get_target_waypoint,
-            *(get_tcp_offset, is_steady, is_within_safety_limits, tool_contact),
+            *(get_tcp_offset, is_steady, tool_contact),
+        )
+    ),
+    function(get_forward_kin, cost=4),
+    *(
+        function(item, cost=140)
+        for item in (
+            *(get_inverse_kin, get_inverse_kin_has_solution, is_within_safety_limits),
         )
     ),
     function(get_actual_joint_positions, "get_joint_positions"),
