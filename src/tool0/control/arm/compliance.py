@@ -49,6 +49,8 @@ RIDGE: Final = SINGULAR**2
 forces of the springs stay finite."""
 EASE: Final = 0.3
 """Part of a speed limit below it in which the force fades."""
+SLOWEST: Final = 1e-9
+"""Smaller speed limits count as this [m/s | rad/s]."""
 UNLIMITED: Final = 100.0
 """Limit of speeds and deviations that none reaches [m/s, rad/s, m, rad]."""
 SLOW: Final = 1e-3
@@ -192,7 +194,7 @@ class Compliance:
         """
         task = self.task
         left = task.limits - velocity * np.sign(task.wrench)
-        return np.clip(left / (EASE * task.limits), 0.0, 1.0)
+        return np.clip(left / np.maximum(EASE * task.limits, SLOWEST), 0.0, 1.0)
 
     def _inertias(self, masses: Array, along: Array, R: Array, dt: float) -> _Inertias:
         """Return the inertias for the masses and the axes ``R``.
