@@ -171,6 +171,7 @@ PRINTED = {
         "in the bin: True",
         SUCCEEDED,
     ],
+    "29_own_task": [r"solved in \d\d steps"],
 }
 """Example → what some of its lines are, in this order."""
 WITHOUT_VIDEO = """

@@ -133,6 +133,7 @@ def test_its_stream_of_positions_moves_the_arm_smoothly(
     from control_msgs.msg import JointTrajectoryControllerState
 
     with listening(f"/{ARM}/state", JointTrajectoryControllerState) as states:
+        go_home(rospy, states)
         since = len(states.messages)
         sent = drag_sliders(rospy, states, limits_of(ros))
         until(
@@ -153,6 +154,22 @@ def test_its_stream_of_positions_moves_the_arm_smoothly(
     np.testing.assert_allclose(last.desired.positions, HOME + DRAGGED, atol=1e-9)
     np.testing.assert_allclose(last.actual.positions, HOME + DRAGGED, atol=0.02)
     assert not any("error" in line.lower() for line in bringup.lines)
+
+
+def go_home(rospy: ModuleType, states: Topic) -> None:
+    """Begin at HOME, also when a test is repeated."""
+    from trajectory_msgs.msg import JointTrajectory
+
+    def rests() -> bool:
+        last = states.messages[-1]
+        away = np.abs(np.subtract(last.actual.positions, HOME)).max()
+        return bool(away < 0.01 and not any(last.desired.velocities))
+
+    until(lambda: states.messages, "a state")
+    if not rests():
+        with publishing(f"/{ARM}/command", JointTrajectory) as command:
+            command(trajectory([(LEAD, tuple(HOME))], at_rest=False))
+            until(rests, "HOME")
 
 
 def drag_sliders(
