@@ -163,12 +163,13 @@ def go_home(rospy: ModuleType, states: Topic) -> None:
     def rests() -> bool:
         last = states.messages[-1]
         away = np.abs(np.subtract(last.actual.positions, HOME)).max()
-        return bool(away < 0.01 and not any(last.desired.velocities))
+        speed = np.abs(last.actual.velocities).max()
+        return bool(max(away, speed) < 0.005 and not any(last.desired.velocities))
 
     until(lambda: states.messages, "a state")
     if not rests():
         with publishing(f"/{ARM}/command", JointTrajectory) as command:
-            command(trajectory([(LEAD, tuple(HOME))], at_rest=False))
+            command(trajectory([(2.0, tuple(HOME))]))
             until(rests, "HOME")
 
 
