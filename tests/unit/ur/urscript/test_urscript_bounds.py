@@ -154,3 +154,41 @@ def test_commands_of_the_gripper_do_not_pile_up(robot: tool0.Robot) -> None:
     asyncio.run(run())
     assert len(asked) > 10
     assert max(asked) == 1
+
+
+def test_what_costs_much_counts_as_many_statements(robot: tool0.Robot) -> None:
+    text = (
+        "n = 0\nwhile True:\nn = n + 1\nwrite_output_integer_register(0, n)\n"
+        "get_inverse_kin(get_actual_tcp_pose())\nend\n"
+    )
+
+    async def run() -> int:
+        stepped = SteppedBox(robot)
+        await stepped.show()
+        await start(stepped, text)
+        for _ in range(50):
+            await stepped.step()
+        await stop(stepped)
+        stepped.close()
+        return stepped.box.registers.outputs.integers[0]
+
+    n_periods = 60  # with those of the start
+    assert 50 < asyncio.run(run()) <= 4 * n_periods
+
+
+@pytest.mark.parametrize("value", ["v=1e-320", "a=1e-320"])
+def test_a_move_that_would_take_days_is_refused(robot: tool0.Robot, value: str) -> None:
+    told: list[Message] = []
+
+    async def run() -> None:
+        stepped = SteppedBox(robot)
+        stepped.box.messages.listeners.add(told.append)
+        await stepped.show()
+        await start(stepped, f"movej([0, -1.2, 1.9, -2.2, -1.5, 0.3], {value})\n")
+        for _ in range(100):
+            await stepped.step()
+        await stop(stepped)
+        stepped.close()
+
+    asyncio.run(run())
+    assert any("more than 1e+06 s" in str(message) for message in told), told
