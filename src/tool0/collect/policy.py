@@ -6,12 +6,12 @@ an action.  It therefore keeps what it likes during an episode, and nothing beyo
 
 from __future__ import annotations
 
-import hashlib
 import sys
 from collections.abc import Callable
-from pathlib import Path
+from importlib import import_module
 from typing import Any
 
+from tool0.collect.user_files import cannot_load, is_file, located_file, run_file
 from tool0.errors import ConfigError, did_you_mean
 
 Act = Callable[[Any], Any]
@@ -36,9 +36,8 @@ def located(policy: str | Policy) -> tuple[str, str | None]:
             "my_policy.py:Policy"
         )
     digest = None
-    if place.endswith(".py"):
-        name = f"{Path(place).absolute()}:{attribute}"
-        digest = hashlib.sha256(text_of(name, "policy")).hexdigest()
+    if is_file(name):
+        name, digest = located_file(name, "policy")
     loaded(name, digest)
     return name, digest
 
@@ -50,41 +49,21 @@ def loaded(name: str, digest: str | None) -> Policy:
         ConfigError: If there is none, or if its file has another digest.
     """
     place, _, attribute = name.rpartition(":")
-    text = None if digest is None else text_of(name, "policy")
-    if text is not None and hashlib.sha256(text).hexdigest() != digest:
-        raise ConfigError(f"policy '{name}' has changed, or differs between machines")
     try:
-        values = defined(place, text)
+        if digest is None:
+            values = vars(import_module(place))
+        else:
+            values = run_file(name, digest, "policy")
+    except ConfigError:
+        raise
     except Exception as error:  # of the person's own program
-        reason = f"{type(error).__name__}: {error}"
-        raise ConfigError(f"policy '{name}' cannot be loaded: {reason}") from error
+        raise cannot_load(name, "policy", error) from error
     if not callable(policy := values.get(attribute)):
         names = [key for key, value in values.items() if callable(value)]
         hint = did_you_mean(attribute, names)
         raise ConfigError(f"policy '{name}': no function or class '{attribute}'{hint}")
     found: Policy = policy
     return found
-
-
-def text_of(name: str, what: str) -> bytes:
-    """Return the text of the file of a policy or a task, ``file.py:name``."""
-    try:
-        return Path(name.rpartition(":")[0]).read_bytes()
-    except OSError as error:
-        raise ConfigError(f"{what} '{name}' cannot be read: {error.strerror}") from None
-
-
-def defined(place: str, text: bytes | None) -> dict[str, Any]:
-    """Return the names that a module, or the text of a file, defines."""
-    if text is None:
-        from importlib import import_module
-
-        return vars(import_module(place))
-    if (folder := str(Path(place).parent)) not in sys.path:
-        sys.path.append(folder)  # for modules beside the file
-    values = {"__name__": Path(place).stem, "__file__": place}
-    exec(compile(text, place, "exec"), values)
-    return values
 
 
 def _name_of(policy: Policy) -> str:

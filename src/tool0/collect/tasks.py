@@ -5,15 +5,13 @@ Workers find an environment by these names; neither code nor pickles are sent.
 
 from __future__ import annotations
 
-import hashlib
 import re
 import warnings
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from tool0.collect.policy import defined, text_of
+from tool0.collect.user_files import cannot_load, is_file, located_file, run_file
 from tool0.errors import ConfigError, did_you_mean
 
 if TYPE_CHECKING:
@@ -28,12 +26,9 @@ def located_task(task: str) -> tuple[str, str | None]:
     Raises:
         ConfigError: If there is none.
     """
-    place, _, name = task.rpartition(":")
-    if not place.endswith(".py"):
-        environment_spec(task, None)
-        return task, None
-    task = f"{Path(place).absolute()}:{name}"
-    digest = hashlib.sha256(text_of(task, "task")).hexdigest()
+    digest = None
+    if is_file(task):
+        task, digest = located_file(task, "task")
     environment_spec(task, digest)
     return task, digest
 
@@ -71,19 +66,15 @@ def environment_spec(task: str, digest: str | None) -> EnvSpec:
 @cache
 def _run_file(task: str, digest: str) -> None:
     """Run the file that registers a task, once."""
-    text = text_of(task, "task")
-    if hashlib.sha256(text).hexdigest() != digest:
-        raise ConfigError(f"task '{task}' has changed, or differs between machines")
     try:
         with warnings.catch_warnings():
             # the program that calls this may have registered it, too
             warnings.filterwarnings("ignore", ".*Overriding environment")
-            defined(task.rpartition(":")[0], text)
+            run_file(task, digest, "task")
     except ConfigError:
         raise
     except Exception as error:  # of the person's own program
-        reason = f"{type(error).__name__}: {error}"
-        raise ConfigError(f"task '{task}' cannot be loaded: {reason}") from error
+        raise cannot_load(task, "task", error) from error
 
 
 def default_instruction(task: str, digest: str | None) -> str:

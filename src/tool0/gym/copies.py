@@ -323,14 +323,13 @@ class Copies:
         float32 of shape (n, height, width), at most ``FARTHEST``; with several cameras
         as ``rgb_scene``.
         """
-        names, found = self.options.cameras, {}
-        for name in names:
-            end = f"_{name}" if len(names) > 1 else ""
+        found = {}
+        for name, (rgb, depth) in self.options.image_keys.items():
             drawn = [self.batch.render(i, name) for i in range(self.n)]
-            found[f"rgb{end}"] = np.stack([image.rgb for image in drawn])
+            found[rgb] = np.stack([image.rgb for image in drawn])
             if self.options.depth:
                 depths = np.stack([image.depth for image in drawn])
-                found[f"depth{end}"] = np.minimum(depths, np.float32(FARTHEST))
+                found[depth] = np.minimum(depths, np.float32(FARTHEST))
         return found
 
 

@@ -72,12 +72,11 @@ class Observer:
         options = self._copies.options
         width, height = options.image_size
         found: dict[str, spaces.Space[Any]] = {}
-        for name in options.cameras:
-            end = f"_{name}" if len(options.cameras) > 1 else ""
-            found[f"rgb{end}"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
+        for rgb, depth in options.image_keys.values():
+            found[rgb] = spaces.Box(0, 255, (height, width, 3), np.uint8)
             if options.depth:
                 shape = (height, width)
-                found[f"depth{end}"] = spaces.Box(0.0, FARTHEST, shape, np.float32)
+                found[depth] = spaces.Box(0.0, FARTHEST, shape, np.float32)
         return found
 
     def observe(self) -> Observation:

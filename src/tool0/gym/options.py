@@ -141,6 +141,14 @@ class EnvOptions:
         return (self.camera,) if isinstance(self.camera, str) else tuple(self.camera)
 
     @property
+    def image_keys(self) -> dict[str, tuple[str, str]]:
+        """Keys of colours and depth in observations, by camera."""
+        names = self.cameras
+        if len(names) == 1:
+            return {names[0]: ("rgb", "depth")}
+        return {name: (f"rgb_{name}", f"depth_{name}") for name in names}
+
+    @property
     def ticks(self) -> int:
         """Physics steps per action."""
         return round(1.0 / (self.control_rate * self.dt))

@@ -49,7 +49,7 @@ class State(NamedTuple):
     object_velocity: Array
     """[m/s], shape (n, k, 3)."""
     goal: Array
-    """What was drawn at the start of the episode, shape (n, g)."""
+    """What was drawn at the start of the episode, as wide as ``Start.goal``."""
 
 
 class Start(NamedTuple):
@@ -60,7 +60,7 @@ class Start(NamedTuple):
     yaws: Array
     """Their turns about z [rad], shape (k,)."""
     goal: Array
-    """Shape (g,)."""
+    """Shape (g,), or any other if ``Task.desired`` does not return it as it is."""
 
 
 class Target(NamedTuple):

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterator
 
 import pytest
+from msgspec import structs
 from ur5_rig import ARM, ARM_JOINTS, GRIPPER, POST, POST_GRIPPER
 
 import tool0
@@ -134,6 +135,27 @@ def test_what_is_in_the_way_outside_is_told_without_a_width(watching) -> None:
     watch.robot.gripper.move(opening=0.085)
     assert watch.run(2.5) == ["moving", "holding_outside"]
     assert watch.state.width is None
+
+
+def test_a_gripper_that_tells_later_that_it_holds_has_not_arrived(watching) -> None:
+    """As a real one: its pads stand still before it tells that they push."""
+    watch = watching(box("box", (0.04, 0.04, 0.04)))
+    watch.robot.gripper.move(opening=0.0)
+    detector = GraspDetector(watch.robot.gripper.geometry)
+    late = 0.15 + WINDOW  # after the pads have met the box
+    met, told = math.inf, []
+    for _ in range(150):
+        watch.run(0.016)
+        snapshot = watch.robot.snapshot
+        if snapshot.gripping:
+            met = min(met, snapshot.time)
+        if snapshot.time < met + late:
+            nothing = (0.0,) * len(snapshot.effort)
+            snapshot = structs.replace(snapshot, effort=nothing, gripping=())
+        told.append(detector.observe(snapshot).motion)
+    assert [motion for motion, _ in itertools.groupby(told)] == [
+        *("moving", "holding_inside")
+    ]
 
 
 def test_a_slow_motion_of_nothing_is_a_motion(watching) -> None:

@@ -30,7 +30,7 @@ _NO_MODE: Final = (
     "the arm with a program"
 )
 _NO_TORQUES: Final = "torques are not sent to a real robot"
-_ASK_IT: Final = "a real robot's own controller has that: it is asked, not the tick"
+_OWN_SENSOR: Final = "a real robot tares its own sensor"
 _EMERGENCY_STOPS: Final = frozenset(
     {SafetyMode.ROBOT_EMERGENCY_STOP, SafetyMode.SYSTEM_EMERGENCY_STOP}
 )
@@ -171,7 +171,7 @@ class RealArm(Arm):
         return structs.replace(sample, currents=drives.currents)
 
     def zero_wrench(self) -> None:
-        raise ControlError(_ASK_IT)
+        raise ControlError(_OWN_SENSOR)
 
     # ---- modes ----------------------------------------------------------------------
 
