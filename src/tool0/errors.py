@@ -185,6 +185,10 @@ class CollectError(Tool0Error):
     """Episodes cannot be collected; those that were are kept."""
 
 
+class PolicyError(Tool0Error):
+    """A policy cannot be loaded or asked, or its actions cannot be executed."""
+
+
 class RecordingError(Tool0Error):
     """A recording cannot be written, or a file is no recording."""
 

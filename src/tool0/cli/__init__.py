@@ -25,6 +25,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
         "run a complete task: pick a cube, from a shelf too, or hand it over",
     ),
     "collect": ("collect", "collect episodes of a task, with processes or Ray"),
+    "policy": ("policy", "execute a learned policy in a task, or on a running bringup"),
     "describe": (
         "describe",
         "write the robot as a tree, a table, URDF or MJCF, or its controllers",

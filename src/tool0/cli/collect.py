@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TextIO, final
 
-from tool0.cli.parameters import AsJson, Option, assignments
+from tool0.cli.parameters import AsJson, Option, keywords
 from tool0.cli.text import ProgressBar, counted, print_json
 from tool0.errors import ConfigError
 
@@ -71,7 +70,7 @@ def collect(
             workers=workers,
             ray=ray,
             policy=policy,
-            options=_keywords(env),
+            options=keywords(env),
             seed=seed,
             format=format,
             instruction=instruction,
@@ -94,22 +93,6 @@ def collect(
             f"{manifest.n_succeeded} succeeded, {counted(manifest.n_frames, 'frame')}, "
             f"{manifest.n_bytes / 1e6:.1f} MB"
         )
-
-
-def _keywords(words: tuple[str, ...]) -> dict[str, object]:
-    """Return ``NAME=VALUE …`` as keywords."""
-    return {name: _value(text) for name, text in assignments(words, "=").items()}
-
-
-def _value(text: str) -> object:
-    """Return JSON as its value, ``96,96`` as a list, and all else as a text."""
-    for form in (text, f"[{text}]") if "," in text else (text,):
-        try:
-            value: object = json.loads(form)
-        except ValueError:
-            continue
-        return value
-    return text
 
 
 @final

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import inspect
 import itertools
+import json
 import re
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -258,6 +259,22 @@ def assignments(words: Sequence[str], sign: str) -> dict[str, str]:
             raise ConfigError(f"'{name}' is given twice")
         found[name] = value
     return found
+
+
+def keywords(words: Sequence[str]) -> dict[str, object]:
+    """Return ``NAME=VALUE …`` as keywords: JSON, ``96,96`` for a list, or a text."""
+    return {name: _value(text) for name, text in assignments(words, "=").items()}
+
+
+def _value(text: str) -> object:
+    """Return JSON as its value, ``96,96`` as a list, and all else as a text."""
+    for form in (text, f"[{text}]") if "," in text else (text,):
+        try:
+            value: object = json.loads(form)
+        except ValueError:
+            continue
+        return value
+    return text
 
 
 # ---- texts ---------------------------------------------------------------------------

@@ -8,7 +8,7 @@ Images are rendered from the snapshots.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -22,11 +22,14 @@ from tool0.collect.parquet import Array
 from tool0.collect.resampling import Resampled
 from tool0.collect.rollout import Episode
 from tool0.collect.settings import Settings, require_extra
+from tool0.description.model import RobotModel
 from tool0.errors import CollectError, ConfigError
 from tool0.recording.episodes import EpisodeRow, read_index
 from tool0.recording.reading import RecordingFile, open_recording
 from tool0.recording.video import cameras_of
 
+OBJECT: Final = "object."
+"""Before the name of an object, in the name of its observation."""
 _POSE: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
@@ -103,7 +106,7 @@ def export_lerobot(
             raise ConfigError(f"{target} has episodes already; choose another folder")
         for index, row in enumerate(rows):
             recording = open_recording(folder / row.file)
-            driven = driven_joints(recording)
+            driven = driven_joints(recording.description.model, recording.joint_names)
             if joints not in (None, driven):
                 raise CollectError(f"{row.file} is of another robot than the first")
             joints = driven
@@ -121,10 +124,37 @@ def export_lerobot(
         return dataset.manifest
 
 
-def driven_joints(recording: RecordingFile) -> tuple[str, ...]:
-    """Return the joints that have a motor, in the order of the recording."""
-    driven = {item.joint for item in recording.description.model.transmissions}
-    return tuple(name for name in recording.joint_names if name in driven)
+def driven_joints(model: RobotModel, names: Sequence[str]) -> tuple[str, ...]:
+    """Return those of the joints ``names`` that have a motor, in their order."""
+    driven = {item.joint for item in model.transmissions}
+    return tuple(name for name in names if name in driven)
+
+
+def number_names(
+    joints: Sequence[str], objects: Sequence[str]
+) -> dict[str, tuple[str, ...]]:
+    """Return the names of the numbers of a robot's observations and of its action.
+
+    ``position``, ``velocity`` and ``action`` have one for each driven joint, and
+    ``object.NAME`` has position and quaternion.
+    """
+    positions = tuple(f"{name}.position" for name in joints)
+    return {
+        "position": positions,
+        "velocity": tuple(f"{name}.velocity" for name in joints),
+        "action": positions,
+        **{
+            f"{OBJECT}{name}": tuple(f"{name}.{part}" for part in _POSE)
+            for name in objects
+        },
+    }
+
+
+def surroundings_of(names: Mapping[str, Sequence[str]]) -> frozenset[str]:
+    """Return the names of the numbers that are of objects."""
+    return frozenset(
+        each for key, named in names.items() if key.startswith(OBJECT) for each in named
+    )
 
 
 def _common_objects(folder: Path, rows: Sequence[EpisodeRow]) -> tuple[str, ...]:
@@ -157,7 +187,7 @@ def episode_of(
         RenderError: If there is no OpenGL, or no such camera.
     """
     frames = Resampled(recording.tick, recording.info.control_period, rate, row.file)
-    joints = driven_joints(recording)
+    joints = driven_joints(recording.description.model, recording.joint_names)
     columns = [recording.joint_names.index(name) for name in joints]
     position = frames.between(recording.position[:, columns])
     velocity = frames.between(recording.velocity[:, columns])
@@ -167,10 +197,8 @@ def episode_of(
     success = row.outcome == "success"
     rewards = np.zeros(n)
     rewards[-1] = float(success)
-    poses = {f"object.{name}": recording.objects[name] for name in objects}
-    object_names = {
-        f"object.{name}": [f"{name}.{part}" for part in _POSE] for name in objects
-    }
+    poses = {f"{OBJECT}{name}": recording.objects[name] for name in objects}
+    names = number_names(joints, objects)
     return Episode(
         seed=row.episode,
         observations={
@@ -184,13 +212,8 @@ def episode_of(
         terminated=True,
         success=success,
         rate=rate,
-        names={
-            "position": [f"{name}.position" for name in joints],
-            "velocity": [f"{name}.velocity" for name in joints],
-            "action": [f"{name}.position" for name in joints],
-            **object_names,
-        },
-        surroundings=frozenset(n for names in object_names.values() for n in names),
+        names=names,
+        surroundings=surroundings_of(names),
     )
 
 

@@ -99,12 +99,25 @@ def placed(file: bytes, first_frame: int) -> bytes:
     return parquet.file_of(table, json.dumps(description).encode())
 
 
-def _columns(episode: Episode) -> tuple[dict[str, Array], dict[str, list[str]]]:
-    """Return the columns of an episode, and the names of their numbers."""
+def observation_columns(
+    observations: Mapping[str, Array],
+    names: Mapping[str, Sequence[str]],
+    surroundings: frozenset[str],
+) -> tuple[dict[str, Array], dict[str, list[str]]]:
+    """Return the columns of observations, and the names of their numbers.
+
+    Args:
+        observations: Name → values of n frames, shape (n, …).
+        names: Name of an observation → names of its numbers, where they have any.
+        surroundings: Names of those numbers that a robot does not measure on itself.
+
+    Raises:
+        CollectError: If LeRobot's format has no column for one of them.
+    """
     images: dict[str, Array] = {}
     vectors: dict[str, list[tuple[str, Array]]] = {_STATE: [], _SURROUNDINGS: []}
-    for key in sorted(episode.observations):
-        values = episode.observations[key]
+    for key in sorted(observations):
+        values = observations[key]
         if is_image(values):
             images[f"observation.images.{key}" if key else "observation.image"] = values
             continue
@@ -113,32 +126,43 @@ def _columns(episode: Episode) -> tuple[dict[str, Array], dict[str, list[str]]]:
                 f"LeRobot's format has no column for '{key}', of shape "
                 f"{values.shape[1:]}: leave it out, or collect in the format parquet"
             )
-        flat = values.reshape(episode.n_frames, -1)
-        for name, column in zip(_names(episode, key, flat), flat.T, strict=True):
-            place = _SURROUNDINGS if name in episode.surroundings else _STATE
+        flat = values.reshape(len(values), -1)
+        for name, column in zip(_names(names, key, flat), flat.T, strict=True):
+            place = _SURROUNDINGS if name in surroundings else _STATE
             vectors[place].append((name, column))
-    actions = episode.actions.reshape(episode.n_frames, -1)
-    ends = np.arange(episode.n_frames) == episode.n_frames - 1
     columns = {
-        place: _narrow(np.stack([column for _, column in numbers], axis=1))
+        place: np.stack([column for _, column in numbers], axis=1).astype(np.float32)
         for place, numbers in vectors.items()
         if numbers
     }
-    columns |= images
-    columns |= {
+    found = {place: [name for name, _ in numbers] for place, numbers in vectors.items()}
+    return {**columns, **images}, found
+
+
+def _columns(episode: Episode) -> tuple[dict[str, Array], dict[str, list[str]]]:
+    """Return the columns of an episode, and the names of their numbers."""
+    seen, names = observation_columns(
+        episode.observations, episode.names, episode.surroundings
+    )
+    actions = episode.actions.reshape(episode.n_frames, -1)
+    ends = np.arange(episode.n_frames) == episode.n_frames - 1
+    columns = {
+        **{
+            name: values if is_image(values) else _narrow(values)
+            for name, values in seen.items()
+        },
         "action": _narrow(actions),
         "next.reward": episode.rewards.astype(np.float32),
         "next.done": ends,
         "next.success": ends & episode.success,
     }
-    names = {place: [name for name, _ in numbers] for place, numbers in vectors.items()}
-    return columns, {**names, "action": _names(episode, "action", actions)}
+    return columns, {**names, "action": _names(episode.names, "action", actions)}
 
 
-def _names(episode: Episode, key: str, values: Array) -> list[str]:
+def _names(names: Mapping[str, Sequence[str]], key: str, values: Array) -> list[str]:
     """Return the names of the numbers of an observation, or of the action."""
-    if key in episode.names:
-        return list(episode.names[key])
+    if key in names:
+        return list(names[key])
     name, n = key or "observation", values.shape[1]
     return [name] if n == 1 else [f"{name}.{k}" for k in range(n)]
 

@@ -95,7 +95,7 @@ class Rollout(AbstractContextManager["Rollout"]):
         A copy whose episode has ended takes the next seed.
         """
         waiting = iter(seeds)
-        running: dict[int, _Recorder] = {}
+        running: dict[int, Recorder] = {}
         seed_of = [0] * self._n_copies
         ended = np.ones(self._n_copies, bool)
         while True:
@@ -104,7 +104,7 @@ class Rollout(AbstractContextManager["Rollout"]):
                 if seed is not None:
                     seed_of[copy] = seed
                     act = None if self._policy is None else self._policy(seed)
-                    running[copy] = _Recorder(seed, act)
+                    running[copy] = Recorder(seed, act)
             if not running:
                 return
             if ended.any():  # without a seed, a copy repeats its last episode
@@ -138,7 +138,7 @@ class Rollout(AbstractContextManager["Rollout"]):
         )
 
     def _actions(
-        self, seen: Mapping[int, Any], running: Mapping[int, _Recorder]
+        self, seen: Mapping[int, Any], running: Mapping[int, Recorder]
     ) -> Array:
         space = self._envs.action_space
         if self._expert is not None:
@@ -169,18 +169,18 @@ def _of(observations: Any, copy: int) -> Any:
     return np.array(observations[copy])
 
 
-def _flat(observation: Any, name: str = "") -> Iterator[tuple[str, Array]]:
+def flat(observation: Any, name: str = "") -> Iterator[tuple[str, Array]]:
     """Yield the arrays of an observation; names of inner ones are joined by a dot."""
     if not isinstance(observation, dict):
         yield name, observation
         return
     for key, value in observation.items():
-        yield from _flat(value, f"{name}.{key}" if name else key)
+        yield from flat(value, f"{name}.{key}" if name else key)
 
 
 @final
-class _Recorder:
-    """Keeps the frames of one episode until it ends."""
+class Recorder:
+    """The frames of one episode until it ends."""
 
     def __init__(self, seed: int, act: Act | None) -> None:
         self.seed = seed
@@ -192,7 +192,7 @@ class _Recorder:
         return self._act(observation)
 
     def add(self, observation: Any, action: Array, reward: float) -> None:
-        self._frames.append((dict(_flat(observation)), action.copy(), reward))
+        self._frames.append((dict(flat(observation)), action.copy(), reward))
 
     def episode(self, terminated: bool, success: bool, rate: float) -> Episode:
         observations, actions, rewards = zip(*self._frames, strict=True)

@@ -1,0 +1,60 @@
+"""Policies that are Python functions or classes, as ``tool0 collect`` takes them."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+from tool0.collect.policy import Act, loaded, located
+from tool0.errors import PolicyError, Tool0Error
+from tool0.policy.seen import Seen
+
+
+@final
+class CallablePolicy:
+    """Called with a seed, it returns a function from an observation to actions."""
+
+    def __init__(self, name: str) -> None:
+        """Load it.
+
+        Raises:
+            ConfigError: If there is none, or its file raises an error.
+        """
+        self._name, self.digest = located(name)
+        self._policy = loaded(self._name, self.digest)
+        self._act: Act | None = None
+
+    def begin(self, seed: int) -> None:
+        """Begin an episode."""
+        self._act = self._call(self._policy, seed)
+
+    def infer(self, seen: Seen) -> Any:
+        """Return what the function returns.
+
+        Raises:
+            PolicyError: If it raises an error.
+        """
+        assert self._act is not None
+        return self._call(self._act, seen.observation)
+
+    def close(self) -> None:
+        """Forget the episode."""
+        self._act = None
+
+    def _call(self, function: Any, argument: Any) -> Any:
+        try:
+            return function(argument)
+        except Tool0Error:
+            raise
+        except Exception as error:  # of the person's own program
+            place = _place(error)
+            reason = f"{type(error).__name__}: {error}"
+            raise PolicyError(f"policy '{self._name}': {place}{reason}") from error
+
+
+def _place(error: Exception) -> str:
+    """Return file and line where an error was raised, with a colon."""
+    trace, place = error.__traceback__, ""
+    while trace is not None:
+        place = f"{trace.tb_frame.f_code.co_filename}:{trace.tb_lineno}: "
+        trace = trace.tb_next
+    return place

@@ -1,0 +1,254 @@
+"""Episodes of a task, or one on a robot: run, counted, and written to a folder."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal, final
+
+from tool0.collect.encoding import encoded
+from tool0.collect.settings import programs, require_extra
+from tool0.errors import ConfigError
+from tool0.policy.report import Report, report_of
+from tool0.policy.robot_environment import RobotEnvironment
+from tool0.policy.running import EpisodeRun, RunOptions, run_episode
+from tool0.policy.source import opened
+from tool0.policy.task_environment import TaskEnvironment
+
+if TYPE_CHECKING:
+    from tool0.api.robot import Robot
+
+Videos = Literal["none", "failures", "all"]
+
+_ROWS: Final = "episodes.jsonl"
+_REPORT: Final = "report.json"
+
+
+def evaluate(
+    policy: str,
+    task: str,
+    seeds: Iterable[int],
+    *,
+    options: Mapping[str, Any] | None = None,
+    run: RunOptions = RunOptions(),
+    folder: Path | str | None = None,
+    videos: Videos = "none",
+    instruction: str | None = None,
+    device: str = "cpu",
+    keys: Mapping[str, str] | None = None,
+    when_ended: Callable[[EpisodeRun], None] = lambda run: None,
+    should_stop: Callable[[], bool] = lambda: False,
+) -> Report:
+    """Execute a policy in episodes of a task, and return how often it succeeds.
+
+    Args:
+        policy: ``module:name``, ``file.py:name``, ``lerobot:FOLDER`` or
+            ``ws://HOST:PORT`` (docs/policies.md).
+        task: As for ``tool0.collect.collect``: ``Lift``, or an environment's id.
+        seeds: One for each episode.
+        options: Keywords of the environment.
+        run: How the policy's actions are executed.
+        folder: A new folder for observations, actions, videos and the report.
+        videos: Of which episodes the folder has videos.
+        instruction: What is to be done, in words; the task's own if left out.
+        device: On which LeRobot's policies are computed.
+        keys: Name that an openpi server expects → what it gets.
+        when_ended: Called after each episode.
+        should_stop: Asked before each action; with True, the evaluation ends.
+
+    Raises:
+        ConfigError: If an argument is wrong, or the folder has files.
+        PolicyError: If the policy fails.
+        TransportError: If its server does not answer.
+    """
+    if videos != "none" and folder is None:
+        raise ConfigError("videos need a folder")
+    place = None if folder is None else _Folder(Path(folder), videos)
+    environment = TaskEnvironment(
+        task, options or {}, instruction=instruction, draws=videos != "none"
+    )
+    runs: list[EpisodeRun] = []
+    with closing(environment):
+        source = opened(policy, device=device, keys=dict(keys or {}))
+        with closing(source):
+            for seed in seeds:
+                if should_stop():
+                    break
+                found = run_episode(
+                    environment, source, seed, run, should_stop=should_stop
+                )
+                if place is not None:
+                    place.add(len(runs), found, environment)
+                when_ended(found)
+                runs.append(replace(found, episode=None, pictures=()))
+    report = report_of(runs)
+    if place is not None:
+        about = {
+            "policy": policy,
+            "policy_sha256": source.digest,
+            "task": environment.task,
+            "task_sha256": environment.digest,
+            "options": dict(options or {}),
+            "programs": programs(),
+            **_plain(run),
+        }
+        place.finish({**about, **report.as_json()})
+    return report
+
+
+def execute(
+    policy: str,
+    robot: Robot,
+    *,
+    rate: float = 25.0,
+    cameras: Sequence[str] = (),
+    run: RunOptions = RunOptions(),
+    folder: Path | str | None = None,
+    instruction: str = "",
+    device: str = "cpu",
+    keys: Mapping[str, str] | None = None,
+    seed: int = 0,
+    should_stop: Callable[[], bool] = lambda: False,
+) -> EpisodeRun:
+    """Execute a policy on a robot, until its steps are over or it is stopped.
+
+    The robot's arms are taken from their controllers meanwhile.
+
+    Args:
+        policy: As for ``evaluate``.
+        robot: The result of ``tool0.bringup`` or ``tool0.connect``.
+        rate: Actions per simulated second [Hz].
+        cameras: Cameras whose images the policy sees.
+        run: How the policy's actions are executed; ``max_steps`` ends it.
+        folder: A new folder for a recording of everything, observations and actions.
+        instruction: What is to be done, in words.
+        device: On which LeRobot's policies are computed.
+        keys: Name that an openpi server expects → what it gets.
+        seed: Given to the policy.
+        should_stop: Asked before each action and while time passes.
+
+    Raises:
+        ConfigError: If an argument is wrong, or the folder has files.
+        ControlError: If the robot refuses an action; it holds then.
+        PolicyError: If the policy fails; the robot holds then.
+        TransportError: If a server does not answer; the robot holds then.
+    """
+    place = None if folder is None else _Folder(Path(folder), "none")
+    environment = RobotEnvironment(
+        robot,
+        rate=rate,
+        cameras=cameras,
+        instruction=instruction,
+        should_stop=should_stop,
+    )
+    source = opened(policy, device=device, keys=dict(keys or {}))
+    with closing(source):
+        if place is None:
+            return run_episode(environment, source, seed, run, should_stop=should_stop)
+        robot.start_recording(place.path.absolute() / "recording.mcap")
+        try:
+            found = run_episode(environment, source, seed, run, should_stop=should_stop)
+        finally:
+            robot.stop_recording()
+        place.add(0, found, environment)
+        about = {
+            "policy": policy,
+            "policy_sha256": source.digest,
+            "robot": robot.description.model.name,
+            "rate": rate,
+            "cameras": list(cameras),
+            "programs": programs(),
+            **_plain(run),
+        }
+        place.finish(about)
+        return found
+
+
+def _plain(run: RunOptions) -> dict[str, Any]:
+    chunks = run.chunks
+    return {
+        "execute": chunks.execute,
+        "ensemble": chunks.ensemble,
+        "compensate": chunks.compensate,
+        "latency": run.latency,
+        "clip": run.clips,
+        "max_steps": run.max_steps,
+    }
+
+
+@final
+class _Folder:
+    """A folder with one file per episode, a row about each, and the report."""
+
+    def __init__(self, path: Path, videos: Videos) -> None:
+        """Make it.
+
+        Raises:
+            ConfigError: If it has files, or cannot be made, or something is not
+                installed.
+        """
+        require_extra()
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            if any(path.iterdir()):
+                raise ConfigError(f"folder {path} has files already; choose another")
+            (path / "data").mkdir()
+        except OSError as error:
+            raise ConfigError(f"folder {path}: {error.strerror}") from None
+        if videos != "none":
+            from tool0.recording.video_writer import require_encoder
+
+            require_encoder(path / "episode.mp4")
+        self.path = path
+        self._videos = videos
+
+    def add(
+        self,
+        index: int,
+        run: EpisodeRun,
+        environment: TaskEnvironment | RobotEnvironment,
+    ) -> None:
+        """Write one episode."""
+        name = f"episode_{index:06d}"
+        row = {
+            "episode_index": index,
+            "seed": run.seed,
+            "result": run.result,
+            "reason": run.reason,
+            "steps": run.n_steps,
+            "return": run.total_reward,
+            "held_steps": run.n_held,
+            "latencies": [round(latency, 6) for latency in run.latencies],
+        }
+        if run.episode is not None:
+            named = replace(
+                run.episode,
+                names=environment.names,
+                surroundings=environment.surroundings,
+            )
+            _, file = encoded(named, index, "parquet")
+            (self.path / "data" / f"{name}.parquet").write_bytes(file)
+        has_video = self._videos == "all" or (
+            self._videos == "failures" and run.result != "success"
+        )
+        if has_video and run.pictures:
+            self._write_video(f"{name}_{run.result}.mp4", run, environment.rate)
+        with (self.path / _ROWS).open("a") as stream:
+            stream.write(f"{json.dumps(row)}\n")
+
+    def finish(self, values: Mapping[str, Any]) -> None:
+        """Write the report."""
+        (self.path / _REPORT).write_text(f"{json.dumps(values, indent=2)}\n")
+
+    def _write_video(self, name: str, run: EpisodeRun, rate: float) -> None:
+        from tool0.recording.video_writer import VideoWriter
+
+        folder = self.path / "videos"
+        folder.mkdir(exist_ok=True)
+        height, width = run.pictures[0].shape[:2]
+        with VideoWriter(folder / name, width, height, rate) as video:
+            for picture in run.pictures:
+                video.write(picture)

@@ -1,0 +1,207 @@
+"""A robot that has been brought up: simulated, in Gazebo, or real.
+
+Observations and actions are those of ``tool0 export --format lerobot``, so a policy
+that was trained on demonstrations of a robot drives it.  An action is the position of
+each driven joint at the end of a control period.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Final, final
+
+import numpy as np
+
+from tool0.collect.demonstrations import (
+    OBJECT,
+    driven_joints,
+    number_names,
+    surroundings_of,
+)
+from tool0.errors import ConfigError, Tool0Error
+from tool0.policy.environment import ActionRefusedError, Array, Outcome
+from tool0.policy.seen import Seen
+
+if TYPE_CHECKING:
+    from tool0.api.gripper import Gripper
+    from tool0.api.robot import Robot
+
+BY: Final = "policy"
+"""Who has taken the arms, for people."""
+FASTEST: Final = 0.9
+"""Largest speed of an arm's joint, part of its largest velocity."""
+_DEADBAND: Final = 0.02
+"""Change of a gripper's target that moves it, part of the range of its joint."""
+_POLL: Final = 0.1
+"""Longest time between looks at a stop while time does not pass [wall s]."""
+
+
+@final
+class RobotEnvironment:
+    """Observes a robot, and streams targets to its arms and grippers."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        *,
+        rate: float = 25.0,
+        cameras: Sequence[str] = (),
+        instruction: str = "",
+        should_stop: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """Look at the robot; nothing moves yet.
+
+        Args:
+            robot: It stays open when the environment is closed.
+            rate: Actions per simulated second [Hz].
+            cameras: Cameras whose images are observed, by name.
+            instruction: What is to be done, in words.
+            should_stop: Asked while time passes; with True, the wait ends.
+
+        Raises:
+            ConfigError: If a driven joint is of no arm and no gripper, or the rate is
+                out of range.
+            RenderError: If there is no such camera.
+        """
+        if not 1.0 <= rate <= 125.0:
+            raise ConfigError(f"rate must be 1 … 125 Hz, got {rate:g}")
+        self._robot, self.rate = robot, rate
+        self.instruction, self._should_stop = instruction, should_stop
+        self._cameras = {name: robot.camera(name) for name in cameras}
+        snapshot = robot.snapshot
+        names = snapshot.joint_names
+        self._joints = driven_joints(robot.description.model, names)
+        self._columns = [names.index(name) for name in self._joints]
+        self._arms = {
+            name: [self._joints.index(joint) for joint in arm.joint_names]
+            for name, arm in robot.arms.items()
+            if set(arm.joint_names) <= set(self._joints)
+        }
+        self._grippers: dict[int, Gripper] = {
+            self._joints.index(gripper.geometry.joint): gripper
+            for gripper in robot.grippers.values()
+        }
+        driven = {*self._grippers, *(k for arm in self._arms.values() for k in arm)}
+        for k, joint in enumerate(self._joints):
+            if k not in driven:
+                raise ConfigError(
+                    f"a policy drives arms and grippers; joint '{joint}' is of neither"
+                )
+        limits = [robot.joint_limits[name] for name in self._joints]
+        self.limits = (
+            np.array([item.lower for item in limits]),
+            np.array([item.upper for item in limits]),
+        )
+        speed = np.array([item.velocity for item in limits])
+        self._largest_step = FASTEST * speed / rate
+        """Of each joint in a control period [rad | m], shape (m,)."""
+        movable = [item.name for item in snapshot.scene if item.mass is not None]
+        self._objects = movable
+        self.names = number_names(self._joints, movable)
+        """Names of the numbers of observations and of the action."""
+        self.surroundings = surroundings_of(self.names)
+        """Names of the numbers that the robot does not measure on itself."""
+        self.action_names = self.names["action"]
+        self._target = np.zeros(len(self._joints))
+        self._grip = dict.fromkeys(self._grippers, 0.0)
+        self._start, self._step = 0.0, 0
+
+    @property
+    def is_realtime(self) -> bool:
+        """Whether time passes by itself."""
+        return self._robot.is_realtime
+
+    def begin(self, seed: int) -> None:
+        """Take the arms; the present positions are the first targets.
+
+        Raises:
+            ControlError: If an arm is switched off, stopped, or taken by others.
+        """
+        for name in self._arms:
+            self._robot.arms[name].motion.take(BY)
+        snapshot = self._robot.snapshot
+        self._target = np.array(snapshot.position)[self._columns]
+        self._grip = {k: float(self._target[k]) for k in self._grippers}
+        self._start, self._step = snapshot.time, 0
+
+    def see(self) -> Seen:
+        """Return what is observed now.
+
+        Raises:
+            RenderError: If a camera cannot take a picture.
+        """
+        snapshot = self._robot.snapshot
+        position = np.array(snapshot.position)[self._columns]
+        velocity = np.array(snapshot.velocity)[self._columns]
+        poses = {item.name: item for item in snapshot.objects}
+        values = {"position": position, "velocity": velocity}
+        for name in self._objects:
+            if name not in poses:
+                raise ConfigError(f"object '{name}' has been removed from the scene")
+            pose = poses[name]
+            values[f"{OBJECT}{name}"] = np.array([*pose.position, *pose.quat_wxyz])
+        images = {name: camera.image().rgb for name, camera in self._cameras.items()}
+        return Seen(
+            observation={**values, **images},
+            values={**values, **images},
+            names=self.names,
+            surroundings=self.surroundings,
+            instruction=self.instruction,
+        )
+
+    def hold(self) -> Array:
+        """Return the present targets [rad | m], shape (m,)."""
+        return self._target.copy()
+
+    def act(self, action: Array) -> Outcome:
+        """Send targets [rad | m], shape (m,), and wait for one control period.
+
+        Raises:
+            ActionRefusedError: If a joint of an arm would have to move too fast.
+            ControlError: If the robot refuses, or the arm is no longer taken.
+        """
+        arms = [k for arm in self._arms.values() for k in arm]
+        step = np.abs(action - self._target) - self._largest_step
+        k = max(arms, key=lambda k: float(step[k]), default=None)
+        if k is not None and step[k] > 0.0:
+            raise ActionRefusedError(
+                f"the action moves '{self._joints[k]}' from {self._target[k]:.3f} to "
+                f"{action[k]:.3f} rad within {1.0 / self.rate:.3g} s; at most "
+                f"{self._largest_step[k]:.3f} rad are allowed"
+            )
+        for name, columns in self._arms.items():
+            motion = self._robot.arms[name].motion
+            motion.servo_joints(action[columns].tolist())
+        for k, gripper in self._grippers.items():
+            low, high = (float(limit[k]) for limit in self.limits)
+            if abs(action[k] - self._grip[k]) > _DEADBAND * (high - low):
+                self._grip[k] = float(action[k])
+                gripper.move(position=self._grip[k])
+        self._target = action.copy()
+        self._step += 1
+        self._wait(self._start + self._step / self.rate)
+        return Outcome()
+
+    def _wait(self, time: float) -> None:
+        """Return when simulated time is ``time`` [s], or at a stop."""
+        robot = self._robot
+        if not robot.is_realtime:
+            robot.run(max(0.0, time - robot.time))
+            return
+        while not self._should_stop():
+            if robot.channel.wait_until(lambda: robot.time >= time - 1e-9, _POLL):
+                return
+
+    def picture(self) -> None:
+        """Return none: the recording has everything."""
+
+    def end(self) -> None:
+        """Stop the arms, and let their controllers hold them."""
+        for name in self._arms:
+            motion = self._robot.arms[name].motion
+            with contextlib.suppress(Tool0Error):  # it is not taken, or stopped
+                motion.give_back()
+
+    def close(self) -> None:
+        """Leave the robot as it is."""

@@ -1,0 +1,90 @@
+"""Where a policy is: a Python callable, a LeRobot policy, or a server."""
+
+from __future__ import annotations
+
+from typing import Any, Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.errors import ConfigError, PolicyError
+from tool0.policy.seen import Seen
+
+Array = NDArray[np.float64]
+
+LEROBOT: Final = "lerobot:"
+_SERVERS: Final = ("ws://", "wss://")
+
+
+class Source(Protocol):
+    """Answers observations with chunks of actions.  It has one user at a time."""
+
+    @property
+    def digest(self) -> str | None:
+        """SHA-256 of the file that it is in, or None."""
+
+    def begin(self, seed: int) -> None:
+        """Begin an episode."""
+
+    def infer(self, seen: Seen) -> Any:
+        """Return the next actions, shape (m,) or (h, m).
+
+        Raises:
+            PolicyError: If the policy fails.
+        """
+
+    def close(self) -> None:
+        """End it."""
+
+
+def opened(name: str, *, device: str = "cpu", keys: dict[str, str]) -> Source:
+    """Return the policy of this name, ready to answer.
+
+    Args:
+        name: ``module:name`` or ``file.py:name``, as ``tool0 collect`` takes it;
+            ``lerobot:FOLDER`` of a pretrained LeRobot policy; ``ws://HOST:PORT`` of a
+            server that speaks openpi's protocol.
+        device: On which LeRobot's policies are computed, such as ``cpu`` or ``cuda``.
+        keys: Name that openpi's server expects → what it gets there.
+
+    Raises:
+        ConfigError: If there is no such policy.
+        PolicyError: If it cannot be loaded.
+        TransportError: If no server answers.
+    """
+    if name.startswith(_SERVERS):
+        from tool0.policy.openpi import OpenpiServer
+
+        return OpenpiServer(name, keys)
+    if keys:
+        raise ConfigError("keys are those of an openpi server, ws://HOST:PORT")
+    if name.startswith(LEROBOT):
+        from tool0.policy.lerobot_policy import LeRobotPolicy
+
+        return LeRobotPolicy(name.removeprefix(LEROBOT), device)
+    from tool0.policy.callables import CallablePolicy
+
+    return CallablePolicy(name)
+
+
+def checked_chunk(actions: Any, width: int) -> Array:
+    """Return the actions of a policy as numbers, shape (h, width).
+
+    Raises:
+        PolicyError: If they have another shape, or are no numbers.
+    """
+    try:
+        found: Array = np.asarray(actions, np.float64)
+    except (TypeError, ValueError):
+        raise PolicyError(
+            f"the policy returned {actions!r:.80}; it must return numbers of shape "
+            f"({width},) or (h, {width})"
+        ) from None
+    if found.ndim == 1:
+        found = found[None]
+    if found.ndim != 2 or found.shape[1] != width or not len(found):
+        raise PolicyError(
+            f"the policy returned an array of shape {np.shape(actions)}; it must be "
+            f"({width},) or (h, {width})"
+        )
+    return found

@@ -1,0 +1,144 @@
+"""Episodes of a task: one simulated environment of Gymnasium."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.collect.rollout import flat
+from tool0.collect.tasks import default_instruction, environment_spec, located_task
+from tool0.errors import ConfigError
+from tool0.policy.environment import Array, Outcome, Picture
+from tool0.policy.seen import Seen
+
+VIDEO_SIZE: Final = (320, 240)
+"""Of pictures, if observations have none [pixels]."""
+
+
+@final
+class TaskEnvironment:
+    """One environment; the policy may take its time, because time waits for it."""
+
+    is_realtime = False
+
+    def __init__(
+        self,
+        task: str,
+        options: Mapping[str, Any],
+        *,
+        instruction: str | None = None,
+        draws: bool = False,
+    ) -> None:
+        """Make the environment.
+
+        Args:
+            task: As ``tool0.collect.collect`` takes it.
+            options: Keywords of the environment.
+            instruction: What is to be done, in words; the task's own if left out.
+            draws: Whether pictures are wanted.
+
+        Raises:
+            ConfigError: If there is no such task.
+            Tool0Error: If an option is wrong.
+        """
+        import gymnasium
+
+        from tool0.gym.registration import task_of
+
+        self.task, self.digest = located_task(task)
+        spec = environment_spec(self.task, self.digest)
+        given = dict(options)
+        self._is_own = task_of(spec) is not None
+        if draws:
+            given["render_mode"] = "rgb_array"
+            if self._is_own and given.get("observation") != "image":
+                given.setdefault("image_size", VIDEO_SIZE)
+        self.instruction = instruction
+        if instruction is None:
+            self.instruction = default_instruction(self.task, self.digest)
+        self._env: Any = gymnasium.make(spec, **given)
+        self._draws = draws
+        rate = self._env.metadata.get("render_fps")
+        if not rate:
+            raise ConfigError(f"task '{task}': its metadata lack render_fps [Hz]")
+        self.rate = float(rate)
+        space = self._env.action_space
+        if not (isinstance(space, gymnasium.spaces.Box) and space.is_bounded()):
+            raise ConfigError(
+                f"task '{task}': its actions are {space}; they must be numbers with "
+                "bounds"
+            )
+        self._space = space
+        self.limits = (
+            space.low.astype(np.float64).ravel(),
+            space.high.astype(np.float64).ravel(),
+        )
+        names = getattr(self._env.unwrapped, "number_names", None)
+        width = len(self.limits[0])
+        self.action_names: tuple[str, ...] = (
+            tuple(names.action) if names else tuple(f"action.{k}" for k in range(width))
+        )
+        self._names = names.observations if names else {}
+        self._surroundings = names.surroundings if names else frozenset()
+        self._last = np.zeros(width)
+        self._observation: Any = None
+
+    @property
+    def names(self) -> Mapping[str, tuple[str, ...]]:
+        """Names of the numbers of observations and of the action."""
+        return {**self._names, "action": self.action_names}
+
+    @property
+    def surroundings(self) -> frozenset[str]:
+        """Names of the numbers that the robot does not measure on itself."""
+        return self._surroundings
+
+    def begin(self, seed: int) -> None:
+        """Begin the episode of a seed."""
+        self._observation, _ = self._env.reset(seed=seed)
+        self._last = np.zeros_like(self._last)
+        self._last[-1] = 1.0  # the gripper is open
+
+    def see(self) -> Seen:
+        """Return what is observed now."""
+        return Seen(
+            observation=self._observation,
+            values=dict(flat(self._observation)),
+            names=self._names,
+            surroundings=self._surroundings,
+            instruction=self.instruction or "",
+        )
+
+    def hold(self) -> Array:
+        """Return the action with which the tool rests and the gripper stays.
+
+        That of an environment that is not of tool0 is zero, or the nearest to it.
+        """
+        action = np.zeros_like(self._last)
+        if self._is_own:
+            action[-1] = self._last[-1]
+        return np.asarray(action.clip(*self.limits))
+
+    def act(self, action: Array) -> Outcome:
+        """Act for one control period."""
+        self._last = action
+        given: NDArray[Any] = action.reshape(self._space.shape)
+        self._observation, reward, terminated, truncated, info = self._env.step(
+            given.astype(self._space.dtype)
+        )
+        success = bool(info.get("is_success", False))
+        return Outcome(float(reward), bool(terminated), bool(truncated), success)
+
+    def picture(self) -> Picture | None:
+        """Return what the camera sees, if pictures are wanted."""
+        return self._env.render() if self._draws else None
+
+    def end(self) -> None:
+        """Leave it as it is: time stands still."""
+
+    def close(self) -> None:
+        """End the simulation."""
+        self._env.close()
