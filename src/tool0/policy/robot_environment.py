@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Final, final
 
 import numpy as np
@@ -24,6 +25,7 @@ from tool0.policy.environment import ActionRefusedError, Array, Outcome
 from tool0.policy.seen import Seen
 
 if TYPE_CHECKING:
+    from tool0.api.arm_motion import ArmMotion
     from tool0.api.gripper import Gripper
     from tool0.api.robot import Robot
 
@@ -31,8 +33,15 @@ BY: Final = "policy"
 """Who has taken the arms, for people."""
 FASTEST: Final = 0.9
 """Largest speed of an arm's joint, part of its largest velocity."""
+_LOOKAHEAD: Final = 1.5
+"""Of the servo motion, in control periods: less follows the targets' steps, more lags
+behind them; the lag is one period."""
+_LOOKAHEADS: Final = (0.03, 0.2)
+"""Range of it [s]."""
 _DEADBAND: Final = 0.02
 """Change of a gripper's target that moves it, part of the range of its joint."""
+_LONGEST_STOP: Final = 2.0
+"""Longest wait for an arm to stop, as for ``GoalHandle.wait`` [s]."""
 _POLL: Final = 0.1
 """Longest time between looks at a stop while time does not pass [wall s]."""
 
@@ -94,6 +103,7 @@ class RobotEnvironment:
             np.array([item.upper for item in limits]),
         )
         speed = np.array([item.velocity for item in limits])
+        self._lookahead = float(np.clip(_LOOKAHEAD / rate, *_LOOKAHEADS))
         self._largest_step = FASTEST * speed / rate
         """Of each joint in a control period [rad | m], shape (m,)."""
         movable = [item.name for item in snapshot.scene if item.mass is not None]
@@ -172,7 +182,9 @@ class RobotEnvironment:
             )
         for name, columns in self._arms.items():
             motion = self._robot.arms[name].motion
-            motion.servo_joints(action[columns].tolist())
+            motion.servo_joints(
+                action[columns].tolist(), lookahead_time=self._lookahead
+            )
         for k, gripper in self._grippers.items():
             low, high = (float(limit[k]) for limit in self.limits)
             if abs(action[k] - self._grip[k]) > _DEADBAND * (high - low):
@@ -202,6 +214,11 @@ class RobotEnvironment:
             motion = self._robot.arms[name].motion
             with contextlib.suppress(Tool0Error):  # it is not taken, or stopped
                 motion.give_back()
+                self._robot.channel.wait_until(partial(_is_free, motion), _LONGEST_STOP)
+
+
+def _is_free(motion: ArmMotion) -> bool:
+    return motion.state.mode == "free"
 
     def close(self) -> None:
         """Leave the robot as it is."""

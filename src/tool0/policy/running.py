@@ -149,12 +149,11 @@ class _Run:
     def _step(self) -> Outcome:
         environment, step = self._environment, self._n_steps
         seen = environment.see()
+        self._take(step)
         if self._chunks.wants(step):
             self._chunks.ask(step)
             self._answers.ask(seen, step)
-        chunk = self._answers.arrived(step)
-        if chunk is not None:
-            self._chunks.add(chunk, step)
+            self._take(step)
         action = self._chunks.action(step)
         if action is None:
             action = environment.hold()
@@ -169,6 +168,12 @@ class _Run:
         self._n_steps += 1
         self._reward += outcome.reward
         return outcome
+
+    def _take(self, step: int) -> None:
+        """Take the chunk that has arrived by this step, if there is one."""
+        chunk = self._answers.arrived(step)
+        if chunk is not None:
+            self._chunks.add(chunk, step)
 
     def _found(self, outcome: Outcome, result: Result, reason: str) -> EpisodeRun:
         episode = None
