@@ -13,7 +13,7 @@ from tool0.policy.seen import Seen
 Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
-TOLERANCE = 0.05
+TOLERANCE = 0.1
 """How far beyond its limits a number of an action may be and is only clipped, part of
 the range: networks overshoot a little."""
 

@@ -216,9 +216,9 @@ class RobotEnvironment:
                 motion.give_back()
                 self._robot.channel.wait_until(partial(_is_free, motion), _LONGEST_STOP)
 
+    def close(self) -> None:
+        """Leave the robot as it is."""
+
 
 def _is_free(motion: ArmMotion) -> bool:
     return motion.state.mode == "free"
-
-    def close(self) -> None:
-        """Leave the robot as it is."""
