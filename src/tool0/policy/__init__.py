@@ -13,12 +13,14 @@ from __future__ import annotations
 from tool0.policy.chunks import ChunkOptions
 from tool0.policy.evaluation import evaluate, execute
 from tool0.policy.report import Report, wilson
+from tool0.policy.robot_environment import RobotEnvironment
 from tool0.policy.running import EpisodeRun, RunOptions
 
 __all__ = [
     "ChunkOptions",
     "EpisodeRun",
     "Report",
+    "RobotEnvironment",
     "RunOptions",
     "evaluate",
     "execute",

@@ -105,7 +105,9 @@ class RobotEnvironment:
         speed = np.array([item.velocity for item in limits])
         self._lookahead = float(np.clip(_LOOKAHEAD / rate, *_LOOKAHEADS))
         self._largest_step = FASTEST * speed / rate
-        """Of each joint in a control period [rad | m], shape (m,)."""
+        """Of each joint of an arm in a control period [rad], shape (m,); grippers move
+        at their own speed."""
+        self._largest_step[list(self._grippers)] = np.inf
         movable = [item.name for item in snapshot.scene if item.mass is not None]
         self._objects = movable
         self.names = number_names(self._joints, movable)
@@ -131,7 +133,8 @@ class RobotEnvironment:
         for name in self._arms:
             self._robot.arms[name].motion.take(BY)
         snapshot = self._robot.snapshot
-        self._target = np.array(snapshot.position)[self._columns]
+        position = np.array(snapshot.position)[self._columns]
+        self._target = position.clip(*self.limits)  # a measured one may be beyond them
         self._grip = {k: float(self._target[k]) for k in self._grippers}
         self._start, self._step = snapshot.time, 0
 
@@ -171,15 +174,34 @@ class RobotEnvironment:
             ActionRefusedError: If a joint of an arm would have to move too fast.
             ControlError: If the robot refuses, or the arm is no longer taken.
         """
-        arms = [k for arm in self._arms.values() for k in arm]
-        step = np.abs(action - self._target) - self._largest_step
-        k = max(arms, key=lambda k: float(step[k]), default=None)
-        if k is not None and step[k] > 0.0:
+        near = self.nearest(action)
+        if (near != action).any():
+            k = int(np.argmax(np.abs(near - action)))
             raise ActionRefusedError(
                 f"the action moves '{self._joints[k]}' from {self._target[k]:.3f} to "
                 f"{action[k]:.3f} rad within {1.0 / self.rate:.3g} s; at most "
                 f"{self._largest_step[k]:.3f} rad are allowed"
             )
+        self.send(action)
+        self._step += 1
+        self._wait(self._start + self._step / self.rate)
+        return Outcome()
+
+    def nearest(self, action: Array) -> Array:
+        """Return the allowed targets that are nearest to an action, shape (m,).
+
+        They are within the limits of the joints, and not too far from the targets now.
+        """
+        step = np.clip(action - self._target, -self._largest_step, self._largest_step)
+        near = np.where(np.abs(step) < self._largest_step, action, self._target + step)
+        return np.asarray(np.clip(near, *self.limits))
+
+    def send(self, action: Array) -> None:
+        """Send targets [rad | m], shape (m,), at once.
+
+        Raises:
+            ControlError: If the robot refuses, or the arm is no longer taken.
+        """
         for name, columns in self._arms.items():
             motion = self._robot.arms[name].motion
             motion.servo_joints(
@@ -191,9 +213,6 @@ class RobotEnvironment:
                 self._grip[k] = float(action[k])
                 gripper.move(position=self._grip[k])
         self._target = action.copy()
-        self._step += 1
-        self._wait(self._start + self._step / self.rate)
-        return Outcome()
 
     def _wait(self, time: float) -> None:
         """Return when simulated time is ``time`` [s], or at a stop."""

@@ -54,6 +54,7 @@ class Wave:
     """A robot's: moves the fifth joint by a sine, and closes the gripper slowly."""
 
     n = 10
+    amplitude = 0.2
 
     def __init__(self, seed: int) -> None:
         self.start: Array | None = None
@@ -65,7 +66,7 @@ class Wave:
         steps = self.step + 1 + np.arange(self.n)
         self.step += self.n
         actions = np.tile(self.start, (self.n, 1))
-        actions[:, 4] += 0.2 * np.sin(2.0 * np.pi * 0.5 * steps / 25.0)
+        actions[:, 4] += self.amplitude * np.sin(2.0 * np.pi * 0.5 * steps / 25.0)
         actions[:, 6] = 0.01 * steps
         return actions
 
@@ -86,6 +87,8 @@ is_answered = threading.Event()
 
 class Waiting(Wave):
     """Answers the second time only when a test says so."""
+
+    amplitude = 0.02  # no jump, whenever it goes on
 
     def __call__(self, seen: dict[str, Array]) -> Array:
         if self.step:

@@ -102,10 +102,11 @@ def test_time_passes_while_a_policy_computes(tmp_path: Path) -> None:
             run=RunOptions(max_steps=50),
             should_stop=should_stop,
         )
-    assert is_holding.is_set()
+    assert found.reason == ""
     assert found.result == "ended"
-    assert 10 <= found.n_held < 40
+    assert is_holding.is_set()
+    assert found.n_held >= 10
     assert max(found.latencies) > 0.05
     assert found.episode is not None
-    held = np.diff(found.episode.actions[12:20], axis=0)
+    held = np.diff(found.episode.actions[14:20], axis=0)
     assert not held.any()  # the last target, again and again
