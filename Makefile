@@ -1,5 +1,6 @@
 # make run    set up a fresh machine and bring the robot up   (ARGS="--headless --duration 5")
 # make test   every test          make check   format, lint, types, layers, unit tests
+# make test-lerobot  the tests of LeRobot, in an environment of its own
 # make bench  the measurements    make clean   remove what was made
 # make web    the panel's page    make web-dev the page from its sources, beside a bringup
 # make docs   the documentation, as a site in build/docs
@@ -18,6 +19,8 @@ GAZEBO  := $(VENV)/.stamp-gazebo
 ROS1    := $(VENV)/.stamp-ros1
 ROS2    := $(VENV)/.stamp-ros2
 GL      := $(VENV)/.stamp-gl
+LEROBOT := .venv-lerobot/.stamp
+LEROBOT_PYTHON ?= python3.12
 ZSH     := $(VENV)/.stamp-zsh
 # What `make test` may not do without; other things that are absent skip their tests.
 TOOL0_REQUIRE ?= browser
@@ -45,7 +48,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: help run setup dev check lint lint-python lint-web format unit unit-python unit-web
-.PHONY: test bench docs web web-dev clean
+.PHONY: test test-lerobot bench docs web web-dev clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -106,6 +109,10 @@ test: $(DEV) $(PAGE) $(KERNEL) $(BROWSER) $(GAZEBO) $(ROS1) $(ROS2) $(GL) $(ZSH)
 	run $(PYTEST) $(AGAIN) $(patsubst %,--ignore=%,$(STURDY) $(PATIENT) $(CLIENTS)); \
 	[ -z "$$failed" ] && [ "$$chosen" ]  # status 5: ARGS chose none of them
 
+# LeRobot with its PyTorch takes 7 GB and another Python, so it is no part of `make test`.
+test-lerobot: $(LEROBOT) $(KERNEL)
+	$(dir $(LEROBOT))bin/python -m pytest tests/lerobot $(ARGS)
+
 bench: $(DEV) $(KERNEL)
 	$(BIN)/python benchmarks/run.py $(ARGS)
 
@@ -122,6 +129,12 @@ $(RUN): pyproject.toml tools/setup-venv
 	@echo 'setting up $(VENV), and the panel with it: about a minute' >&2
 	@tools/setup-venv $(VENV)
 	$(BIN)/python -m pip install --disable-pip-version-check --editable .
+	@touch $@
+
+$(LEROBOT): pyproject.toml plugins/lerobot_robot_tool0/pyproject.toml
+	$(LEROBOT_PYTHON) -m venv $(dir $@)
+	$(dir $@)bin/python -m pip install --quiet --disable-pip-version-check 'lerobot[training,async]>=0.6,<0.7' \
+		--editable '.[collect,video]' --editable plugins/lerobot_robot_tool0 hypothesis pytest pytest-rerunfailures pytest-timeout pytest-xdist
 	@touch $@
 
 # `pip install --group` came with pip 25.1; a distribution's pip is older.

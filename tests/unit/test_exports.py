@@ -14,6 +14,7 @@ import pytest
 
 import tool0
 import tool0.collect
+import tool0.policy
 import tool0.gym
 import tool0.scene
 
@@ -137,7 +138,12 @@ def test_docs_and_examples_need_no_subpackage() -> None:
         found = re.findall(
             r"(?:from|import) (tool0\.[\w.]+)", path.read_text(encoding="utf-8")
         )
-        assert set(found) <= {"tool0.collect", "tool0.gym", "tool0.scene"}, path
+        assert set(found) <= {
+            "tool0.collect",
+            "tool0.gym",
+            "tool0.policy",
+            "tool0.scene",
+        }, path
 
 
 def test_the_reference_has_every_export() -> None:
@@ -147,7 +153,9 @@ def test_the_reference_has_every_export() -> None:
     scene = {f"scene.{name}" for name in tool0.scene.__all__ if name != "Pose"}
     gym = {f"gym.{name}" for name in tool0.gym.__all__}
     collect = {f"collect.{name}" for name in tool0.collect.__all__}
-    assert sorted(listed) == sorted({*tool0.__all__, *scene, *gym, *collect})
+    policy = {f"policy.{name}" for name in tool0.policy.__all__}
+    every = {*tool0.__all__, *scene, *gym, *collect, *policy}
+    assert sorted(listed) == sorted(every)
 
 
 def undocumented(name: str) -> list[str]:

@@ -93,7 +93,7 @@ class Tool0Robot(Robot):  # type: ignore[misc]  # LeRobot may not be installed
         return {
             **dict(zip(named(joints, "pos"), values["position"].tolist(), strict=True)),
             **dict(zip(named(joints, "vel"), values["velocity"].tolist(), strict=True)),
-            **{name: values[name] for name in self.cameras},
+            **{name: values[name].copy() for name in self.cameras},  # to write to
         }
 
     def send_action(self, action: dict[str, Any]) -> dict[str, Any]:

@@ -64,6 +64,7 @@ def evaluate(
         PolicyError: If the policy fails.
         TransportError: If its server does not answer.
     """
+    require_extra()
     if videos != "none" and folder is None:
         raise ConfigError("videos need a folder")
     place = None if folder is None else _Folder(Path(folder), videos)

@@ -8,6 +8,7 @@ of shape (h, m).  Messages are msgpack; a text is an error.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from typing import Any, Final, final
 
@@ -52,8 +53,9 @@ class OpenpiServer:
         from websockets.sync.client import connect
 
         self._address, self._keys = address, dict(keys)
+        self._stack = contextlib.ExitStack()
         try:
-            self._socket = connect(
+            connection = connect(
                 address,
                 compression=None,
                 max_size=None,
@@ -61,10 +63,12 @@ class OpenpiServer:
                 proxy=None,
                 ping_interval=None,  # a server may be busy with its network
             )
+            self._socket = self._stack.enter_context(connection)
             self.metadata = _unpacked(self._socket.recv(timeout=_TIMEOUT))
-        except InvalidURI as error:
+        except (InvalidURI, ValueError) as error:
             raise ConfigError(f"policy '{address}': {error}") from None
-        except (OSError, WebSocketException) as error:
+        except (OSError, WebSocketException, PolicyError) as error:
+            self._stack.close()
             raise TransportError(
                 f"no policy server answers at {address}: {error}"
             ) from None
@@ -100,7 +104,7 @@ class OpenpiServer:
 
     def close(self) -> None:
         """Close the connection."""
-        self._socket.close()
+        self._stack.close()
 
     def _request(self, seen: Seen) -> dict[str, Any]:
         columns = seen.columns()

@@ -8,6 +8,7 @@ each driven joint at the end of a control period.
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Final, final
@@ -40,6 +41,9 @@ _LOOKAHEADS: Final = (0.03, 0.2)
 """Range of it [s]."""
 _DEADBAND: Final = 0.02
 """Change of a gripper's target that moves it, part of the range of its joint."""
+_SILENCE: Final = 0.3
+"""After such a pause a stream counts as ended [wall s]: the arm itself ends it after
+0.5 s."""
 _LONGEST_STOP: Final = 2.0
 """Longest wait for an arm to stop, as for ``GoalHandle.wait`` [s]."""
 _POLL: Final = 0.1
@@ -118,6 +122,8 @@ class RobotEnvironment:
         self._target = np.zeros(len(self._joints))
         self._grip = dict.fromkeys(self._grippers, 0.0)
         self._start, self._step = 0.0, 0
+        self._sent = 0.0
+        """When targets were sent last [wall s]."""
 
     @property
     def is_realtime(self) -> bool:
@@ -184,7 +190,7 @@ class RobotEnvironment:
             )
         self.send(action)
         self._step += 1
-        self._wait(self._start + self._step / self.rate)
+        self._wait_until(self._start + self._step / self.rate)
         return Outcome()
 
     def nearest(self, action: Array) -> Array:
@@ -199,11 +205,17 @@ class RobotEnvironment:
     def send(self, action: Array) -> None:
         """Send targets [rad | m], shape (m,), at once.
 
+        After a pause the arms begin a new stream, from where they have come to rest.
+
         Raises:
             ControlError: If the robot refuses, or the arm is no longer taken.
         """
+        now = time.monotonic()
+        was_silent, self._sent = now - self._sent > _SILENCE, now
         for name, columns in self._arms.items():
             motion = self._robot.arms[name].motion
+            if was_silent:
+                motion.stop()
             motion.servo_joints(
                 action[columns].tolist(), lookahead_time=self._lookahead
             )
@@ -214,14 +226,14 @@ class RobotEnvironment:
                 gripper.move(position=self._grip[k])
         self._target = action.copy()
 
-    def _wait(self, time: float) -> None:
-        """Return when simulated time is ``time`` [s], or at a stop."""
+    def _wait_until(self, end: float) -> None:
+        """Return when simulated time is ``end`` [s], or at a stop."""
         robot = self._robot
         if not robot.is_realtime:
-            robot.run(max(0.0, time - robot.time))
+            robot.run(max(0.0, end - robot.time))
             return
         while not self._should_stop():
-            if robot.channel.wait_until(lambda: robot.time >= time - 1e-9, _POLL):
+            if robot.channel.wait_until(lambda: robot.time >= end - 1e-9, _POLL):
                 return
 
     def picture(self) -> None:
