@@ -62,15 +62,15 @@ def lerobot(program: str, line: str) -> str:
 def brought_up(name: str) -> Iterator[tool0.Robot]:
     """Bring up a robot in a process of its own; yield a connection."""
     words = [sys.executable, "-m", "tool0", "bringup", "--headless", "--name", name]
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
-    try:
-        assert process.stdout is not None
-        assert process.stdout.readline()  # it says that it is ready
-        with tool0.connect(name) as robot:
-            yield robot
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.wait(20.0)
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            assert process.stdout.readline()  # it says that it is ready
+            with tool0.connect(name) as robot:
+                yield robot
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.wait(20.0)
 
 
 def test_collect_train_evaluate(tmp_path: Path) -> None:

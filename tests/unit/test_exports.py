@@ -14,8 +14,8 @@ import pytest
 
 import tool0
 import tool0.collect
-import tool0.policy
 import tool0.gym
+import tool0.policy
 import tool0.scene
 
 ROOT = Path(__file__).parent.parent.parent

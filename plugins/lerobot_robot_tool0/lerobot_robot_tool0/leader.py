@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from lerobot.teleoperators import Teleoperator
-from lerobot_robot_tool0.config import Tool0LeaderConfig
-from lerobot_robot_tool0.joints import named
 
 import tool0
+from lerobot_robot_tool0.config import Tool0LeaderConfig
+from lerobot_robot_tool0.joints import named
 from tool0.errors import ControlError
 from tool0.policy import RobotEnvironment
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 from lerobot.robots import Robot
-from lerobot_robot_tool0.config import Tool0RobotConfig
-from lerobot_robot_tool0.joints import named, values_of
 
 import tool0
+from lerobot_robot_tool0.config import Tool0RobotConfig
+from lerobot_robot_tool0.joints import named, values_of
 from tool0.errors import ControlError
 from tool0.policy import RobotEnvironment
 
