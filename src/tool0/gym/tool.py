@@ -8,6 +8,8 @@ import numpy as np
 
 from tool0.description.transform import Transform
 from tool0.description.transform_arrays import Frames, sine_vectors
+from tool0.kernel.library import load
+from tool0.kernel.tool import ToolKernel
 from tool0.kinematics.chain import ArmChain, Array, Posture
 
 DAMPING = 1e-4
@@ -19,7 +21,10 @@ STEPS = 2
 
 @final
 class Tool:
-    """The tcp of a gripper: a frame fixed in the arm's flange."""
+    """The tcp of a gripper: a frame fixed in the arm's flange.
+
+    The kernel computes it; without the kernel NumPy does, which is the reference.
+    """
 
     def __init__(
         self, chain: ArmChain, T_root_base: Transform, T_tip_tcp: Transform
@@ -27,9 +32,22 @@ class Tool:
         self._chain = chain
         self._T_root_base = Frames.of(T_root_base)
         self._T_tip_tcp = T_tip_tcp
+        self._kernel: ToolKernel | None = None
+        compiled = load()
+        if compiled is not None:
+            self._kernel = ToolKernel(
+                compiled,
+                base=T_root_base.matrix,
+                joints=[joint.placement for joint in chain.tree],
+                axes=np.array([joint.axis for joint in chain.tree]),
+                tool=(chain.T_last_tip @ T_tip_tcp).matrix,
+                damping=DAMPING,
+            )
 
     def pose(self, q: Array) -> Frames:
         """Return the poses in the root at positions ``q`` [rad], shape (n, 6)."""
+        if self._kernel is not None:
+            return Frames(*self._kernel.poses(q))
         return self._T_root_base @ self._in_base(self._chain.forward(q))
 
     def _in_base(self, posture: Posture) -> Frames:
@@ -45,6 +63,8 @@ class Tool:
             limit: Largest change of each joint [rad], shape (6,).  Beyond it all joints
                 of a copy move a shorter way along the same line.
         """
+        if self._kernel is not None:
+            return self._kernel.approach(q, target.position, target.rotation, limit)
         found, R_base = q, self._T_root_base.rotation
         for _ in range(STEPS):
             posture = self._chain.forward(found)

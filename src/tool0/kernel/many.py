@@ -11,7 +11,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from tool0.kernel.memory import FloatArray, IntArray
+from tool0.kernel.memory import FloatArray, IntArray, address
 
 Addresses = NDArray[np.uintp]
 """Addresses of structs or of numbers, one per copy."""
@@ -50,7 +50,12 @@ class BatchKernel:
         robots, most = np.ascontiguousarray(robots), np.ascontiguousarray(most)
         done, results = np.zeros((2, n), dtype=np.int32)
         self._compiled.tool0_run_many(
-            self._pool, _at(robots), n, _at(most), _at(done), _at(results)
+            self._pool,
+            address(robots),
+            n,
+            address(most),
+            address(done),
+            address(results),
         )
         return done, results
 
@@ -82,12 +87,12 @@ class BatchKernel:
         speeds = None if velocities is None else np.ascontiguousarray(velocities)
         laws, which = np.ascontiguousarray(laws), ctypes.c_int32(-1)
         result = self._compiled.tool0_start_many(
-            _at(laws),
+            address(laws),
             len(laws),
             len(columns),
-            _at(columns),
-            *map(_at, arrays),
-            None if speeds is None else _at(speeds),
+            address(columns),
+            *map(address, arrays),
+            None if speeds is None else address(speeds),
             ctypes.byref(which),
         )
         return StartResult(result), which.value
@@ -102,10 +107,6 @@ class BatchKernel:
         laws, now = np.ascontiguousarray(laws), np.ascontiguousarray(now)
         found = np.zeros(len(laws))
         result = self._compiled.tool0_desired_many(
-            _at(laws), len(laws), joint, _at(now), _at(found)
+            address(laws), len(laws), joint, address(now), address(found)
         )
         return found if result == StartResult.YES else None
-
-
-def _at(array: NDArray[np.generic]) -> ctypes.c_void_p:
-    return ctypes.c_void_p(array.ctypes.data)

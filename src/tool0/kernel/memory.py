@@ -7,7 +7,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from ctypes import Structure, addressof, c_double, c_int32, c_int64, c_size_t
+from ctypes import (
+    Structure,
+    addressof,
+    c_double,
+    c_int32,
+    c_int64,
+    c_size_t,
+    c_void_p,
+)
 from enum import IntEnum
 from typing import final
 
@@ -238,3 +246,8 @@ def packed(piece: Piece, monitor: GoalMonitor | None = None) -> tuple[float, ...
         tolerance.velocity,
         piece.segment.end,
     )
+
+
+def address(array: NDArray[np.generic]) -> c_void_p:
+    """Return where the numbers of a contiguous array are, for a call of the kernel."""
+    return c_void_p(array.ctypes.data)

@@ -41,6 +41,31 @@ def test_a_step_takes_the_tool_where_it_is_to_go(pair: tuple[str, str]) -> None:
 
 
 @pytest.mark.parametrize("pair", PAIRS)
+def test_the_kernel_computes_what_numpy_does(
+    pair: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    options = EnvOptions(arm=pair[0], gripper=pair[1])
+    compiled = Workspace(options).tool
+    monkeypatch.setenv("TOOL0_KERNEL", "python")
+    space = Workspace(options)
+    reference = space.tool
+    q = space.start + rng.uniform(-0.5, 0.5, (200, 6))
+    pose = reference.pose(q)
+    for a, b in zip(compiled.pose(q), pose, strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-12)
+    wanted = Frames(
+        pose.position + rng.uniform(-0.05, 0.05, (200, 3)),
+        from_rotation_vectors(rng.uniform(-1.5, 1.5, (200, 3))) @ pose.rotation,
+    )
+    for limit in (np.full(6, 0.02), np.full(6, 10.0)):
+        np.testing.assert_allclose(
+            compiled.approach(q, wanted, limit),
+            reference.approach(q, wanted, limit),
+            atol=1e-8,
+        )
+
+
+@pytest.mark.parametrize("pair", PAIRS)
 def test_the_tool_starts_above_the_table_and_looks_down(pair: tuple[str, str]) -> None:
     space = Workspace(EnvOptions(arm=pair[0], gripper=pair[1]))
     pose = space.tool.pose(space.start[None])

@@ -1,0 +1,92 @@
+"""Kinematics of the tool of n copies of an arm, by the kernel: ``tool.c``."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from ctypes import Structure, c_double
+from typing import final
+
+import numpy as np
+
+from tool0.kernel.memory import FloatArray, address
+
+_JOINTS = 6
+
+
+class _Frame(Structure):
+    _fields_ = (("R", c_double * 9), ("p", c_double * 3))
+
+    @classmethod
+    def of(cls, T: FloatArray) -> _Frame:
+        """Return a pose, shape (4, 4)."""
+        return cls((c_double * 9)(*T[:3, :3].flat), (c_double * 3)(*T[:3, 3]))
+
+
+class _Arm(Structure):
+    _fields_ = (
+        ("base", _Frame),
+        ("joints", _Frame * _JOINTS),
+        ("axes", c_double * 3 * _JOINTS),
+        ("tool", _Frame),
+        ("damping", c_double),
+    )
+
+
+@final
+class ToolKernel:
+    """The tool of one kind of arm.  Every array has one row per copy."""
+
+    def __init__(
+        self,
+        compiled: ctypes.CDLL,
+        *,
+        base: FloatArray,
+        joints: Sequence[FloatArray],
+        axes: FloatArray,
+        tool: FloatArray,
+        damping: float,
+    ) -> None:
+        """Describe the arm.
+
+        Args:
+            compiled: The kernel.
+            base: The arm's base in the root, shape (4, 4).
+            joints: Each joint at 0 in the one before, six of shape (4, 4).
+            axes: Of the joints, in their own frames, shape (6, 3).
+            tool: The tool in the last joint, shape (4, 4).
+            damping: Of the inverse of the Jacobian, squared [m²].
+        """
+        self._arm = _Arm(
+            _Frame.of(base),
+            (_Frame * _JOINTS)(*map(_Frame.of, joints)),
+            (c_double * 3 * _JOINTS)(*((c_double * 3)(*axis) for axis in axes)),
+            _Frame.of(tool),
+            damping,
+        )
+        self._at = ctypes.byref(self._arm)
+        self._poses = compiled.tool0_tool_poses
+        self._poses.restype = None
+        self._approach = compiled.tool0_approach
+        self._approach.restype = None
+
+    def poses(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return positions [m], (n, 3), and rotations, (n, 3, 3), in the root."""
+        q = np.ascontiguousarray(q)
+        n = len(q)
+        positions, rotations = np.empty((n, 3)), np.empty((n, 3, 3))
+        self._poses(self._at, n, address(q), address(positions), address(rotations))
+        return positions, rotations
+
+    def approach(
+        self,
+        q: FloatArray,
+        positions: FloatArray,
+        rotations: FloatArray,
+        limit: FloatArray,
+    ) -> FloatArray:
+        """Return joint positions nearer to poses, as ``gym.tool.Tool.approach``."""
+        given = [np.ascontiguousarray(a) for a in (q, positions, rotations, limit)]
+        found = np.empty((len(q), _JOINTS))
+        self._approach(self._at, len(q), *map(address, given), address(found))
+        return found
