@@ -111,7 +111,9 @@ class Batch:
             camera.check_on(self._model)
         self._cores = make_cores(robot, control, scenes, dt)
         ground = self._cores[0].engine.world.ground
-        self._cameras = Cameras(self._model, cameras, ground, lambda: self._snapshot(0))
+        self._cameras = Cameras(
+            self._model, cameras, ground, lambda: self._snapshot(0), self._threads
+        )
         self._copies = self._backend()
         self._commands = Commands(self._model, self._copies, self._cores[0])
         self._chains: dict[str, LinkFrames] = {}
@@ -532,9 +534,26 @@ class Batch:
             raise ControlError(
                 f"Batch.render: no copy {i}; there are 0 … {self._n - 1}"
             )
+        return self.render_all(camera, i)[0]
+
+    def render_all(
+        self, camera: str, which: Which | None = None
+    ) -> tuple[CameraImage, ...]:
+        """Return an image of each copy, drawn by as many threads as step the copies.
+
+        Args:
+            camera: A camera of the robot or of the scene.
+            which: The copies; all, if left out.
+
+        Raises:
+            ControlError: If this is a GPU.
+            RenderError: If there is no such camera, or no OpenGL here.
+        """
+        rows = Arguments(self._n, "render_all").which(which)
         self._check_on_cpu("render")
         with self._alone():
-            return self._cameras.render(self._cameras[camera], self._snapshot(i))
+            states = [self._snapshot(i) for i in rows.tolist()]
+            return tuple(self._cameras.render_all(self._cameras[camera], states))
 
     def close(self) -> None:
         """End the batch; closing twice is allowed."""

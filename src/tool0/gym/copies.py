@@ -325,7 +325,7 @@ class Copies:
         """
         found = {}
         for name, (rgb, depth) in self.options.image_keys.items():
-            drawn = [self.batch.render(i, name) for i in range(self.n)]
+            drawn = self.batch.render_all(name)
             found[rgb] = np.stack([image.rgb for image in drawn])
             if self.options.depth:
                 depths = np.stack([image.depth for image in drawn])

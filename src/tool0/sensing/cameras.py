@@ -1,12 +1,14 @@
 """The robot's cameras: images of snapshots, rendered in a separate thread, and PNG.
 
 MuJoCo renders for every engine.  Images are rendered from snapshots, so they cost the
-tick nothing.  A GL context belongs to one thread, so one thread renders.
+tick nothing.  A GL context belongs to one thread, so threads have renderers of their
+own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from threading import Lock
 from typing import TYPE_CHECKING, final
 
@@ -32,19 +34,22 @@ class Cameras(Mapping[str, Camera]):
         cameras: Mapping[str, Camera],
         ground: float | None,
         newest: Callable[[], Snapshot],
+        threads: int = 1,
     ) -> None:
         """Do not use OpenGL until an image is requested.
 
-        ``ground`` is its height in the robot's root [m]; None without ground.
+        Args:
+            model: The robot.
+            cameras: By name.
+            ground: Its height in the robot's root [m]; None without ground.
+            newest: Returns what is to be seen now.
+            threads: Threads that render several images.
         """
-        self._model = model
-        self._ground = ground
         self.newest = newest
         """Returns what is to be seen now."""
         self._cameras = dict(cameras)
         self._lock = Lock()
-        self._thread: ThreadPoolExecutor | None = None
-        self._renderer: Renderer | None = None  # the thread's own
+        self._painters = [_Painter(model, ground) for _ in range(threads)]
         self._is_closed = False
 
     def __getitem__(self, name: str) -> Camera:
@@ -67,25 +72,53 @@ class Cameras(Mapping[str, Camera]):
             RenderError: If there is no OpenGL here, or the robot is closed.
             ModelError: If MuJoCo does not support an object that Gazebo has.
         """
-        from concurrent.futures import ThreadPoolExecutor
+        return self.render_all(camera, [snapshot or self.newest()])[0]
 
-        state = snapshot or self.newest()
+    def render_all(
+        self, camera: Camera, snapshots: Sequence[Snapshot]
+    ) -> list[CameraImage]:
+        """Return an image of each snapshot, as ``render``."""
         with self._lock:
             if self._is_closed:
                 raise RenderError("the robot is closed; its cameras take no images")
-            if self._thread is None:
-                self._thread = ThreadPoolExecutor(1, "tool0 cameras")
-            drawn: Future[CameraImage] = self._thread.submit(self._draw, camera, state)
-        return drawn.result()
+            turns = itertools.cycle(self._painters)
+            drawn = [
+                painter.draw(camera, state)
+                for painter, state in zip(turns, snapshots, strict=False)
+            ]
+        return [image.result() for image in drawn]
 
     def close(self) -> None:
-        """End the thread and free OpenGL; closing twice is allowed."""
+        """End the threads and free OpenGL; closing twice is allowed."""
         with self._lock:
             self._is_closed = True
-            thread, self._thread = self._thread, None
-        if thread is not None:
-            ended = thread.submit(self._end)
-            thread.shutdown()
+            painters, self._painters = self._painters, []
+        for painter in painters:
+            painter.close()
+
+
+@final
+class _Painter:
+    """A thread with a renderer; both begin with the first image."""
+
+    def __init__(self, model: RobotModel, ground: float | None) -> None:
+        self._model, self._ground = model, ground
+        self._thread: ThreadPoolExecutor | None = None
+        self._renderer: Renderer | None = None  # the thread's own
+
+    def draw(self, camera: Camera, state: Snapshot) -> Future[CameraImage]:
+        """Begin to draw an image."""
+        if self._thread is None:
+            from concurrent.futures import ThreadPoolExecutor
+
+            self._thread = ThreadPoolExecutor(1, "tool0 cameras")
+        return self._thread.submit(self._draw, camera, state)
+
+    def close(self) -> None:
+        """End the thread, after the images that it has begun."""
+        if self._thread is not None:
+            ended = self._thread.submit(self._end)
+            self._thread.shutdown()
             ended.result()
 
     def _draw(self, camera: Camera, state: Snapshot) -> CameraImage:
@@ -100,19 +133,19 @@ class Cameras(Mapping[str, Camera]):
         )
 
     def _fitting(self, camera: Camera) -> Renderer:
-        """Return a renderer for images of the camera's size."""
+        """Return a renderer for images of the camera's size; it may be a larger one."""
         from tool0.engines.mujoco.gl import import_mujoco
 
         import_mujoco()
         from tool0.engines.mujoco.rendering import Renderer
 
+        width, height = camera.width, camera.height
         old = self._renderer
-        if old is not None and old.holds(camera.width, camera.height):
-            return old
+        if old is not None:
+            if old.holds(width, height):
+                return old
+            width, height = max(width, old.size[0]), max(height, old.size[1])
         self._end()
-        cameras = (camera, *self._cameras.values())
-        width = max(item.width for item in cameras)
-        height = max(item.height for item in cameras)
         self._renderer = Renderer(self._model, self._ground, width, height)
         return self._renderer
 

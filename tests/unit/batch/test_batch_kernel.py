@@ -172,6 +172,10 @@ def test_images_show_the_present_state() -> None:
         assert one.time == other.time == batch.time[0]
         assert one.rgb.shape == other.rgb.shape
         assert np.abs(one.rgb.astype(int) - other.rgb).max() > 50
+        for image, again in zip(batch.render_all("scene"), (one, other), strict=True):
+            np.testing.assert_array_equal(image.rgb, again.rgb)
+        (only,) = batch.render_all("scene", which=[1])
+        np.testing.assert_array_equal(only.depth, other.depth)
 
 
 def native_threads() -> int:

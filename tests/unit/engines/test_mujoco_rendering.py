@@ -29,7 +29,11 @@ from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Box, Compound, Cylinder, Mesh, Sphere
 from tool0.description.transform import Pose, Transform, to_pose, to_transform
 from tool0.engines.mujoco.gl import PACKAGES as GL_PACKAGES
-from tool0.engines.mujoco.rendering import Renderer, with_readable_visuals
+from tool0.engines.mujoco.rendering import (
+    Renderer,
+    shadow_size,
+    with_readable_visuals,
+)
 from tool0.errors import RenderError
 
 pytestmark = pytest.mark.slow
@@ -261,3 +265,8 @@ def test_a_wrong_mujoco_gl_is_no_traceback(command: str) -> None:
     (line,) = ended.stderr.splitlines()
     assert line.startswith("tool0: error: ")
     assert "MUJOCO_GL, which is 'nonsense'" in line
+
+
+def test_small_images_have_small_shadow_maps() -> None:
+    sizes = [shadow_size(*size) for size in ((96, 96), (160, 120), (640, 480))]
+    assert sizes == [512, 1024, 2048]

@@ -30,6 +30,10 @@ logger = logging.getLogger(__name__)
 
 MAX_GEOMS = 10000
 """Largest number of shapes in an image; MuJoCo omits the rest."""
+SHADOW_DETAIL = 5
+"""Pixels of the shadow map along a side, per pixel of the image."""
+SHADOW_SIZES = (512, 2048)
+"""Range of the side of the shadow map [pixels]."""
 HORIZON, ZENITH = np.array([237.0, 242.0, 247.0]), np.array([180.0, 203.0, 230.0])
 """Colours of the sky."""
 HAZE = (3.0, 9.0)
@@ -55,7 +59,8 @@ class Renderer:
             RenderError: If there is no OpenGL here.
         """
         self._robot = model = with_readable_visuals(model)
-        self._size = width, height
+        self.size = width, height
+        """Of the largest image [pixels]."""
         self._robot_spec = build_spec(model, dt=0.001, visuals=True, ground=ground)
         _furnish(self._robot_spec, width, height)
         self._mesh_files: Mapping[str, bytes] = {}
@@ -65,7 +70,7 @@ class Renderer:
 
     def holds(self, width: int, height: int) -> bool:
         """Return whether an image of that size [pixels] fits."""
-        return width <= self._size[0] and height <= self._size[1]
+        return width <= self.size[0] and height <= self.size[1]
 
     def render(
         self,
@@ -209,7 +214,7 @@ def _paint_sky(
 def _furnish(spec: Any, width: int, height: int) -> None:
     """Add light, and allocate images of this size."""
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
-    spec.visual.quality.shadowsize = 2048
+    spec.visual.quality.shadowsize = shadow_size(width, height)
     # With several samples per pixel, the depth would be that of an off-centre sample:
     # millimetres wrong on a steep face.  Rendering would also take twice as long.
     spec.visual.quality.offsamples = 0
@@ -225,6 +230,15 @@ def _furnish(spec: Any, width: int, height: int) -> None:
         diffuse=[0.5, 0.5, 0.5],
         specular=[0.2, 0.2, 0.2],
     )
+
+
+def shadow_size(width: int, height: int) -> int:
+    """Return the side of the shadow map for an image of that size [pixels].
+
+    Without a graphics card it takes longer than a small image itself.
+    """
+    wanted = int(SHADOW_DETAIL * max(width, height))
+    return min(max(1 << (wanted - 1).bit_length(), SHADOW_SIZES[0]), SHADOW_SIZES[1])
 
 
 def with_readable_visuals(model: RobotModel) -> RobotModel:
