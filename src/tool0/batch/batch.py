@@ -33,13 +33,15 @@ from tool0.description.loading import load_description
 from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.description.parts import find_arms, find_grippers
 from tool0.description.scene import Scene
+from tool0.description.transform_arrays import Frames, from_quats_wxyz
 from tool0.errors import (
     ConfigError,
     ControlError,
     LimitsError,
     did_you_mean,
 )
-from tool0.kinematics.chain import Array
+from tool0.kinematics.chain import ArmChain, Array, find_chains
+from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.only_part import only_part
 from tool0.protocol.sensors import CameraImage
 from tool0.protocol.state import Snapshot
@@ -118,6 +120,7 @@ class Batch:
         self._commands = Commands(self._model, self._copies, self._cores[0])
         self._chains: dict[str, LinkFrames] = {}
         self._tcp_frames: dict[str, GripperFrames] = {}
+        self._inverses: dict[str, InverseKinematics] = {}
         self._joints: tuple[Array, Array, Array] | None = None
         self._object_arrays: ObjectArrays | None = None
         """Arrays read since the state last changed, like ``_joints``."""
@@ -235,6 +238,52 @@ class Batch:
             self._tcp_frames[geometry.name] = GripperFrames(self._model, geometry)
         frames = self._tcp_frames[geometry.name].poses(self._positions(), self.n)
         return _frozen(frames.position), _frozen(frames.quat_wxyz)
+
+    def inverse_kinematics(
+        self,
+        position: ArrayLike,
+        quat: ArrayLike,
+        *,
+        robot: str | None = None,
+        which: Which | None = None,
+    ) -> Array:
+        """Return joint positions that take tool0 to poses in the root.
+
+        Of the postures within the limits, it is the nearest to the present positions,
+        in time at full speed.
+
+        Args:
+            position: [m], shape (n, 3).
+            quat: w, x, y, z, shape (n, 4).
+            robot: The arm, by name; the only one, if left out.
+            which: The copies.
+
+        Returns:
+            [rad], shape (n, 6), from base to flange; NaN in a row whose pose is out of
+            reach or singular, and in those of other copies.
+
+        Raises:
+            ControlError: If a shape or a number is wrong, or there is no such arm.
+        """
+        check = Arguments(self._n, "inverse_kinematics")
+        rows = check.which(which)
+        p = check.rows("position", position, (3,), rows)
+        orientation = check.rows("quat", quat, (4,), rows, " for w, x, y, z")
+        if not np.linalg.norm(orientation[rows], axis=1).all():
+            raise ControlError("Batch.inverse_kinematics: 'quat' has a zero row")
+        chain = _named(self._arm_chains, robot, "arm", self._model)
+        if chain.tip not in self._inverses:
+            self._inverses[chain.tip] = InverseKinematics(chain)
+        joints = [self.joint_names.index(name) for name in chain.joint_names]
+        bases = self._link_frames(chain.base).poses(self._positions(), self._n)
+        target = Frames(p[rows], from_quats_wxyz(orientation[rows]))
+        base = bases[chain.base]
+        here = Frames(base.position[rows], base.rotation[rows])
+        T_base_tip = (here.inverse() @ target).matrices
+        found = np.full((self._n, len(joints)), np.nan)
+        near = self.position[rows][:, joints]
+        found[rows] = self._inverses[chain.tip].nearest(T_base_tip, near)
+        return _frozen(found)
 
     def opening(self, gripper: str | None = None) -> Array:
         """Return the distance between the pads [m], shape (n,); 0 is closed."""
@@ -645,6 +694,10 @@ class Batch:
         if link not in self._chains:
             self._chains[link] = LinkFrames(self._model, [link])
         return self._chains[link]
+
+    @cached_property
+    def _arm_chains(self) -> Mapping[str, ArmChain]:
+        return find_chains(self._model)
 
     def _gripper(self, name: str | None) -> ParallelGripper:
         return _named(self.grippers, name, "gripper", self._model)

@@ -48,6 +48,13 @@ class Frames(NamedTuple):
         return quats_wxyz(self.rotation)
 
     @property
+    def matrices(self) -> Array:
+        """The transforms as matrices, shape (n, 4, 4)."""
+        T = np.zeros((len(self.position), 4, 4))
+        T[:, :3, :3], T[:, :3, 3], T[:, 3, 3] = self.rotation, self.position, 1.0
+        return T
+
+    @property
     def yaw(self) -> Array:
         """Angles of the x axes about the parent's z axis [rad], shape (n,)."""
         return yaw_of(self.rotation)
@@ -113,6 +120,14 @@ def sine_vectors(R: Array) -> Array:
         [R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]],
         axis=1,
     )
+
+
+def from_quats_wxyz(quats: Array) -> Array:
+    """Return the rotations of quaternions of any length, (n, 4), shape (n, 3, 3)."""
+    unit = quats / np.linalg.norm(quats, axis=1, keepdims=True)
+    crosses = cross_matrices(unit[:, 1:])
+    w = unit[:, 0, None, None]
+    return np.asarray(np.eye(3) + 2.0 * (w * crosses + crosses @ crosses))
 
 
 def quats_wxyz(R: Array) -> Array:

@@ -6,6 +6,7 @@ import math
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tool0.description.model import JointType
 from tool0.description.posture import Branch, Solution
@@ -102,6 +103,35 @@ class InverseKinematics:
         The closed form is exact for the ideal arm; a calibrated one differs a little.
         ``q`` is in [rad], shape (n, 6); ``T_base_tip`` of shape (4, 4) or (n, 4, 4).
         """
+        found, has_reached = self._newton(q, T_base_tip)
+        return np.asarray(found[has_reached])
+
+    def nearest(self, T_base_tip: Array, near: Array) -> Array:
+        """Return the nearest posture within the limits for each of n poses [rad].
+
+        Away from singular poses, which leave a joint open.
+
+        Args:
+            T_base_tip: Target poses of the flange, shape (n, 4, 4).
+            near: The positions to compare with [rad], shape (n, 6).
+
+        Returns:
+            Shape (n, 6); NaN in the rows of poses that no posture reaches.
+        """
+        every = self.geometry.solve(T_base_tip)
+        turned = self._turned(every, near[:, None])
+        distances = np.linalg.norm((turned - near[:, None]) / self.fastest, axis=2)
+        best = np.nan_to_num(distances, nan=np.inf).argmin(axis=1)
+        found = turned[np.arange(len(near)), best]
+        is_found = np.isfinite(found).all(axis=1)
+        if self.geometry.inexact > EXACT and is_found.any():
+            q, has_reached = self._newton(found[is_found], T_base_tip[is_found])
+            found[is_found] = np.where(has_reached[:, None], q, np.nan)
+        found[~is_found] = np.nan
+        return np.asarray(found)
+
+    def _newton(self, q: Array, T_base_tip: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return postures nearer to their poses, and which reach these."""
         q = q.copy()
         for step in range(_STEPS + 1):
             posture = self.chain.forward(q)
@@ -116,7 +146,7 @@ class InverseKinematics:
                 J @ Jt + _DAMPING * np.eye(6), error[away, :, None]
             )
             q[away] += np.clip((Jt @ solved)[..., 0], -0.1, 0.1)
-        return np.asarray(q[sizes <= PRECISION])
+        return q, sizes <= PRECISION
 
     def branch(self, q: Array) -> Branch:
         """Return the branch of one posture, shape (6,)."""

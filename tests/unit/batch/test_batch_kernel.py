@@ -162,6 +162,34 @@ def test_implausible_motions_are_refused() -> None:
             assert batch.position[1].tolist() == list(robot.snapshot.position)
 
 
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"arm": "ur3e", "base_xyz": (0.1, 0.2, 0.3), "base_rpy": (0.4, 0.0, 1.0)}],
+)
+def test_inverse_kinematics_of_poses_that_are_measured(
+    options: dict[str, object],
+) -> None:
+    description = tool0.DescriptionConfig(**options)  # type: ignore[arg-type]
+    rng = np.random.default_rng(0)
+    with tool0.Batch(20, description=description) as batch:
+        columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
+        start = batch.position.copy()
+        start[:, columns] += rng.uniform(-0.3, 0.3, (20, 6))
+        batch.reset(position=start)
+        wanted = batch.tool_pose()
+        away = start.copy()
+        away[:, columns] += rng.uniform(-0.1, 0.1, (20, 6))
+        batch.reset(position=away)
+        found = batch.inverse_kinematics(*wanted)
+        np.testing.assert_allclose(found, start[:, columns], atol=1e-6)
+        some = batch.inverse_kinematics(*wanted, which=[3])
+        np.testing.assert_array_equal(some[3], found[3])
+        assert np.isnan(np.delete(some, 3, axis=0)).all()
+        assert np.isnan(batch.inverse_kinematics([9.0, 0, 0], [1.0, 0, 0, 0])).all()
+        with pytest.raises(tool0.ControlError, match="'quat' has a zero row"):
+            batch.inverse_kinematics([0.3, 0.0, 0.3], [0.0] * 4)
+
+
 def test_images_show_the_present_state() -> None:
     require_gl()
     with tool0.Batch(2, scene="table_and_cubes") as batch:
