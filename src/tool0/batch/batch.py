@@ -18,6 +18,7 @@ from tool0.batch.arguments import Arguments, Indices, Which
 from tool0.batch.backend import CPU, BatchBackend, checked_device, needs_cpu
 from tool0.batch.commands import Commands
 from tool0.batch.frames import GripperFrames
+from tool0.batch.images import Images
 from tool0.batch.making import (
     checked_count,
     checked_threads,
@@ -30,6 +31,7 @@ from tool0.description.config import DescriptionConfig, File
 from tool0.description.grasp_frames import pad_links
 from tool0.description.joint_tree import LinkFrames
 from tool0.description.loading import load_description
+from tool0.description.look import LAMP
 from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.description.parts import find_arms, find_grippers
 from tool0.description.scene import Scene
@@ -45,7 +47,6 @@ from tool0.kinematics.inverse import InverseKinematics
 from tool0.kinematics.only_part import only_part
 from tool0.protocol.sensors import CameraImage
 from tool0.protocol.state import Snapshot
-from tool0.sensing.cameras import Cameras
 from tool0.simulation.config import ControlConfig
 
 if TYPE_CHECKING:
@@ -113,8 +114,13 @@ class Batch:
             camera.check_on(self._model)
         self._cores = make_cores(robot, control, scenes, dt)
         ground = self._cores[0].engine.world.ground
-        self._cameras = Cameras(
-            self._model, cameras, ground, lambda: self._snapshot(0), self._threads
+        self._images = Images(
+            self._model,
+            cameras,
+            ground,
+            self._snapshot,
+            n=self._n,
+            threads=self._threads,
         )
         self._copies = self._backend()
         self._commands = Commands(self._model, self._copies, self._cores[0])
@@ -601,14 +607,92 @@ class Batch:
         rows = Arguments(self._n, "render_all").which(which)
         self._check_on_cpu("render")
         with self._alone():
-            states = [self._snapshot(i) for i in rows.tolist()]
-            return tuple(self._cameras.render_all(self._cameras[camera], states))
+            return self._images.render(camera, rows)
+
+    def segment_all(
+        self, camera: str, which: Which | None = None
+    ) -> tuple[NDArray[np.int32], ...]:
+        """Return what each pixel shows, one array of shape (height, width) per copy.
+
+        The number of an object in ``object_names``; -1 for the robot, -2 for the
+        ground, and -3 for nothing.
+
+        Args:
+            camera: A camera of the robot or of the scene.
+            which: The copies; all, if left out.
+
+        Raises:
+            ControlError: If this is a GPU.
+            RenderError: If there is no such camera, or no OpenGL here.
+        """
+        rows = Arguments(self._n, "segment_all").which(which)
+        self._check_on_cpu("render")
+        with self._alone():
+            return self._images.segment(camera, rows)
+
+    def set_camera(
+        self,
+        name: str,
+        position: ArrayLike,
+        quat: ArrayLike,
+        which: Which | None = None,
+    ) -> None:
+        """Move a camera of each copy, in the link that carries it.
+
+        Args:
+            name: A camera of the robot or of the scene.
+            position: Of the optical frame [m], shape (n, 3).
+            quat: Of it, w, x, y, z, shape (n, 4).
+            which: The copies.
+
+        Raises:
+            ControlError: If a shape or a number is wrong.
+            RenderError: If there is no such camera.
+        """
+        with self._alone():
+            self._images.set_camera(name, position, quat, which)
+
+    def set_look(
+        self,
+        *,
+        lamp: ArrayLike = LAMP,
+        brightness: ArrayLike = 1.0,
+        which: Which | None = None,
+    ) -> None:
+        """Change the light in images of copies.
+
+        Args:
+            lamp: Position of the lamp in the root [m], shape (n, 3).
+            brightness: Of all light, relative to the usual one, shape (n,).
+            which: The copies.
+
+        Raises:
+            ControlError: If a shape or a number is wrong.
+            ConfigError: If a value is out of range.
+        """
+        with self._alone():
+            self._images.set_look(lamp, brightness, which)
+
+    def set_colour(
+        self, name: str, rgba: ArrayLike, which: Which | None = None
+    ) -> None:
+        """Change the colour of an object in images.
+
+        Args:
+            name: The object.
+            rgba: Each 0 … 1, shape (n, 4).
+            which: The copies.
+
+        Raises:
+            ControlError: If a shape or a number is wrong, or there is no such object.
+        """
+        self._change_objects("set_colour", name, "rgba", rgba, which, shape=(4,))
 
     def close(self) -> None:
         """End the batch; closing twice is allowed."""
         with self._alone():
             self._is_closed = True
-            self._cameras.close()
+            self._images.close()
             for core in self._cores:
                 core.engine.close()
 
@@ -703,13 +787,21 @@ class Batch:
         return _named(self.grippers, name, "gripper", self._model)
 
     def _change_objects(
-        self, method: str, name: str, field: str, values: ArrayLike, which: Which | None
+        self,
+        method: str,
+        name: str,
+        field: str,
+        values: ArrayLike,
+        which: Which | None,
+        *,
+        shape: tuple[int, ...] = (),
     ) -> None:
         """Change a field of an object, as if each copy had been made with it."""
         self._check_on_cpu(method)
         check = Arguments(self._n, method)
         rows = check.which(which)
-        numbers = check.rows(field, values, (), rows)[rows].tolist()
+        given = check.rows(field, values, shape, rows)[rows].tolist()
+        numbers = [tuple(each) if shape else each for each in given]
         self._object(name)
         items = []
         for i, number in zip(rows.tolist(), numbers, strict=True):

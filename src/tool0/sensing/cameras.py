@@ -10,9 +10,10 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from threading import Lock
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, NamedTuple, TypeVar, final
 
 from tool0.description.camera import Camera
+from tool0.description.look import Look
 from tool0.description.model import RobotModel
 from tool0.errors import RenderError, did_you_mean
 from tool0.protocol.sensors import CameraImage
@@ -21,7 +22,22 @@ from tool0.protocol.state import Snapshot
 if TYPE_CHECKING:
     from concurrent.futures import Future, ThreadPoolExecutor
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from tool0.engines.mujoco.rendering import Renderer
+
+
+Drawn = TypeVar("Drawn")
+
+
+@final
+class View(NamedTuple):
+    """What an image is to show."""
+
+    camera: Camera
+    state: Snapshot
+    look: Look = Look()
 
 
 @final
@@ -72,19 +88,26 @@ class Cameras(Mapping[str, Camera]):
             RenderError: If there is no OpenGL here, or the robot is closed.
             ModelError: If MuJoCo does not support an object that Gazebo has.
         """
-        return self.render_all(camera, [snapshot or self.newest()])[0]
+        return self.render_all([View(camera, snapshot or self.newest())])[0]
 
-    def render_all(
-        self, camera: Camera, snapshots: Sequence[Snapshot]
-    ) -> list[CameraImage]:
-        """Return an image of each snapshot, as ``render``."""
+    def render_all(self, views: Sequence[View]) -> list[CameraImage]:
+        """Return an image of each view, as ``render``."""
+        return self._drawn(_Painter.paint, views)
+
+    def segment_all(self, views: Sequence[View]) -> list[NDArray[np.int32]]:
+        """Return what each pixel of each view shows, as ``Renderer.segment``."""
+        return self._drawn(_Painter.segment, views)
+
+    def _drawn(
+        self, draw: Callable[[_Painter, View], Drawn], views: Sequence[View]
+    ) -> list[Drawn]:
         with self._lock:
             if self._is_closed:
                 raise RenderError("the robot is closed; its cameras take no images")
             turns = itertools.cycle(self._painters)
             drawn = [
-                painter.draw(camera, state)
-                for painter, state in zip(turns, snapshots, strict=False)
+                painter.submit(draw, view)
+                for painter, view in zip(turns, views, strict=False)
             ]
         return [image.result() for image in drawn]
 
@@ -106,13 +129,15 @@ class _Painter:
         self._thread: ThreadPoolExecutor | None = None
         self._renderer: Renderer | None = None  # the thread's own
 
-    def draw(self, camera: Camera, state: Snapshot) -> Future[CameraImage]:
-        """Begin to draw an image."""
+    def submit(
+        self, draw: Callable[[_Painter, View], Drawn], view: View
+    ) -> Future[Drawn]:
+        """Begin to draw a view in the thread."""
         if self._thread is None:
             from concurrent.futures import ThreadPoolExecutor
 
             self._thread = ThreadPoolExecutor(1, "tool0 cameras")
-        return self._thread.submit(self._draw, camera, state)
+        return self._thread.submit(draw, self, view)
 
     def close(self) -> None:
         """End the thread, after the images that it has begun."""
@@ -121,15 +146,25 @@ class _Painter:
             self._thread.shutdown()
             ended.result()
 
-    def _draw(self, camera: Camera, state: Snapshot) -> CameraImage:
-        renderer = self._fitting(camera)
-        position = dict(zip(state.joint_names, state.position, strict=True))
-        rgb, depth, frame = renderer.render(
-            camera, position, state.scene, state.objects
+    def paint(self, view: View) -> CameraImage:
+        """Return an image; in the thread."""
+        camera, state, look = view
+        rgb, depth, frame = self._fitting(camera).render(
+            camera, _positions(state), state.scene, state.objects, look
         )
-        K = camera.intrinsics
         return CameraImage(
-            time=state.time, rgb=rgb, depth=depth, K=K, T_root_camera=frame
+            time=state.time,
+            rgb=rgb,
+            depth=depth,
+            K=camera.intrinsics,
+            T_root_camera=frame,
+        )
+
+    def segment(self, view: View) -> NDArray[np.int32]:
+        """Return what each pixel shows; in the thread."""
+        camera, state, _ = view
+        return self._fitting(camera).segment(
+            camera, _positions(state), state.scene, state.objects
         )
 
     def _fitting(self, camera: Camera) -> Renderer:
@@ -153,3 +188,7 @@ class _Painter:
         if self._renderer is not None:
             self._renderer.close()
             self._renderer = None
+
+
+def _positions(state: Snapshot) -> dict[str, float]:
+    return dict(zip(state.joint_names, state.position, strict=True))

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.description.camera import Camera
+from tool0.description.look import LIT, Look
 from tool0.description.model import Link, RobotModel, Visual
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.scene_state import ObjectState
@@ -38,6 +39,10 @@ HORIZON, ZENITH = np.array([237.0, 242.0, 247.0]), np.array([180.0, 203.0, 230.0
 """Colours of the sky."""
 HAZE = (3.0, 9.0)
 """Depth [m] at which objects begin to fade, and at which only sky is visible."""
+DIFFUSE, HEAD_DIFFUSE, HEAD_AMBIENT = 0.5, 0.32, 0.38
+"""Intensities of the lamp, and of the light from the camera."""
+ROBOT, GROUND, NOTHING = -1, -2, -3
+"""What a pixel shows that shows no object."""
 STAND_IN_RGBA = (0.6, 0.62, 0.65, 1.0)
 """Colour of collision shapes that replace a mesh."""
 
@@ -78,6 +83,7 @@ class Renderer:
         position: Mapping[str, float],
         objects: tuple[SceneObject, ...],
         states: Sequence[ObjectState],
+        look: Look = Look(),
     ) -> Picture:
         """Return colours, depth, and the camera's optical frame in the robot's root.
 
@@ -87,21 +93,93 @@ class Renderer:
         Raises:
             ModelError: If MuJoCo does not support an object.
         """
-        self._context.make_current()
-        if objects is not self._objects:
-            self._compile(objects)
-        self._pose(position, states)
+        self._prepare(position, objects, states)
+        self._light(look)
         frame = self._frame(camera)
         self._aim(camera, frame)
         rgb, depth = self._draw(camera)
         _paint_sky(rgb, depth, camera, frame)
         return rgb, depth, frame
 
+    def segment(
+        self,
+        camera: Camera,
+        position: Mapping[str, float],
+        objects: tuple[SceneObject, ...],
+        states: Sequence[ObjectState],
+    ) -> NDArray[np.int32]:
+        """Return what each pixel shows, shape (height, width).
+
+        ``ROBOT``, ``GROUND``, ``NOTHING``, or the number of an object from 0 on.
+        """
+        self._prepare(position, objects, states)
+        self._aim(camera, self._frame(camera))
+        flags = self._visible.flags
+        segments = (mujoco.mjtRndFlag.mjRND_SEGMENT, mujoco.mjtRndFlag.mjRND_IDCOLOR)
+        for flag in segments:
+            flags[flag.value] = 1
+        viewport = mujoco.MjrRect(0, 0, camera.width, camera.height)
+        rgb = np.empty((camera.height, camera.width, 3), np.uint8)
+        mujoco.mjr_render(viewport, self._visible, self._drawing)
+        mujoco.mjr_readPixels(rgb, None, viewport, self._drawing)
+        for flag in segments:
+            flags[flag.value] = 0
+        number = rgb[::-1].astype(np.int32) @ np.array([1, 1 << 8, 1 << 16], np.int32)
+        # 0 is the background, k + 1 the visible shape k.
+        of_shape = [NOTHING, *(self._kind(g) for g in self._shapes())]
+        return np.array(of_shape, np.int32)[np.minimum(number, len(of_shape) - 1)]
+
+    def _shapes(self) -> list[Any]:
+        """Return the visible shapes by their number in a segmented image."""
+        shapes = self._visible.geoms[: self._visible.ngeom]
+        found: dict[int, Any] = {shape.segid: shape for shape in shapes}
+        return [found.get(number) for number in range(max(found, default=-1) + 1)]
+
+    def _kind(self, shape: Any) -> int:
+        """Return which kind of thing a visible shape is of."""
+        if shape is None or shape.objtype != mujoco.mjtObj.mjOBJ_GEOM.value:
+            return NOTHING
+        body = int(self._model.geom_bodyid[shape.objid])
+        if body in self._numbers:
+            return self._numbers[body]
+        return GROUND if body == 0 else ROBOT
+
     def close(self) -> None:
         """Free the OpenGL context."""
         self._context.make_current()
         self._free_drawing()
         self._context.free()
+
+    def _prepare(
+        self,
+        position: Mapping[str, float],
+        objects: tuple[SceneObject, ...],
+        states: Sequence[ObjectState],
+    ) -> None:
+        """Take the scene and its state."""
+        self._context.make_current()
+        if objects is not self._objects:
+            if self._objects is None or not _differ_in_colour(objects, self._objects):
+                self._compile(objects)
+            self._colour(objects)
+        self._pose(position, states)
+
+    def _colour(self, objects: tuple[SceneObject, ...]) -> None:
+        for item in objects:
+            body = self._model.body(item.name)
+            first = int(body.geomadr[0])
+            self._model.geom_rgba[first : first + int(body.geomnum[0])] = item.rgba
+        self._objects = objects
+
+    def _light(self, look: Look) -> None:
+        model, bright = self._model, look.brightness
+        model.light_pos[0] = look.lamp
+        model.light_dir[0] = np.subtract(LIT, look.lamp)
+        model.light_dir[0] /= np.linalg.norm(model.light_dir[0])
+        model.light_diffuse[0], model.light_specular[0] = bright * DIFFUSE, bright * 0.2
+        model.vis.headlight.ambient = [bright * HEAD_AMBIENT] * 3
+        model.vis.headlight.diffuse = [bright * HEAD_DIFFUSE] * 3
+        mujoco.mj_camlight(model, self._data)
 
     def _compile(self, objects: tuple[SceneObject, ...]) -> None:
         """Compile and use a scene; change nothing if MuJoCo rejects it."""
@@ -122,6 +200,9 @@ class Renderer:
         self._options = mujoco.MjvOption()
         self._options.geomgroup[:] = [1, 1, 1, 0, 0, 0]  # no collision shapes
         self._options.sitegroup[:] = 0
+        self._numbers = {
+            int(model.body(item.name).id): k for k, item in enumerate(objects)
+        }
         self._objects = objects
 
     def _free_drawing(self) -> None:
@@ -142,7 +223,6 @@ class Renderer:
                 joint = self._data.joint(free_joint_name(item.name))
                 joint.qpos[:] = (*state.position, *state.quat_wxyz)
         mujoco.mj_kinematics(self._model, self._data)
-        mujoco.mj_camlight(self._model, self._data)
 
     def _frame(self, camera: Camera) -> Transform:
         """Return the optical frame in the robot's root."""
@@ -219,16 +299,22 @@ def _furnish(spec: Any, width: int, height: int) -> None:
     # millimetres wrong on a steep face.  Rendering would also take twice as long.
     spec.visual.quality.offsamples = 0
     spec.visual.map.shadowscale = 0.3  # of the lamp's cone: 1.8 m around on the ground
-    spec.visual.headlight.ambient = [0.38, 0.38, 0.38]
-    spec.visual.headlight.diffuse = [0.32, 0.32, 0.32]
     spec.visual.headlight.specular = [0.1, 0.1, 0.1]
-    spec.worldbody.add_light(
-        pos=[-0.4, -1.0, 4.0],
-        dir=[0.15, 0.25, -1.0],
-        cutoff=80.0,
-        exponent=1.0,
-        diffuse=[0.5, 0.5, 0.5],
-        specular=[0.2, 0.2, 0.2],
+    spec.worldbody.add_light(cutoff=80.0, exponent=1.0)  # Renderer._light has the rest
+
+
+def _differ_in_colour(
+    some: tuple[SceneObject, ...], others: tuple[SceneObject, ...]
+) -> bool:
+    """Return whether scenes have the same shapes, so that colour is all that differs.
+
+    Mass and friction are not visible, and poses are states.
+    """
+    return len(some) == len(others) and all(
+        one.name == other.name
+        and one.geometry == other.geometry
+        and (one.mass is None) == (other.mass is None)
+        for one, other in zip(some, others, strict=True)
     )
 
 

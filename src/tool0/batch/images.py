@@ -1,0 +1,95 @@
+"""How each copy of a batch looks: its cameras, its light, and its images."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tool0.batch.arguments import Arguments, Indices, Which
+from tool0.description.camera import Camera
+from tool0.description.look import Look
+from tool0.description.model import RobotModel
+from tool0.description.transform import from_arrays, to_pose
+from tool0.description.transform_arrays import from_quats_wxyz
+from tool0.errors import ControlError
+from tool0.protocol.sensors import CameraImage
+from tool0.protocol.state import Snapshot
+from tool0.sensing.cameras import Cameras, View
+
+
+@final
+class Images:
+    """Renders copies.  A batch checks that they can be rendered."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        cameras: Mapping[str, Camera],
+        ground: float | None,
+        snapshot: Callable[[int], Snapshot],
+        *,
+        n: int,
+        threads: int,
+    ) -> None:
+        """Begin without OpenGL; ``snapshot`` returns the state of a copy."""
+        self._cameras = Cameras(model, cameras, ground, lambda: snapshot(0), threads)
+        self._n, self._snapshot = n, snapshot
+        self._moved: dict[tuple[int, str], Camera] = {}
+        self._looks: dict[int, Look] = {}
+
+    def render(self, camera: str, rows: Indices) -> tuple[CameraImage, ...]:
+        """Return an image of each of the copies; RenderError as ``Batch.render``."""
+        return tuple(self._cameras.render_all(self._views(camera, rows)))
+
+    def segment(self, camera: str, rows: Indices) -> tuple[NDArray[np.int32], ...]:
+        """Return what each pixel shows, as ``Batch.segment_all``."""
+        return tuple(self._cameras.segment_all(self._views(camera, rows)))
+
+    def set_camera(
+        self, name: str, position: ArrayLike, quat: ArrayLike, which: Which | None
+    ) -> None:
+        """Move a camera of copies, as ``Batch.set_camera``."""
+        check = Arguments(self._n, "set_camera")
+        rows = check.which(which)
+        p = check.rows("position", position, (3,), rows)[rows]
+        orientation = check.rows("quat", quat, (4,), rows, " for w, x, y, z")[rows]
+        if not np.linalg.norm(orientation, axis=1).all():
+            raise ControlError("Batch.set_camera: 'quat' has a zero row")
+        camera = self._cameras[name]
+        poses = zip(rows.tolist(), p, from_quats_wxyz(orientation), strict=True)
+        for i, place, R in poses:
+            pose = to_pose(from_arrays(place, R))
+            self._moved[i, name] = replace(camera, pose=pose)
+
+    def set_look(
+        self, lamp: ArrayLike, brightness: ArrayLike, which: Which | None
+    ) -> None:
+        """Change the light, as ``Batch.set_look``."""
+        check = Arguments(self._n, "set_look")
+        rows = check.which(which)
+        places = check.rows("lamp", lamp, (3,), rows)[rows].tolist()
+        levels = check.rows("brightness", brightness, (), rows)[rows].tolist()
+        looks = [
+            Look(lamp=(x, y, z), brightness=level)
+            for (x, y, z), level in zip(places, levels, strict=True)
+        ]
+        self._looks.update(zip(rows.tolist(), looks, strict=True))
+
+    def close(self) -> None:
+        """Free OpenGL."""
+        self._cameras.close()
+
+    def _views(self, camera: str, rows: Indices) -> list[View]:
+        usual = self._cameras[camera]
+        return [
+            View(
+                self._moved.get((i, camera), usual),
+                self._snapshot(i),
+                self._looks.get(i, Look()),
+            )
+            for i in rows.tolist()
+        ]

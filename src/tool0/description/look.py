@@ -1,0 +1,37 @@
+"""How a robot and its scene are lit in images."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, final
+
+from tool0.description.transform import Vector3
+from tool0.errors import ConfigError
+
+LAMP: Final[Vector3] = (-0.4, -1.0, 4.0)
+"""Position of the lamp in the robot's root [m]."""
+LIT: Final[Vector3] = (0.2, 0.0, 0.0)
+"""The point that the lamp shines on [m]."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Look:
+    """The lamp above the robot, which casts shadows, and the brightness of all."""
+
+    lamp: Vector3 = LAMP
+    """Position of the lamp in the robot's root [m]; it shines on the workspace."""
+    brightness: float = 1.0
+    """Of all light, relative to the usual one."""
+
+    def __post_init__(self) -> None:
+        if not all(map(math.isfinite, self.lamp)) or self.lamp[2] < 0.5:
+            raise ConfigError(
+                "the lamp must be 0.5 m or more above the robot's root, got "
+                f"{self.lamp}"
+            )
+        if not 0.0 < self.brightness <= 3.0:
+            raise ConfigError(
+                f"the brightness must be above 0, up to 3, got {self.brightness}"
+            )
