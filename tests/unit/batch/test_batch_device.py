@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 import tool0
 
 N = 4
-TICKS = 50
+TICKS = 80
+REACH = 0.05
+"""Largest way of a joint [rad], at less than half its largest speed: the governor of
+faster joints runs on the CPU only."""
 POSITION, VELOCITY, EFFORT = 2e-6, 2e-4, 1e-2
 """Largest differences while the arm moves freely [rad | m], [rad/s | m/s], [N·m | N].
 Single precision, and 1e-6 of 4000 N·m/rad."""
@@ -109,7 +112,7 @@ def test_moving_arms_agree_with_those_of_the_cpu(device: str) -> None:
         home = host.position[:, columns]
         rng = np.random.default_rng(1)
         for k in range(3):
-            q = home + rng.uniform(-0.1, 0.1, home.shape)
+            q = home + rng.uniform(-REACH, REACH, home.shape)
             opening, force = rng.uniform(0.0, 0.08, N), rng.uniform(30.0, 100.0, N)
             points = np.stack([home, q], axis=1)
             start = home[0].tolist()
@@ -117,10 +120,10 @@ def test_moving_arms_agree_with_those_of_the_cpu(device: str) -> None:
                 if k == 0:
                     batch.command(q, duration=0.05)
                 elif k == 1:
-                    batch.follow(points, [0.02, 0.05], velocities=np.zeros_like(points))
+                    batch.follow(points, [0.06, 0.12], velocities=np.zeros_like(points))
                 else:
                     pose = batch.position[0].copy()
-                    pose[columns[0]] = start[0] + 0.3
+                    pose[columns[0]] = start[0] + REACH
                     batch.reset([1, 2], pose)
                     batch.command(q, duration=0.05, which=[0, 1, 3])
                 batch.move_gripper(opening, force=force)
@@ -172,6 +175,42 @@ def test_a_copy_that_diverges_stands_still(device: str) -> None:
         assert not batch.diverged.any()
         batch.step(2)
         np.testing.assert_allclose(batch.time, [0.012, 0.002, 0.012])
+
+
+def test_a_pile_freezes_its_copy_alone(
+    device: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Room for the objects at rest, 84 rows, and not for a pile of them.
+    monkeypatch.setattr("tool0.engines.mujoco.warp_worlds.ROWS", 96)
+    monkeypatch.setattr("tool0.engines.mujoco.warp_worlds.ROWS_PER_CONTACT", 0)
+    found = []
+    for is_piled in (False, True):
+        with tool0.Batch(2, scene=SCENE, device=device) as batch:
+            batch.step(5)
+            place = batch.object_position[1, 1]
+            for name in batch.object_names[1:] if is_piled else ():
+                batch.place(name, place, which=[1])
+            batch.step(10)
+            found.append((batch.time, batch.position, batch.object_position))
+            assert batch.diverged.tolist() == [False, is_piled]
+    undisturbed, (time, position, objects) = found
+    np.testing.assert_allclose(time, [0.015, 0.005])
+    np.testing.assert_allclose(objects[1, 1:] - place, 0.0, atol=1e-6)  # it stands
+    for mine, its in zip(undisturbed, (time, position, objects), strict=True):
+        np.testing.assert_array_equal(mine[0], its[0])
+
+
+def test_limits_of_iterations_are_no_divergence(device: str) -> None:
+    with tool0.Batch(1, scene=SCENE, device=device) as batch:
+        batch.step()
+        overflows = pytest.importorskip("mujoco_warp").OverflowType
+        data = batch._copies._worlds._data  # type: ignore[attr-defined]
+        data.overflow.fill_(int(overflows.ITERATIONS | overflows.LS_ITERATIONS))
+        batch.step(5)
+        assert not batch.diverged.any()
+        data.overflow.fill_(int(overflows.CCD))
+        batch.step()
+        assert batch.diverged.all()
 
 
 def test_some_methods_need_the_cpu(device: str) -> None:

@@ -9,32 +9,36 @@ import warp as wp
 @wp.kernel
 def finish_step(
     most_squares: float,
+    failures: int,
     overflow: wp.array[int],
+    parked: wp.array[float],
     position: wp.array2d[float],
     velocity: wp.array2d[float],
     warm_start: wp.array2d[float],
-    held: wp.array2d[float],
+    measured: wp.array2d[float],
     has_diverged: wp.array[int],
     steps: wp.array[int],
 ) -> None:
     """Count the step of each world; one that diverges stands still where it was.
 
     A world diverges if the sum of its squared speeds is not below ``most_squares``, or
-    if its contacts did not fit into the memory.  ``held`` are its last positions.
+    if its overflow has one of the bits of ``failures``.  ``measured`` are its last
+    positions.  The physics goes on at ``parked``, so that the contacts of a world that
+    stands still do not fill the memory of all worlds.
     """
     world = wp.tid()
     squares = float(0.0)
     for i in range(velocity.shape[1]):
         squares += velocity[world, i] * velocity[world, i]
-    if not squares < most_squares or overflow[world] != 0:  # NaN, too
+    if not squares < most_squares or (overflow[world] & failures) != 0:  # NaN, too
         has_diverged[world] = 1
     if has_diverged[world] == 0:
         for i in range(position.shape[1]):
-            held[world, i] = position[world, i]
+            measured[world, i] = position[world, i]
         steps[world] += 1
         return
     for i in range(position.shape[1]):
-        position[world, i] = held[world, i]
+        position[world, i] = parked[i]
     for i in range(velocity.shape[1]):
         velocity[world, i] = 0.0
         warm_start[world, i] = 0.0
@@ -48,7 +52,7 @@ def set_state(
     velocity: wp.array2d[float],
     warm_start: wp.array2d[float],
     control: wp.array2d[float],
-    held: wp.array2d[float],
+    measured: wp.array2d[float],
     time: wp.array[float],
     overflow: wp.array[int],
     has_diverged: wp.array[int],
@@ -60,7 +64,7 @@ def set_state(
         return
     for i in range(position.shape[1]):
         position[world, i] = start[world, i]
-        held[world, i] = start[world, i]
+        measured[world, i] = start[world, i]
     for i in range(velocity.shape[1]):
         velocity[world, i] = 0.0
         warm_start[world, i] = 0.0
@@ -78,7 +82,7 @@ def place_object(
     first: wp.vec2i,
     pose: wp.array2d[float],
     position: wp.array2d[float],
-    held: wp.array2d[float],
+    measured: wp.array2d[float],
     velocity: wp.array2d[float],
     warm_start: wp.array2d[float],
 ) -> None:
@@ -88,7 +92,7 @@ def place_object(
         return
     for i in range(7):
         position[world, first[0] + i] = pose[world, i]
-        held[world, first[0] + i] = pose[world, i]
+        measured[world, first[0] + i] = pose[world, i]
     for i in range(6):
         velocity[world, first[1] + i] = 0.0
         warm_start[world, first[1] + i] = 0.0

@@ -10,6 +10,7 @@ import mujoco
 import mujoco_warp
 import numpy as np
 import warp as wp
+from mujoco_warp import OverflowType
 from numpy.typing import NDArray
 
 from tool0.engines.mujoco.copies import ObjectArrays, object_arrays_of
@@ -29,8 +30,15 @@ Indices = NDArray[np.intp]
 
 CONTACTS, CONTACTS_PER_OBJECT = 64, 16
 """Room for contacts per copy, without objects and for each movable one."""
+CONTACTS_PER_PAIR = 8
+"""Most contacts of two geoms: two boxes."""
 ROWS, ROWS_PER_CONTACT = 64, 4
 """Room for rows of constraints per copy: mimic joints, stops, friction, contacts."""
+FAILURES = int(
+    OverflowType.ALL & ~(OverflowType.ITERATIONS | OverflowType.LS_ITERATIONS)
+)
+"""Overflows that leave contacts or constraints out.  A solver that reaches its limit of
+iterations has a less exact result, as on the CPU."""
 
 
 def check_device(device: str) -> str:
@@ -81,21 +89,27 @@ class WarpWorlds:
                 raise EngineError(
                     f"MuJoCo Warp does not support the scene: {error}"
                 ) from error
+            self._model.opt.warn_overflow = 0  # ``diverged`` says so
+            # All worlds share the memory of contacts.  It has room for all contacts
+            # that one of them can have, beside those of the others; the rows of
+            # constraints, of which each world has its own, overflow before that.
+            most = CONTACTS_PER_PAIR * len(self._model.nxn_geom_pair_filtered)
             self._data = data = mujoco_warp.make_data(
                 model,
                 nworld=n,
-                nconmax=n_contacts,
+                naconmax=n * n_contacts + most,
                 njmax=ROWS + ROWS_PER_CONTACT * n_contacts,
             )
             self.steps = wp.zeros(n, dtype=int)
             """Of each world since its reset: Warp's array, as the next three."""
             self._has_diverged = wp.zeros(n, dtype=int)
-            self._held = wp.zeros((n, model.nq), dtype=float)
+            self._start = engine.data.qpos.copy()
+            self._parked = wp.array(self._start.astype(np.float32), dtype=float)
+            self._measured = wp.zeros((n, model.nq), dtype=float)
         self.position = data.qpos
         """Of the joints first, then of the objects, shape (n, nq)."""
         self.velocity = data.qvel
         self.motors = data.ctrl
-        self._start = engine.data.qpos.copy()
         self.reset(np.arange(n), np.tile(self._start[: self._n_joints], (n, 1)))
 
     # ---- time -----------------------------------------------------------------------
@@ -110,11 +124,13 @@ class WarpWorlds:
                 dim=self._n,
                 inputs=[
                     LARGEST_VELOCITY**2,
+                    FAILURES,
                     data.overflow,
+                    self._parked,
                     data.qpos,
                     data.qvel,
                     data.qacc_warmstart,
-                    self._held,
+                    self._measured,
                     self._has_diverged,
                     self.steps,
                 ],
@@ -152,7 +168,7 @@ class WarpWorlds:
                     data.qvel,
                     data.qacc_warmstart,
                     data.ctrl,
-                    self._held,
+                    self._measured,
                     data.time,
                     data.overflow,
                     self._has_diverged,
@@ -175,12 +191,12 @@ class WarpWorlds:
     def joints(self) -> tuple[Array, Array]:
         """Return positions [rad | m] and velocities of the joints, (n, n_joints)."""
         k = self._n_joints
-        return _doubles(self.position)[:, :k], _doubles(self.velocity)[:, :k]
+        return _doubles(self._measured)[:, :k], _doubles(self.velocity)[:, :k]
 
     def objects(self) -> ObjectArrays:
         """Return the objects' states in the root."""
         states, k = self._engine.world.states, self._n_joints
-        q, qd = _doubles(self.position)[:, k:], _doubles(self.velocity)[:, k:]
+        q, qd = _doubles(self._measured)[:, k:], _doubles(self.velocity)[:, k:]
         return object_arrays_of(states, q, qd, [states.static] * self._n)
 
     def place(self, name: str, rows: Indices, position: Array, quat: Array) -> None:
@@ -207,7 +223,7 @@ class WarpWorlds:
                     wp.vec2i(k + first[0], k + first[1]),
                     wp.array(pose, dtype=float),
                     data.qpos,
-                    self._held,
+                    self._measured,
                     data.qvel,
                     data.qacc_warmstart,
                 ],
