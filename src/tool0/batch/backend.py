@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from tool0.engines.mujoco.copies import ObjectArrays
     from tool0.simulation.core import Core
     from tool0.simulation.executor import Executor
+
+ObjectField = Literal["mass", "friction"]
+"""Fields of a ``SceneObject`` that differ between copies."""
 
 CPU = "cpu"
 _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")
@@ -54,6 +57,11 @@ class BatchBackend(Protocol):
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object, at rest; ControlError if that is impossible."""
+
+    def change(
+        self, rows: Indices, name: str, field: ObjectField, values: Array
+    ) -> None:
+        """Give an object other values of a field, as if it had been made with them."""
 
     def executor(self, i: int) -> Executor:
         """Return what moves one copy, whose core is up to date.

@@ -15,7 +15,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tool0.batch.arguments import Arguments, Indices, Which
-from tool0.batch.backend import CPU, BatchBackend, checked_device, needs_cpu
+from tool0.batch.backend import (
+    CPU,
+    BatchBackend,
+    ObjectField,
+    checked_device,
+    needs_cpu,
+)
 from tool0.batch.commands import Commands
 from tool0.batch.frames import GripperFrames
 from tool0.batch.making import (
@@ -631,32 +637,31 @@ class Batch:
         return _named(self.grippers, name, "gripper", self._model)
 
     def _change_objects(
-        self, method: str, name: str, field: str, values: ArrayLike, which: Which | None
+        self,
+        method: str,
+        name: str,
+        field: ObjectField,
+        values: ArrayLike,
+        which: Which | None,
     ) -> None:
         """Change a field of an object, as if each copy had been made with it."""
-        self._check_on_cpu(method)
         check = Arguments(self._n, method)
         rows = check.which(which)
-        numbers = check.rows(field, values, (), rows)[rows].tolist()
+        numbers = check.rows(field, values, (), rows)[rows]
         self._object(name)
-        items = []
-        for i, number in zip(rows.tolist(), numbers, strict=True):
-            objects = {item.name: item for item in self._cores[i].scene.objects}
-            if field == "mass" and objects[name].mass is None:
-                raise ControlError(
-                    f"Batch.{method}: object '{name}' is fixed: it has no mass"
-                )
+        (item,) = (x for x in self._cores[0].scene.objects if x.name == name)
+        if field == "mass" and item.mass is None:
+            raise ControlError(
+                f"Batch.{method}: object '{name}' is fixed: it has no mass"
+            )
+        for i, number in zip(rows.tolist(), numbers.tolist(), strict=True):
             try:
                 changes: dict[str, Any] = {field: number}
-                items.append(replace(objects[name], **changes))
+                replace(item, **changes)
             except ConfigError as error:
                 raise ControlError(f"Batch.{method}: copy {i}: {error}") from None
-        from tool0.engines.mujoco.copies import mujoco_engine
-
         with self._changing():
-            for i, item in zip(rows.tolist(), items, strict=True):
-                mujoco_engine(self._cores[i].engine).world.change(item)
-                self._cores[i].scene.changed(item)
+            self._copies.change(rows, name, field, numbers)
 
     def _object(self, name: str) -> None:
         if name not in self.object_names:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import final
+from dataclasses import replace
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
+from tool0.batch.backend import ObjectField
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.scene_state import ObjectState
 from tool0.engines.mujoco.copies import (
@@ -159,6 +161,18 @@ class Copies:
         for i, (x, y, z), (qw, qx, qy, qz) in poses:
             state = ObjectState(name, (x, y, z), (qw, qx, qy, qz))
             self._cores[i].scene.place(state)
+
+    def change(
+        self, rows: Indices, name: str, field: ObjectField, values: Array
+    ) -> None:
+        """Give an object other values of a field: ``BatchBackend.change``."""
+        for i, value in zip(rows.tolist(), values.tolist(), strict=True):
+            scene = self._cores[i].scene
+            (item,) = (item for item in scene.objects if item.name == name)
+            changes: dict[str, Any] = {field: value}
+            item = replace(item, **changes)
+            self._engines[i].world.change(item)
+            scene.changed(item)
 
     def _unload(self, i: int) -> None:
         self._is_loaded[i] = False

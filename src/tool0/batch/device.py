@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
-from tool0.batch.backend import needs_cpu
+from tool0.batch.backend import ObjectField, needs_cpu
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.forward_kinematics import joint_position
 from tool0.description.model import RobotModel
@@ -116,6 +116,15 @@ class DeviceCopies:
             ControlError: If it is fixed.
         """
         self._worlds.place(name, rows, position, quat)
+
+    def change(
+        self, rows: Indices, name: str, field: ObjectField, values: Array
+    ) -> None:
+        """Give an object other values of a field: ``BatchBackend.change``."""
+        if field == "mass":
+            self._worlds.set_mass(name, rows, values)
+        else:
+            self._worlds.set_friction(name, rows, values)
 
     # ---- commands -------------------------------------------------------------------
 

@@ -32,6 +32,15 @@ gripper_controller:
   type: position_controllers/JointTrajectoryController
   joints: [finger_joint]
 """
+FIELDS = (
+    "body_mass",
+    "body_subtreemass",
+    "body_inertia",
+    "body_invweight0",
+    "dof_invweight0",
+    "geom_friction",
+    "pair_friction",
+)
 Array = NDArray[np.float64]
 
 
@@ -213,12 +222,40 @@ def test_limits_of_iterations_are_no_divergence(device: str) -> None:
         assert batch.diverged.all()
 
 
+def test_masses_and_frictions_are_those_of_the_cpu(device: str) -> None:
+    with (
+        tool0.Batch(3, scene=SCENE) as host,
+        tool0.Batch(3, scene=SCENE, device=device) as other,
+    ):
+        for batch in (host, other):
+            for name in ("red cube", "can"):
+                batch.set_mass(name, [0.4, 9.0, 0.03], which=[0, 2])
+            batch.set_mass("red cube", 0.2, which=[0])
+            batch.set_friction("red cube", [9.0, 0.3, 2.5], which=[1, 2])
+            batch.set_friction("table", 0.7)
+        model = other._copies._worlds._model  # type: ignore[attr-defined]
+        for name in FIELDS:
+            compiled = [
+                getattr(core.engine.model, name)  # type: ignore[attr-defined]
+                for core in host._cores
+            ]
+            np.testing.assert_allclose(
+                getattr(model, name).numpy(), compiled, rtol=2e-6, atol=1e-9
+            )
+
+
+def test_wrong_masses_and_frictions_are_refused(device: str) -> None:
+    with tool0.Batch(2, scene=SCENE, device=device) as batch:
+        with pytest.raises(tool0.ControlError, match="object 'table' is fixed"):
+            batch.set_mass("table", 1.0)
+        with pytest.raises(tool0.ControlError, match=r"copy 1: .*mass"):
+            batch.set_mass("can", [1.0, -1.0])
+
+
 def test_some_methods_need_the_cpu(device: str) -> None:
     with tool0.Batch(1, scene=SCENE, device=device) as batch:
-        name = batch.object_names[0]
         for method in (
-            lambda: batch.set_mass(name, 0.2),
-            lambda: batch.set_friction(name, 0.5),
+            lambda: batch.step(which=[]),
             lambda: batch.render(0, "overview"),
         ):
             with pytest.raises(

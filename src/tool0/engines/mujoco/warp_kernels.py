@@ -5,6 +5,9 @@ Arrays have one row per copy of the robot and its scene: a world.
 
 import warp as wp
 
+vec5 = wp.types.vector(length=5, dtype=float)
+"""Coefficients of friction of a pair of geoms."""
+
 
 @wp.kernel
 def finish_step(
@@ -96,6 +99,64 @@ def place_object(
     for i in range(6):
         velocity[world, first[1] + i] = 0.0
         warm_start[world, first[1] + i] = 0.0
+
+
+@wp.kernel
+def set_body_mass(
+    is_chosen: wp.array[int],
+    body: int,
+    first_dof: int,
+    given: wp.array[float],
+    mass: wp.array2d[float],
+    subtree_mass: wp.array2d[float],
+    inertia: wp.array2d[wp.vec3],
+    body_weight: wp.array2d[wp.vec2],
+    dof_weight: wp.array2d[float],
+) -> None:
+    """Give a free body other masses, and what follows from them (``mj_setConst``).
+
+    Its shape stays, so inertias grow with the mass; ``…_weight`` are inverse ones.
+    """
+    world = wp.tid()
+    if is_chosen[world] == 0:
+        return
+    ratio = given[world] / mass[world, body]
+    subtree_mass[world, 0] = subtree_mass[world, 0] + given[world] - mass[world, body]
+    subtree_mass[world, body] = given[world]
+    mass[world, body] = given[world]
+    inertia[world, body] = ratio * inertia[world, body]
+    body_weight[world, body] = body_weight[world, body] / ratio
+    for i in range(6):
+        dof_weight[world, first_dof + i] = dof_weight[world, first_dof + i] / ratio
+
+
+@wp.kernel
+def set_geom_friction(
+    is_chosen: wp.array[int],
+    geoms: wp.array[int],
+    pairs: wp.array[int],
+    ends: wp.array[wp.vec2i],
+    given: wp.array[float],
+    friction: wp.array2d[wp.vec3],
+    pair_friction: wp.array2d[vec5],
+) -> None:
+    """Give geoms another sliding friction; in their pairs the smaller one applies.
+
+    ``ends`` are the geoms of the ``pairs``.
+    """
+    world = wp.tid()
+    if is_chosen[world] == 0:
+        return
+    for k in range(geoms.shape[0]):
+        own = friction[world, geoms[k]]
+        friction[world, geoms[k]] = wp.vec3(given[world], own[1], own[2])
+    for k in range(pairs.shape[0]):
+        first = friction[world, ends[k][0]]
+        second = friction[world, ends[k][1]]
+        found = pair_friction[world, pairs[k]]
+        found[0] = wp.min(first[0], second[0])
+        found[1] = found[0]
+        pair_friction[world, pairs[k]] = found
 
 
 @wp.kernel

@@ -18,6 +18,8 @@ from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.engines.mujoco.warp_kernels import (
     finish_step,
     place_object,
+    set_body_mass,
+    set_geom_friction,
     set_state,
     sum_normal_forces,
 )
@@ -34,6 +36,16 @@ CONTACTS_PER_PAIR = 8
 """Most contacts of two geoms: two boxes."""
 ROWS, ROWS_PER_CONTACT = 64, 4
 """Room for rows of constraints per copy: mimic joints, stops, friction, contacts."""
+FIELDS_OF_OBJECTS = (
+    "body_mass",
+    "body_subtreemass",
+    "body_inertia",
+    "body_invweight0",
+    "dof_invweight0",
+    "geom_friction",
+    "pair_friction",
+)
+"""Fields of the model with a row per world, for masses and frictions of objects."""
 FAILURES = int(
     OverflowType.ALL & ~(OverflowType.ITERATIONS | OverflowType.LS_ITERATIONS)
 )
@@ -90,6 +102,11 @@ class WarpWorlds:
                     f"MuJoCo Warp does not support the scene: {error}"
                 ) from error
             self._model.opt.warn_overflow = 0  # ``diverged`` says so
+            for name in FIELDS_OF_OBJECTS:
+                field = getattr(self._model, name).numpy()
+                rows = np.repeat(field, n, axis=0)
+                kind = getattr(self._model, name).dtype
+                setattr(self._model, name, wp.array(rows, dtype=kind))
             # All worlds share the memory of contacts.  It has room for all contacts
             # that one of them can have, beside those of the others; the rows of
             # constraints, of which each world has its own, overflow before that.
@@ -226,6 +243,51 @@ class WarpWorlds:
                     self._measured,
                     data.qvel,
                     data.qacc_warmstart,
+                ],
+            )
+
+    def set_mass(self, name: str, rows: Indices, mass: Array) -> None:
+        """Give a movable object masses [kg], shape (len(rows),), and keep its shape."""
+        model, first = self._model, self._engine.world.states.starts[name]
+        given = np.zeros(self._n, dtype=np.float32)
+        given[rows] = mass
+        with wp.ScopedDevice(self._device):
+            wp.launch(
+                set_body_mass,
+                dim=self._n,
+                inputs=[
+                    self._chosen(rows),
+                    self._engine.model.body(name).id,
+                    self._n_joints + first[1],
+                    wp.array(given, dtype=float),
+                    model.body_mass,
+                    model.body_subtreemass,
+                    model.body_inertia,
+                    model.body_invweight0,
+                    model.dof_invweight0,
+                ],
+            )
+
+    def set_friction(self, name: str, rows: Indices, friction: Array) -> None:
+        """Give an object coefficients of friction, shape (len(rows),)."""
+        compiled, model = self._engine.model, self._model
+        geoms = np.flatnonzero(compiled.geom_bodyid == compiled.body(name).id)
+        ends = np.stack([compiled.pair_geom1, compiled.pair_geom2], axis=1)
+        pairs = np.flatnonzero(np.isin(ends, geoms).any(axis=1))
+        given = np.zeros(self._n, dtype=np.float32)
+        given[rows] = friction
+        with wp.ScopedDevice(self._device):
+            wp.launch(
+                set_geom_friction,
+                dim=self._n,
+                inputs=[
+                    self._chosen(rows),
+                    wp.array(geoms, dtype=int),
+                    wp.array(pairs, dtype=int),
+                    wp.array(ends[pairs], dtype=wp.vec2i),
+                    wp.array(given, dtype=float),
+                    model.geom_friction,
+                    model.pair_friction,
                 ],
             )
 
