@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tool0.batch.arguments import Indices
 from tool0.description.drive_limits import DriveLimits
 from tool0.errors import ConfigError, ControlError, EngineUnavailableError
+from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
@@ -24,6 +25,31 @@ ObjectField = Literal["mass", "friction"]
 
 CPU = "cpu"
 _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")
+
+
+class DeviceArrays(NamedTuple):
+    """The state of n copies where it is computed, in single precision.
+
+    These are Warp's arrays; ``torch.from_dlpack`` and the like share their memory.
+    They change when time passes, and must not be written to.
+    """
+
+    position: Any
+    """Joint positions [rad | m], shape (n, n_joints), as ``Batch.joint_names``."""
+    velocity: Any
+    """Joint velocities [rad/s | m/s], shape (n, n_joints)."""
+    effort: Any
+    """Efforts that the drives applied in the last step [N·m | N], (n, n_joints)."""
+    object_position: Any
+    """Positions of the m movable objects in the root [m], shape (n, m, 3)."""
+    object_quat: Any
+    """Their orientations w, x, y, z, shape (n, m, 4)."""
+    object_linear: Any
+    """Their velocities in the root's axes [m/s], shape (n, m, 3)."""
+    object_angular: Any
+    """Their angular velocities in their own axes [rad/s], shape (n, m, 3)."""
+    diverged: Any
+    """1 for copies that stand still since their physics failed, shape (n,): int32."""
 
 
 class BatchBackend(Protocol):
@@ -48,6 +74,9 @@ class BatchBackend(Protocol):
 
     def states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""
+
+    def arrays(self) -> DeviceArrays:
+        """Return the state where it is computed; ControlError if this is the CPU."""
 
     def objects(self) -> ObjectArrays:
         """Return poses and velocities of the objects."""
@@ -110,6 +139,30 @@ class BatchBackend(Protocol):
             GoalRejectedError: If no joint can move so; nothing has changed.
         """
 
+    def holds(self, array: object) -> bool:
+        """Return whether ``command`` takes an array without a copy to the host."""
+
+    def command(
+        self,
+        rows: Indices,
+        goals: Mapping[int, Sequence[JointGoal]],
+        positions: object,
+        velocities: object | None,
+        duration: float,
+    ) -> None:
+        """Start motions to positions in arrays on the device.
+
+        Args:
+            rows: The copies.
+            goals: The joints that move, by the number of their running controller.
+            positions: [rad | m], shape (n, k), as ``velocities`` [rad/s | m/s].
+            velocities: None makes linear motions.
+            duration: [s].
+
+        Raises:
+            ControlError: If an array is not of single precision, or this is the CPU.
+        """
+
     def set_drive_limits(
         self, rows: Indices, joint: int, limits: Sequence[DriveLimits]
     ) -> None:
@@ -119,6 +172,11 @@ class BatchBackend(Protocol):
 def needs_cpu(what: str, device: str) -> ControlError:
     """Return the error for something that only the CPU can do."""
     return ControlError(f"{what} works with device='cpu' only; this is '{device}'")
+
+
+def needs_gpu(what: str) -> ControlError:
+    """Return the error for something that only a device of Warp can do."""
+    return ControlError(f"{what} works on a GPU only, with device='cuda'")
 
 
 def checked_device(device: str, threads: int | None) -> str:

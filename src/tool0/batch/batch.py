@@ -18,6 +18,7 @@ from tool0.batch.arguments import Arguments, Indices, Which
 from tool0.batch.backend import (
     CPU,
     BatchBackend,
+    DeviceArrays,
     ObjectField,
     checked_device,
     needs_cpu,
@@ -281,6 +282,16 @@ class Batch:
         with self._alone():
             return _frozen(self._copies.pad_forces(pads))
 
+    @property
+    def device_arrays(self) -> DeviceArrays:
+        """The state on the device of a GPU, without a copy to the host.
+
+        Raises:
+            ControlError: If this is the CPU.
+        """
+        with self._alone():
+            return self._copies.arrays()
+
     # ---- commands -------------------------------------------------------------------
 
     def command(
@@ -298,7 +309,10 @@ class Batch:
         before it.
 
         Args:
-            positions: [rad | m], shape (n, k).
+            positions: [rad | m], shape (n, k).  An array on the device of a GPU, such
+                as PyTorch's, is not copied to the host and its numbers are not checked:
+                those beyond a limit count as the limit, and a copy with one that is not
+                finite diverges.  It must be float32 and of the whole shape.
             velocities: At the positions [rad/s | m/s], shape (n, k); if left out, the
                 setpoints move linearly and then rest, as in ROS.
             duration: Time until the joints are there [s].
@@ -313,6 +327,16 @@ class Batch:
         names, parts = self._commands.parts(joints)
         rows = check.which(which)
         shape, axes = (len(names),), f" for joints {', '.join(names)}"
+        if self._copies.holds(positions):
+            for name, array in (("positions", positions), ("velocities", velocities)):
+                if array is not None:
+                    is_held = self._copies.holds(array)
+                    check.on_device(name, array, shape, axes, is_held=is_held)
+            with self._changing():
+                self._commands.start_on_device(
+                    rows, parts, positions, velocities, duration
+                )
+            return
         q = check.rows("positions", positions, shape, rows, axes)
         qd = None
         if velocities is not None:

@@ -15,8 +15,9 @@ from tool0.control.position_limits import check_position, position_range
 from tool0.control.ros1.goal_check import check_names
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.drive_limits import DriveLimits
-from tool0.description.model import ParallelGripper, RobotModel
+from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.errors import ControlError
+from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 from tool0.motion.gripper import direct_path
 from tool0.motion.path import Path
@@ -96,11 +97,7 @@ class Commands:
         self, names: Sequence[str], positions: Array, rows: Indices
     ) -> None:
         """Raise GoalRejectedError for positions (n, m, k) beyond the joints' limits."""
-        limits = self._limits
-        joints = [
-            replace(joint, limits=limits.get(joint.name, joint.limits))
-            for joint in map(self._model.joint, names)
-        ]
+        joints = self._limited(names)
         ranges = np.array([position_range(joint) for joint in joints])
         chosen = positions[rows]
         is_beyond = (chosen < ranges[:, 0]) | (chosen > ranges[:, 1])
@@ -136,6 +133,25 @@ class Commands:
                 ]
                 goal = TrajectoryGoal(points=points, joint_names=part.joints)
                 self._copies.executor(i).command_trajectory(part.controller, goal)
+
+    def start_on_device(
+        self,
+        rows: Indices,
+        parts: list[ControllerJoints],
+        positions: object,
+        velocities: object | None,
+        duration: float,
+    ) -> None:
+        """Start motions to positions (n, k) that lie on the device."""
+        goals = {}
+        for part in parts:
+            number, joints = self._running[part.controller]
+            limited = self._limited(part.joints)
+            goals[number] = [
+                JointGoal(column, joints.index(joint.name), *position_range(joint))
+                for column, joint in zip(part.columns, limited, strict=True)
+            ]
+        self._copies.command(rows, goals, positions, velocities, duration)
 
     def grip(
         self,
@@ -177,6 +193,14 @@ class Commands:
                 points = trajectory_points(self._grip_path(bound, here, end))
                 goal = TrajectoryGoal(points=points, joint_names=[joint])
                 executor.command_trajectory(name, goal, {joint: bound})
+
+    def _limited(self, names: Sequence[str]) -> list[Joint]:
+        """Return the joints with the limits of their drives."""
+        limits = self._limits
+        return [
+            replace(joint, limits=limits.get(joint.name, joint.limits))
+            for joint in map(self._model.joint, names)
+        ]
 
     def _start_native(
         self,

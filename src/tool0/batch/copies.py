@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
-from tool0.batch.backend import ObjectField
+from tool0.batch.backend import DeviceArrays, ObjectField, needs_gpu
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.scene_state import ObjectState
 from tool0.engines.mujoco.copies import (
@@ -22,6 +22,7 @@ from tool0.engines.mujoco.copies import (
 from tool0.errors import EngineError, GoalRejectedError
 from tool0.kernel import library
 from tool0.kernel.many import Addresses, BatchKernel, StartResult
+from tool0.kernel.motions import JointGoal
 from tool0.kernel.program import Ended, TickProgram
 from tool0.kinematics.chain import Array
 from tool0.simulation.core import Core
@@ -248,6 +249,25 @@ class Copies:
                 f"{positions[which].tolist()} within {times[which, -1]:.6g} s"
             )
         return started is StartResult.YES
+
+    def arrays(self) -> DeviceArrays:
+        """Raise ControlError: there is no device."""
+        raise needs_gpu("Batch.device_arrays")
+
+    def holds(self, array: object) -> bool:
+        """Return False: every array is of the host."""
+        return False
+
+    def command(
+        self,
+        rows: Indices,
+        goals: Mapping[int, Sequence[JointGoal]],
+        positions: object,
+        velocities: object | None,
+        duration: float,
+    ) -> None:
+        """Raise ControlError: there is no device."""
+        raise needs_gpu("Batch.command with an array on a device")
 
     def set_drive_limits(
         self, rows: Indices, joint: int, limits: Sequence[DriveLimits]

@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
-from tool0.batch.backend import ObjectField, needs_cpu
+from tool0.batch.backend import DeviceArrays, ObjectField, needs_cpu
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.forward_kinematics import joint_position
 from tool0.description.model import RobotModel
 from tool0.engines.mujoco.copies import ObjectArrays, mujoco_engine
 from tool0.engines.mujoco.warp_worlds import WarpWorlds, check_device
 from tool0.errors import GoalRejectedError
-from tool0.kernel.device import DeviceControl, DeviceState
+from tool0.kernel.device import DeviceControl, DeviceState, is_on_device
+from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 from tool0.simulation.core import Core
 from tool0.simulation.executor import Executor
@@ -34,7 +35,7 @@ class DeviceCopies:
             EngineError: If there is no such device, or it cannot simulate the scene.
         """
         name = check_device(device)
-        self._device = device
+        self._device, self._name = device, name
         engine = mujoco_engine(core.engine)
         self._model, self._dt = model, engine.dt
         self._period = core.control_period
@@ -47,7 +48,13 @@ class DeviceCopies:
             dict(zip(names, core.manager.running_controllers, strict=True)),
             core.hardware,
             model.grippers,
-            DeviceState(worlds.steps, worlds.position, worlds.velocity, worlds.motors),
+            DeviceState(
+                worlds.steps,
+                worlds.position,
+                worlds.velocity,
+                worlds.motors,
+                worlds.divergence,
+            ),
             position=self._initial,
             motor_joints=engine.motor_joints(),
             period=core.control_period,
@@ -55,6 +62,7 @@ class DeviceCopies:
         )
         self._launch: Callable[[], None] | None = None
         """Launch of one tick; None until it is made."""
+        self._layout = self._control.layout
 
     @property
     def time(self) -> Array:
@@ -69,8 +77,9 @@ class DeviceCopies:
 
     def step(self, ticks: int, rows: Indices) -> None:
         """Advance all copies, but for those that have diverged; ``rows`` are all."""
-        if self._control.upload():
-            self._launch = None
+        self._control.upload()
+        if self._layout != self._control.layout:
+            self._launch, self._layout = None, self._control.layout
         for _ in range(ticks):
             if self._launch is None:
                 self._tick()  # compiles the kernels
@@ -100,6 +109,16 @@ class DeviceCopies:
     def states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""
         return (*self._worlds.joints(), self._control.effort)
+
+    def arrays(self) -> DeviceArrays:
+        """Return the state on the device."""
+        worlds = self._worlds
+        return DeviceArrays(
+            *worlds.joint_arrays,
+            self._control.effort_array,
+            *worlds.object_arrays,
+            worlds.divergence,
+        )
 
     def objects(self) -> ObjectArrays:
         """Return poses and velocities of the objects."""
@@ -171,6 +190,29 @@ class DeviceCopies:
                 f"{positions[refused].tolist()} within {times[refused, -1]:.6g} s"
             )
         return True
+
+    def holds(self, array: object) -> bool:
+        """Return whether an array lies on the device; those of NumPy do not."""
+        return not isinstance(array, np.ndarray) and is_on_device(array, self._name)
+
+    def command(
+        self,
+        rows: Indices,
+        goals: Mapping[int, Sequence[JointGoal]],
+        positions: object,
+        velocities: object | None,
+        duration: float,
+    ) -> None:
+        """Start motions to positions in arrays on the device: ``BatchBackend``."""
+        for controller, its in goals.items():
+            self._control.command(
+                rows,
+                controller,
+                its,
+                positions=positions,
+                velocities=velocities,
+                duration=duration,
+            )
 
     def set_drive_limits(
         self, rows: Indices, joint: int, limits: Sequence[DriveLimits]

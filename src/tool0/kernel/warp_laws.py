@@ -10,6 +10,8 @@ import math
 import warp as wp
 
 TURN = wp.constant(math.tau)
+JUST_AFTER = wp.constant(wp.float64(2.3e-16))
+"""Relative distance to the next number."""
 
 
 @wp.struct
@@ -60,6 +62,19 @@ class Drive:
     pad_slope: float
 
 
+@wp.struct
+class Goal:
+    """A joint that a command moves."""
+
+    source: int
+    """Its column in the command."""
+    column: int
+    """Its number among the controlled joints."""
+    drive: int
+    lower: float
+    upper: float
+
+
 @wp.kernel
 def run_laws(
     steps: wp.array[int],
@@ -98,6 +113,65 @@ def run_laws(
     integrals[robot, k] = integral
     effort = gains[k, 0] * error + clamped + gains[k, 2] * rate
     command[robot, i] = effort + feed_forward[k] * (rate + velocity[robot, i])
+
+
+@wp.kernel
+def start_motions(
+    is_chosen: wp.array[int],
+    steps: wp.array[int],
+    dt: wp.float64,
+    duration: wp.float64,
+    goals: wp.array[Goal],
+    wraps: wp.array[int],
+    positions: wp.array2d[float],
+    velocities: wp.array2d[float],
+    until: wp.array3d[wp.float64],
+    origin: wp.array3d[wp.float64],
+    coefficients: wp.array3d[wp.vec4],
+    grips: wp.array2d[wp.vec3],
+    has_diverged: wp.array[int],
+) -> None:
+    """Move joints from their setpoints to ``positions``, and rest: ``Motions.start``.
+
+    A line, or a cubic if ``velocities`` is not empty.  Positions beyond a limit count
+    as the limit.  A robot with a number that is not finite diverges.
+    """
+    robot, k = wp.tid()
+    if is_chosen[robot] == 0:
+        return
+    goal = goals[k]
+    target = positions[robot, goal.source]
+    speed = float(0.0)
+    if velocities.shape[0] > 0:
+        speed = velocities[robot, goal.source]
+    if not wp.isfinite(target) or not wp.isfinite(speed):
+        has_diverged[robot] = 1
+        return
+    i = goal.column
+    now = wp.float64(steps[robot]) * dt
+    j = int(0)
+    while now >= until[robot, i, j]:
+        j += 1
+    t = wp.float32(now - origin[robot, i, j])
+    c = coefficients[robot, i, j]
+    q = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+    qd = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])
+    d = wp.clamp(target, goal.lower, goal.upper) - q
+    if wraps[i] != 0:
+        d = d - TURN * wp.rint(d / TURN)
+    T = wp.float32(duration)
+    c = wp.vec4(q, d / T, 0.0, 0.0)
+    if velocities.shape[0] > 0:
+        c[1] = qd
+        c[2] = (3.0 * d - (2.0 * qd + speed) * T) / T / T
+        c[3] = (-2.0 * d + (qd + speed) * T) / T / T / T
+    end = now + duration
+    until[robot, i, 0] = end + end * JUST_AFTER  # at its end, a motion still moves
+    until[robot, i, 1] = wp.float64(wp.inf)
+    origin[robot, i, 0] = now
+    coefficients[robot, i, 0] = c
+    coefficients[robot, i, 1] = wp.vec4(q + d, 0.0, 0.0, 0.0)
+    grips[robot, goal.drive] = wp.vec3(0.0, 0.0, 0.0)
 
 
 @wp.kernel

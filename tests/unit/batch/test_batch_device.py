@@ -41,7 +41,12 @@ FIELDS = (
     "geom_friction",
     "pair_friction",
 )
+MOVABLE = ("red cube", "green cube", "blue cube", "can", "ball")
 Array = NDArray[np.float64]
+
+
+def columns_of_arm(batch: tool0.Batch) -> list[int]:
+    return [batch.joint_names.index(joint) for joint in batch.arm_joints]
 
 
 def test_an_unknown_device_is_refused() -> None:
@@ -250,6 +255,105 @@ def test_wrong_masses_and_frictions_are_refused(device: str) -> None:
             batch.set_mass("table", 1.0)
         with pytest.raises(tool0.ControlError, match=r"copy 1: .*mass"):
             batch.set_mass("can", [1.0, -1.0])
+
+
+def test_arrays_on_the_device_are_those_of_the_host(device: str) -> None:
+    with tool0.Batch(2, scene=SCENE, device=device) as batch:
+        batch.command(batch.position[:, columns_of_arm(batch)] + REACH, duration=0.1)
+        batch.place("can", [0.4, 0.4, 0.5])
+        batch.step(20)
+        arrays = batch.device_arrays
+        movable = [batch.object_names.index(name) for name in MOVABLE]
+        for mine, its in (
+            (arrays.position, batch.position),
+            (arrays.velocity, batch.velocity),
+            (arrays.effort, batch.effort),
+            (arrays.object_position, batch.object_position[:, movable]),
+            (arrays.object_quat, batch.object_quat[:, movable]),
+            (arrays.object_linear, batch.object_linear[:, movable]),
+            (arrays.diverged, batch.diverged),
+        ):
+            np.testing.assert_array_equal(mine.numpy(), its)
+        assert abs(batch.object_linear).max() > 0.05  # the can falls
+        before = batch.position
+        batch.step()
+        assert not np.array_equal(arrays.position.numpy(), before)  # no copies
+
+
+@pytest.mark.parametrize("has_velocities", [True, False])
+def test_commands_on_the_device_are_those_of_the_host(
+    device: str, has_velocities: bool
+) -> None:
+    warp = pytest.importorskip("warp")
+    with (
+        tool0.Batch(N, device=device) as host,
+        tool0.Batch(N, device=device) as other,
+    ):
+        home = host.position[:, columns_of_arm(host)].astype(np.float32)
+        rng = np.random.default_rng(2)
+        for which in (None, [0, 2], [1, 3]):
+            q = home + rng.uniform(-REACH, REACH, home.shape).astype(np.float32)
+            qd = rng.uniform(-0.1, 0.1, home.shape).astype(np.float32)
+            speeds = qd if has_velocities else None
+            host.command(q, velocities=speeds, duration=0.06, which=which)
+            with warp.ScopedDevice(device.removeprefix("warp:")):
+                other.command(
+                    warp.array(q),
+                    velocities=warp.array(qd) if has_velocities else None,
+                    duration=0.06,
+                    which=which,
+                )
+            for batch in (host, other):
+                batch.step(40)
+                batch.move_gripper(0.03, which=[1])  # what the host adds, stays
+                batch.step(30)
+            np.testing.assert_allclose(other.position, host.position, atol=POSITION)
+        assert np.ptp(host.position, axis=0).min() > 0.005  # they moved
+
+
+def test_tensors_of_pytorch_share_the_memory(device: str) -> None:
+    torch = pytest.importorskip("torch")
+    with tool0.Batch(2, scene=SCENE, device=device) as batch:
+        position = torch.from_dlpack(batch.device_arrays.position)
+        quat = torch.from_dlpack(batch.device_arrays.object_quat)
+        q = position[:, columns_of_arm(batch)] + REACH
+        batch.command(q, duration=0.1)
+        batch.step(300)
+        np.testing.assert_array_equal(position.cpu(), batch.position)
+        np.testing.assert_allclose(
+            position[:, columns_of_arm(batch)].cpu(), q, atol=0.01
+        )
+        assert quat.shape == (2, len(MOVABLE), 4)
+
+
+def test_wrong_arrays_on_the_device_are_refused(device: str) -> None:
+    warp = pytest.importorskip("warp")
+    name = device.removeprefix("warp:")
+    with tool0.Batch(2, device=device) as batch, warp.ScopedDevice(name):
+        q = batch.position[:, columns_of_arm(batch)]
+        for array, match in (
+            (warp.array(q[:, :5], dtype=float), r"shape \(2, 5\); it must be \(2, 6\)"),
+            (warp.array(q, dtype=warp.float64), "must be float32, got float64"),
+        ):
+            with pytest.raises(tool0.ControlError, match=match):
+                batch.command(array, duration=0.1)
+        good = warp.array(q, dtype=float)
+        with pytest.raises(tool0.ControlError, match="'velocities' must be on the"):
+            batch.command(good, velocities=q.tolist(), duration=0.1)
+        q = q.copy()
+        q[1, 2] = np.nan
+        batch.command(warp.array(q, dtype=float), duration=0.1)
+        batch.step(2)
+        assert batch.diverged.tolist() == [False, True]
+        assert np.isfinite(batch.position).all()
+
+
+def test_arrays_on_a_device_need_one() -> None:
+    with (
+        tool0.Batch(1) as batch,
+        pytest.raises(tool0.ControlError, match="works on a GPU only"),
+    ):
+        batch.device_arrays  # noqa: B018
 
 
 def test_some_methods_need_the_cpu(device: str) -> None:

@@ -118,8 +118,9 @@ class WarpWorlds:
                 njmax=ROWS + ROWS_PER_CONTACT * n_contacts,
             )
             self.steps = wp.zeros(n, dtype=int)
-            """Of each world since its reset: Warp's array, as the next three."""
-            self._has_diverged = wp.zeros(n, dtype=int)
+            """Of each world since its reset: Warp's array, as the next four."""
+            self.divergence = wp.zeros(n, dtype=int)
+            """1 for worlds that stand still."""
             self._start = engine.data.qpos.copy()
             self._parked = wp.array(self._start.astype(np.float32), dtype=float)
             self._measured = wp.zeros((n, model.nq), dtype=float)
@@ -148,7 +149,7 @@ class WarpWorlds:
                     data.qvel,
                     data.qacc_warmstart,
                     self._measured,
-                    self._has_diverged,
+                    self.divergence,
                     self.steps,
                 ],
             )
@@ -188,7 +189,7 @@ class WarpWorlds:
                     self._measured,
                     data.time,
                     data.overflow,
-                    self._has_diverged,
+                    self.divergence,
                     self.steps,
                 ],
             )
@@ -203,12 +204,41 @@ class WarpWorlds:
     @property
     def has_diverged(self) -> NDArray[np.bool_]:
         """Which worlds stand still since their physics failed, shape (n,)."""
-        return np.asarray(self._has_diverged.numpy() != 0)
+        return np.asarray(self.divergence.numpy() != 0)
 
     def joints(self) -> tuple[Array, Array]:
         """Return positions [rad | m] and velocities of the joints, (n, n_joints)."""
         k = self._n_joints
         return _doubles(self._measured)[:, :k], _doubles(self.velocity)[:, :k]
+
+    @property
+    def joint_arrays(self) -> tuple[Any, Any]:
+        """The same as Warp's arrays, which change with time."""
+        k = self._n_joints
+        return self._measured[:, :k], self.velocity[:, :k]
+
+    @property
+    def object_arrays(self) -> tuple[Any, Any, Any, Any]:
+        """States of the m movable objects as Warp's arrays, which change with time.
+
+        Positions and orientations w, x, y, z in the root, shape (n, m, 3 | 4), linear
+        velocities in the root's axes and angular ones in the object's, (n, m, 3).
+        """
+        q, qd, k = self._measured, self.velocity, self._n_joints
+        m = len(self._engine.world.states.starts)
+
+        def view(base: Any, first: int, width: int, stride: int) -> Any:
+            found = wp.array(
+                ptr=base.ptr + base.strides[1] * (k + first),
+                dtype=float,
+                shape=(self._n, m, width),
+                strides=(base.strides[0], base.strides[1] * stride, base.strides[1]),
+                device=base.device,
+            )
+            found._ref = base  # keeps the memory, as Warp's own slices do
+            return found
+
+        return view(q, 0, 3, 7), view(q, 3, 4, 7), view(qd, 0, 3, 6), view(qd, 3, 3, 6)
 
     def objects(self) -> ObjectArrays:
         """Return the objects' states in the root."""
