@@ -77,6 +77,7 @@ class Copies:
             scene=scene,
             dt=options.dt,
             threads=options.threads,
+            device=options.device,
         )
         names, gripper = self.batch.joint_names, workspace.gripper
         self._arm = [names.index(joint) for joint in workspace.chain.joint_names]
