@@ -105,13 +105,6 @@ class BatchBackend(Protocol):
         It raises as ``executor``.
         """
 
-    def desired(self, rows: Indices, controller: int, joint: int) -> Array | None:
-        """Return the desired positions of a joint [rad | m]; None if only Python can.
-
-        ``controller`` and ``joint`` are their numbers, among the running controllers
-        and in the controller.
-        """
-
     def start(
         self,
         rows: Indices,
@@ -163,10 +156,23 @@ class BatchBackend(Protocol):
             ControlError: If an array is not of single precision, or this is the CPU.
         """
 
-    def set_drive_limits(
-        self, rows: Indices, joint: int, limits: Sequence[DriveLimits]
-    ) -> None:
-        """Limit the drive of a joint, by its number, after its motion has started."""
+    def grip(
+        self,
+        rows: Indices,
+        controller: int,
+        joint: int,
+        openings: object,
+        limits: Sequence[DriveLimits],
+    ) -> bool:
+        """Move a gripper along ``direct_path``; return False if only Python can.
+
+        Args:
+            rows: The copies, at least one.
+            controller: Its number among the running controllers.
+            joint: The number of the gripper's joint in the controller.
+            openings: [m], shape (n,); perhaps an array on the device.
+            limits: Of speed and force, one per row.
+        """
 
 
 def needs_cpu(what: str, device: str) -> ControlError:

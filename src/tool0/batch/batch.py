@@ -397,7 +397,8 @@ class Batch:
         (``motion.gripper.direct_path``); a GripperActionController moves it its way.
 
         Args:
-            opening: Distance between the pads [m], shape (n,).
+            opening: Distance between the pads [m], shape (n,).  An array on the device
+                of a GPU is treated as in ``command``.
             speed: Of the pads relative to each other [m/s], shape (n,); the fastest, if
                 left out.
             force: Largest force at each pad [N], shape (n,); the strongest, if left
@@ -413,7 +414,14 @@ class Batch:
         check = Arguments(self._n, "move_gripper")
         geometry = self._gripper(gripper)
         rows = check.which(which)
-        openings = check.rows("opening", opening, (), rows)[rows].tolist()
+        openings: object = opening
+        if self._copies.holds(opening):
+            check.on_device("opening", opening, (), "", is_held=True)
+        else:
+            openings = ends = check.rows("opening", opening, (), rows)
+            is_beyond = (ends[rows] < 0.0) | (ends[rows] > geometry.max_opening)
+            for end in ends[rows][is_beyond]:
+                geometry.position(float(end))  # raises ModelError
         fastest, strongest = geometry.speed[1], geometry.force[1]
         speeds = check.rows("speed", fastest if speed is None else speed, (), rows)
         forces = check.rows("force", strongest if force is None else force, (), rows)

@@ -25,6 +25,7 @@ from tool0.kernel.many import Addresses, BatchKernel, StartResult
 from tool0.kernel.motions import JointGoal
 from tool0.kernel.program import Ended, TickProgram
 from tool0.kinematics.chain import Array
+from tool0.motion.gripper import direct_path
 from tool0.simulation.core import Core
 from tool0.simulation.executor import Executor
 
@@ -208,13 +209,6 @@ class Copies:
 
     # ---- commands to copies that are loaded ----------------------------------------
 
-    def desired(self, rows: Indices, controller: int, joint: int) -> Array | None:
-        """Return the desired positions of a joint, as ``BatchBackend.desired``."""
-        if self._kernel is None or not self.load(rows):
-            return None
-        laws = self._laws[controller][rows]
-        return self._kernel.desired(laws, joint, self.time[rows])
-
     def start(
         self,
         rows: Indices,
@@ -269,11 +263,41 @@ class Copies:
         """Raise ControlError: there is no device."""
         raise needs_gpu("Batch.command with an array on a device")
 
-    def set_drive_limits(
-        self, rows: Indices, joint: int, limits: Sequence[DriveLimits]
-    ) -> None:
-        """Limit the drive of a joint, by its number, in copies that are loaded."""
-        for i, each in zip(rows.tolist(), limits, strict=True):
-            program = self._programs[i]
-            assert program is not None
-            program.set_drive_limits(joint, each)
+    def grip(
+        self,
+        rows: Indices,
+        controller: int,
+        joint: int,
+        openings: object,
+        limits: Sequence[DriveLimits],
+    ) -> bool:
+        """Move a gripper, as ``BatchBackend.grip``: the kernel, if it can."""
+        if self._kernel is None or not self.load(rows):
+            return False
+        laws = self._laws[controller][rows]
+        here = self._kernel.desired(laws, joint, self.time[rows])
+        if here is None:
+            return False
+        ends = np.asarray(openings)[rows].tolist()
+        gripper, period = limits[0].gripper, self._cores[0].control_period
+        paths = [
+            direct_path(gripper, at, end, each.speed or gripper.speed[1], period)
+            for each, at, end in zip(limits, here.tolist(), ends, strict=True)
+        ]
+        targets = np.array([path.positions[1:] for path in paths])
+        has_started = self.start(
+            rows,
+            controller,
+            [joint],
+            times=np.array([path.times[1:] for path in paths]),
+            positions=targets,
+            velocities=np.zeros_like(targets),
+            lifts_limits=False,
+        )
+        if has_started:
+            driven = self._engines[0].joint_names.index(gripper.joint)
+            for i, each in zip(rows.tolist(), limits, strict=True):
+                program = self._programs[i]
+                assert program is not None
+                program.set_drive_limits(driven, each)
+        return has_started

@@ -40,6 +40,7 @@ class DeviceCopies:
         self._model, self._dt = model, engine.dt
         self._period = core.control_period
         self._steps_per_tick = round(core.control_period / engine.dt)
+        self._n = n
         self._initial = np.tile(core.state.position, (n, 1))
         self._worlds = worlds = WarpWorlds(engine, n, name)
         statuses = core.manager.list()
@@ -155,10 +156,6 @@ class DeviceCopies:
         """Raise ControlError: the copies have no cores."""
         raise needs_cpu(f"the core of copy {i}", self._device)
 
-    def desired(self, rows: Indices, controller: int, joint: int) -> Array:
-        """Return desired positions of a joint [rad | m]: ``BatchBackend.desired``."""
-        return self._control.desired(rows, controller, joint, self.time[rows])
-
     def start(
         self,
         rows: Indices,
@@ -214,8 +211,25 @@ class DeviceCopies:
                 duration=duration,
             )
 
-    def set_drive_limits(
-        self, rows: Indices, joint: int, limits: Sequence[DriveLimits]
-    ) -> None:
-        """Limit the drive of a joint, by its number, in each of the rows."""
-        self._control.set_drive_limits(rows, joint, limits)
+    def grip(
+        self,
+        rows: Indices,
+        controller: int,
+        joint: int,
+        openings: object,
+        limits: Sequence[DriveLimits],
+    ) -> bool:
+        """Move a gripper, as ``BatchBackend.grip``; it always can."""
+        speeds, forces = np.zeros((2, self._n))
+        speeds[rows] = [each.speed for each in limits]
+        forces[rows] = [each.force for each in limits]
+        self._control.grip(
+            rows,
+            controller,
+            joint,
+            limits[0].gripper,
+            openings=openings,
+            speeds=speeds,
+            forces=forces,
+        )
+        return True

@@ -11,7 +11,6 @@ import warp as wp
 
 from tool0.control.controller import Controller
 from tool0.control.law import IdleLaw, TrajectoryLaw
-from tool0.description.drive_limits import DriveLimits
 from tool0.description.model import LinearOpening, ParallelGripper, RotaryOpening
 from tool0.errors import ConfigError, ControlError
 from tool0.hardware.limits import DriveBounds
@@ -21,17 +20,18 @@ from tool0.kernel.warp_laws import (
     Body,
     Drive,
     Goal,
+    Gripper,
     Spring,
     balance,
     restart,
     run_drives,
     run_laws,
+    start_grips,
     start_motions,
 )
+from tool0.motion.gripper import RAMP_TIME
 
 NO_GRIP = (0.0, 0.0, 0.0)
-JOINT_EFFORT, PAD_FORCE = 1.0, 2.0
-"""Kinds of grips in ``run_drives``."""
 DLPACK_CPU, DLPACK_CUDA = 1, 2
 """Kinds of memory in ``__dlpack_device__``."""
 
@@ -268,11 +268,6 @@ class DeviceControl:
             device=self._device,
         )
 
-    def desired(self, rows: Indices, controller: int, joint: int, now: Array) -> Array:
-        """Return the desired positions of a controller's joint, by its number there."""
-        self._download()
-        return self._motions.desired(rows, self._first[controller] + joint, now)[0]
-
     def start(
         self,
         rows: Indices,
@@ -352,14 +347,65 @@ class DeviceControl:
         )
         self._is_ahead = True
 
-    def set_drive_limits(
-        self, rows: Indices, joint: int, limits: Sequence[DriveLimits]
+    def grip(
+        self,
+        rows: Indices,
+        controller: int,
+        joint: int,
+        gripper: ParallelGripper,
+        *,
+        openings: object,
+        speeds: Array,
+        forces: Array,
     ) -> None:
-        """Limit the drive of a joint, by the engine's number, in each of the rows."""
-        drive = self._drives.index(joint)
-        if len(rows):
-            self._grips[rows, drive] = [_grip(each) for each in limits]
-            self._is_uploaded = False
+        """Move pads to openings [m], with speeds [m/s] and forces [N], shape (n,) each.
+
+        ``openings`` may be an array on the device; those out of reach count as the
+        nearest one, and a robot with one that is not finite diverges.
+
+        Args:
+            rows: The robots.
+            controller: The number of the running controller.
+            joint: The number of the gripper's joint there.
+            gripper: Its geometry.
+            openings: Distances between the pads.
+            speeds: Largest speeds of the pads relative to each other.
+            forces: Largest forces at each pad.
+        """
+        self.upload()
+        column = self._first[controller] + joint
+        found = Gripper()
+        found.column, found.drive = column, self._drive_of(column)
+        found.widest, found.fastest = gripper.max_opening, gripper.speed[1]
+        found.ramp_time, found.shortest = RAMP_TIME, self._period
+        found.pad_offset = gripper.law.pad_offset
+        match gripper.law:
+            case LinearOpening() as law:
+                found.is_linear, found.pad_slope = 1, law.pad_slope
+            case RotaryOpening() as law:
+                found.pad_cos, found.pad_sin = law.pad_cos, law.pad_sin
+        if isinstance(openings, np.ndarray):
+            openings = wp.array(openings, dtype=float, device=self._device)
+        wp.launch(
+            start_grips,
+            dim=len(self._grips),
+            inputs=[
+                self._chosen(rows),
+                self._state.steps,
+                self._dt,
+                found,
+                _floats(openings),
+                wp.array(speeds, dtype=float, device=self._device),
+                wp.array(forces, dtype=float, device=self._device),
+                self._until,
+                self._origin,
+                self._coefficients,
+                self._grip_array,
+                self._state.has_diverged,
+            ],
+            device=self._device,
+        )
+        self._is_ahead = True
 
     def _drive_of(self, column: int) -> int:
         """Return the number of the drive of a controlled joint."""
@@ -478,11 +524,3 @@ def _drive(bounds: DriveBounds, gripper: ParallelGripper | None) -> Any:
         case RotaryOpening() as law:
             drive.pad_cos, drive.pad_sin = law.pad_cos, law.pad_sin
     return drive
-
-
-def _grip(limits: DriveLimits) -> tuple[float, float, float]:
-    """Return the limits of a goal as ``run_drives`` reads them."""
-    speed = math.inf if limits.speed is None else limits.speed
-    if limits.force is not None:
-        return limits.force, speed, PAD_FORCE
-    return math.inf if limits.effort is None else limits.effort, speed, JOINT_EFFORT

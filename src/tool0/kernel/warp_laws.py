@@ -75,6 +75,25 @@ class Goal:
     upper: float
 
 
+@wp.struct
+class Gripper:
+    """``ParallelGripper``, and how its pads move."""
+
+    column: int
+    """Of its joint, among the controlled joints."""
+    drive: int
+    is_linear: int
+    pad_offset: float
+    pad_cos: float
+    pad_sin: float
+    pad_slope: float
+    widest: float
+    fastest: float
+    ramp_time: float
+    shortest: float
+    """Least duration of a motion [s]."""
+
+
 @wp.kernel
 def run_laws(
     steps: wp.array[int],
@@ -115,6 +134,54 @@ def run_laws(
     command[robot, i] = effort + feed_forward[k] * (rate + velocity[robot, i])
 
 
+@wp.func
+def setpoint(
+    until: wp.array3d[wp.float64],
+    origin: wp.array3d[wp.float64],
+    coefficients: wp.array3d[wp.vec4],
+    robot: int,
+    joint: int,
+    now: wp.float64,
+) -> wp.vec2:
+    """Return the desired position and velocity of a controlled joint."""
+    j = int(0)
+    while now >= until[robot, joint, j]:
+        j += 1
+    t = wp.float32(now - origin[robot, joint, j])
+    c = coefficients[robot, joint, j]
+    q = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+    return wp.vec2(q, c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]))
+
+
+@wp.func
+def cubic(start: wp.vec2, way: float, speed: float, T: float) -> wp.vec4:
+    """Return a polynomial over T from position and velocity along a way to a speed."""
+    c2 = (3.0 * way - (2.0 * start[1] + speed) * T) / T / T
+    c3 = (-2.0 * way + (start[1] + speed) * T) / T / T / T
+    return wp.vec4(start[0], start[1], c2, c3)
+
+
+@wp.func
+def start_motion(
+    until: wp.array3d[wp.float64],
+    origin: wp.array3d[wp.float64],
+    coefficients: wp.array3d[wp.vec4],
+    robot: int,
+    joint: int,
+    now: wp.float64,
+    duration: wp.float64,
+    polynomial: wp.vec4,
+    end: float,
+) -> None:
+    """Let a joint follow a polynomial and then rest at ``end``."""
+    last = now + duration
+    until[robot, joint, 0] = last + last * JUST_AFTER  # at its end it still moves
+    until[robot, joint, 1] = wp.float64(wp.inf)
+    origin[robot, joint, 0] = now
+    coefficients[robot, joint, 0] = polynomial
+    coefficients[robot, joint, 1] = wp.vec4(end, 0.0, 0.0, 0.0)
+
+
 @wp.kernel
 def start_motions(
     is_chosen: wp.array[int],
@@ -149,29 +216,79 @@ def start_motions(
         return
     i = goal.column
     now = wp.float64(steps[robot]) * dt
-    j = int(0)
-    while now >= until[robot, i, j]:
-        j += 1
-    t = wp.float32(now - origin[robot, i, j])
-    c = coefficients[robot, i, j]
-    q = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
-    qd = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])
-    d = wp.clamp(target, goal.lower, goal.upper) - q
+    start = setpoint(until, origin, coefficients, robot, i, now)
+    way = wp.clamp(target, goal.lower, goal.upper) - start[0]
     if wraps[i] != 0:
-        d = d - TURN * wp.rint(d / TURN)
+        way = way - TURN * wp.rint(way / TURN)
     T = wp.float32(duration)
-    c = wp.vec4(q, d / T, 0.0, 0.0)
+    polynomial = wp.vec4(start[0], way / T, 0.0, 0.0)
     if velocities.shape[0] > 0:
-        c[1] = qd
-        c[2] = (3.0 * d - (2.0 * qd + speed) * T) / T / T
-        c[3] = (-2.0 * d + (qd + speed) * T) / T / T / T
-    end = now + duration
-    until[robot, i, 0] = end + end * JUST_AFTER  # at its end, a motion still moves
-    until[robot, i, 1] = wp.float64(wp.inf)
-    origin[robot, i, 0] = now
-    coefficients[robot, i, 0] = c
-    coefficients[robot, i, 1] = wp.vec4(q + d, 0.0, 0.0, 0.0)
+        polynomial = cubic(start, way, speed, T)
+    end = start[0] + way
+    start_motion(until, origin, coefficients, robot, i, now, duration, polynomial, end)
     grips[robot, goal.drive] = wp.vec3(0.0, 0.0, 0.0)
+
+
+@wp.kernel
+def start_grips(
+    is_chosen: wp.array[int],
+    steps: wp.array[int],
+    dt: wp.float64,
+    gripper: Gripper,
+    openings: wp.array[float],
+    speeds: wp.array[float],
+    forces: wp.array[float],
+    until: wp.array3d[wp.float64],
+    origin: wp.array3d[wp.float64],
+    coefficients: wp.array3d[wp.vec4],
+    grips: wp.array2d[wp.vec3],
+    has_diverged: wp.array[int],
+) -> None:
+    """Move pads to openings: ``motion.gripper.direct_path``, with speeds and forces.
+
+    Openings out of reach count as the nearest one.  A robot whose opening is not finite
+    diverges.
+    """
+    robot = wp.tid()
+    if is_chosen[robot] == 0:
+        return
+    if not wp.isfinite(openings[robot]):
+        has_diverged[robot] = 1
+        return
+    opening = wp.clamp(openings[robot], 0.0, gripper.widest)
+    now = wp.float64(steps[robot]) * dt
+    start = setpoint(until, origin, coefficients, robot, gripper.column, now)
+    q = start[0]
+    if gripper.is_linear != 0:
+        here = 2.0 * (gripper.pad_offset + gripper.pad_slope * q)
+        end = (opening / 2.0 - gripper.pad_offset) / gripper.pad_slope
+    else:
+        x = gripper.pad_cos
+        y = gripper.pad_sin
+        here = 2.0 * (gripper.pad_offset + x * wp.cos(q) + y * wp.sin(q))
+        side = (opening / 2.0 - gripper.pad_offset) / wp.sqrt(x * x + y * y)
+        end = wp.atan2(y, x) + wp.acos(wp.clamp(side, -1.0, 1.0))
+    distance = wp.abs(opening - here)
+    T = wp.max(
+        gripper.shortest,
+        wp.max(
+            1.5 * distance / speeds[robot],
+            wp.sqrt(6.0 * distance * gripper.ramp_time / gripper.fastest),
+        ),
+    )
+    polynomial = cubic(start, end - q, 0.0, T)
+    start_motion(
+        until,
+        origin,
+        coefficients,
+        robot,
+        gripper.column,
+        now,
+        wp.float64(T),
+        polynomial,
+        end,
+    )
+    grips[robot, gripper.drive] = wp.vec3(forces[robot], speeds[robot], 1.0)
 
 
 @wp.kernel
@@ -258,8 +375,8 @@ def run_drives(
     """Write the effort of the next step, for each robot and each drive.
 
     ``compensates`` is 1 for drives that carry their load, ``motor_of`` the number of a
-    drive's motor.  Of a goal, ``grips`` has force or effort, the speed of the pads, and
-    its kind: 0 for none, 1 for an effort of the joint, 2 for a force at the pads.
+    drive's motor.  Of a goal, ``grips`` has force and speed of the pads, and 1, or 0 if
+    there is none.
     """
     robot, k = wp.tid()
     drive = drives[k]
@@ -283,9 +400,7 @@ def run_drives(
                     lever = 2.0 * wp.abs(
                         drive.pad_sin * wp.cos(q) - drive.pad_cos * wp.sin(q)
                     )
-                force = grip[0]
-                if grip[2] > 1.5:
-                    force = force * lever
+                force = grip[0] * lever
                 lowest = wp.min(gravity - force, applied + drive.ease)
                 highest = wp.max(gravity + force, applied - drive.ease)
                 u = wp.min(wp.max(u, lowest), highest)
