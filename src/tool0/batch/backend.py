@@ -17,7 +17,6 @@ from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
     from tool0.engines.mujoco.copies import ObjectArrays
-    from tool0.simulation.core import Core
     from tool0.simulation.executor import Executor
 
 ObjectField = Literal["mass", "friction"]
@@ -97,12 +96,6 @@ class BatchBackend(Protocol):
 
         Raises:
             ControlError: If this is no CPU.
-        """
-
-    def observed(self, i: int) -> Core:
-        """Return the core of one copy, up to date, only to read it.
-
-        It raises as ``executor``.
         """
 
     def start(

@@ -40,6 +40,7 @@ from tool0.description.loading import load_description
 from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.description.parts import find_arms, find_grippers
 from tool0.description.scene import Scene
+from tool0.description.scene_state import ObjectState
 from tool0.errors import (
     ConfigError,
     ControlError,
@@ -455,8 +456,8 @@ class Batch:
                 f"Batch.step: 'ticks' must be a whole number, 0 or more, got {ticks!r}"
             )
         rows = Arguments(self._n, "step").which(which)
-        if len(rows) < self._n:
-            self._check_on_cpu("step(which=…)")
+        if len(rows) < self._n and self._device != CPU:
+            raise needs_cpu("Batch.step(which=…)", self._device)
         with self._changing():
             self._copies.step(int(ticks), rows)
 
@@ -563,14 +564,13 @@ class Batch:
         """Return an image of copy ``i``.
 
         Raises:
-            ControlError: If there is no such copy, or this is a GPU.
+            ControlError: If there is no such copy.
             RenderError: If there is no such camera, or no OpenGL here.
         """
         if not 0 <= i < self._n:
             raise ControlError(
                 f"Batch.render: no copy {i}; there are 0 … {self._n - 1}"
             )
-        self._check_on_cpu("render")
         with self._alone():
             return self._cameras.render(self._cameras[camera], self._snapshot(i))
 
@@ -604,10 +604,6 @@ class Batch:
         from tool0.batch.device import DeviceCopies
 
         return DeviceCopies(self._cores[0], self._model, self._n, self._device)
-
-    def _check_on_cpu(self, method: str) -> None:
-        if self._device != CPU:
-            raise needs_cpu(f"Batch.{method}", self._device)
 
     @contextlib.contextmanager
     def _alone(self) -> Iterator[None]:
@@ -703,22 +699,27 @@ class Batch:
 
     def _snapshot(self, i: int) -> Snapshot:
         """Return the state of one copy, for its image."""
-        core = self._copies.observed(i)
-        state = core.state
+        core = self._cores[i if self._device == CPU else 0]
+        arrays, time = self._objects(), float(self.time[i])
+        states = (arrays.position, arrays.quat, arrays.linear, arrays.angular)
+        rows = zip(*(values[i].tolist() for values in states), strict=True)
         return Snapshot(
-            time=core.time,
-            tick=core.ticks,
+            time=time,
+            tick=round(time / self.control_period),
             joint_names=self.joint_names,
-            position=tuple(state.position),
-            velocity=tuple(state.velocity),
-            effort=tuple(state.effort),
+            position=tuple(self.position[i].tolist()),
+            velocity=tuple(self.velocity[i].tolist()),
+            effort=tuple(self.effort[i].tolist()),
             controllers=core.manager.list(),
             is_paused=False,
             is_stopped=False,
             real_time_factor=0.0,
             overruns=0,
             scene=core.scene.objects,
-            objects=core.engine.world.object_states(),
+            objects=tuple(
+                ObjectState(name, *map(tuple, row))
+                for name, row in zip(self.object_names, rows, strict=True)
+            ),
         )
 
 

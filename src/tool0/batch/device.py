@@ -152,10 +152,6 @@ class DeviceCopies:
         """Raise ControlError: the copies have no cores."""
         raise needs_cpu(f"what moves copy {i}", self._device)
 
-    def observed(self, i: int) -> Core:
-        """Raise ControlError: the copies have no cores."""
-        raise needs_cpu(f"the core of copy {i}", self._device)
-
     def start(
         self,
         rows: Indices,

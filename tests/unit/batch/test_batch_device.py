@@ -356,13 +356,26 @@ def test_arrays_on_a_device_need_one() -> None:
         batch.device_arrays  # noqa: B018
 
 
-def test_some_methods_need_the_cpu(device: str) -> None:
-    with tool0.Batch(1, scene=SCENE, device=device) as batch:
-        for method in (
-            lambda: batch.step(which=[]),
-            lambda: batch.render(0, "overview"),
-        ):
-            with pytest.raises(
-                tool0.ControlError, match="works with device='cpu' only"
-            ):
-                method()
+def test_a_step_of_some_copies_needs_the_cpu(device: str) -> None:
+    with (
+        tool0.Batch(2, device=device) as batch,
+        pytest.raises(tool0.ControlError, match="works with device='cpu' only"),
+    ):
+        batch.step(which=[1])
+
+
+def test_images_are_those_of_the_cpu(device: str) -> None:
+    images = []
+    for name in ("cpu", device):
+        with tool0.Batch(2, scene=SCENE, device=name) as batch:
+            position = batch.position.copy()
+            position[1, 0] += 0.5
+            batch.reset(position=position)
+            batch.place("red cube", [0.3, 0.5, 0.9], which=[1])
+            try:
+                images.append([batch.render(i, "wrist").rgb for i in range(2)])
+            except tool0.RenderError as error:
+                pytest.skip(f"no OpenGL here: {error}")
+    host, other = np.array(images, dtype=np.int64)
+    assert abs(host[0] - host[1]).mean() > 1.0  # the copies differ
+    assert abs(host - other).mean() < 0.5

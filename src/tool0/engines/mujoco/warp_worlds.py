@@ -244,7 +244,7 @@ class WarpWorlds:
         """Return the objects' states in the root."""
         states, k = self._engine.world.states, self._n_joints
         q, qd = _doubles(self._measured)[:, k:], _doubles(self.velocity)[:, k:]
-        return object_arrays_of(states, q, qd, [states.static] * self._n)
+        return object_arrays_of(states, q, qd, [states.static])
 
     def place(self, name: str, rows: Indices, position: Array, quat: Array) -> None:
         """Put a movable object at rest at positions (len(rows), 3), quat_wxyz (…, 4).
