@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from typing import Any, NamedTuple, final
 
 import numpy as np
@@ -15,6 +15,7 @@ from tool0.description.model import LinearOpening, ParallelGripper, RotaryOpenin
 from tool0.errors import ConfigError, ControlError
 from tool0.hardware.limits import DriveBounds
 from tool0.hardware.robot_hardware import POSE_PERIOD, RobotHardware
+from tool0.kernel.device_governor import DeviceGovernor, body_structs
 from tool0.kernel.motions import Array, Indices, JointGoal, Motions
 from tool0.kernel.warp_laws import (
     Body,
@@ -106,6 +107,7 @@ class DeviceControl:
         self._grips = np.zeros((n, len(self._drives), 3), dtype=np.float32)
         compensated = [float(i in table.compensated) for i in self._drives]
         n_joints, n_bodies = len(hardware.joint_names), len(table.dynamics.bodies)
+        governed = {each.joint for each in hardware.setup.governor.drives}
         pads = {gripper.joint: gripper for gripper in grippers}
         names = hardware.joint_names
         with wp.ScopedDevice(device):
@@ -118,11 +120,14 @@ class DeviceControl:
             self._effort = wp.zeros((n, n_joints), dtype=float)
             self._loads = wp.zeros((n, n_joints), dtype=float)
             self._before = wp.full((n, len(self._drives)), math.nan, dtype=float)
-            self._bodies = wp.array(_bodies(hardware), dtype=Body)
+            self._bodies = wp.array(
+                body_structs(table.dynamics.bodies, table.to_model), dtype=Body
+            )
+            self._governor = DeviceGovernor(hardware, n)
             self._springs = wp.array(_springs(hardware), dtype=Spring)
             self._drive_table = wp.array(
                 [
-                    _drive(bounds, pads.get(names[bounds.joint]))
+                    _drive(bounds, pads.get(names[bounds.joint]), governed)
                     for bounds in table.bounds
                 ],
                 dtype=Drive,
@@ -228,6 +233,9 @@ class DeviceControl:
             ],
             device=self._device,
         )
+        requested = self._governor.launch(
+            self._command, self._loads, state.position, state.velocity, self._effort
+        )
         wp.launch(
             run_drives,
             dim=self._before.shape,
@@ -236,7 +244,7 @@ class DeviceControl:
                 self._compensates,
                 self._loads,
                 self._grip_array,
-                self._command,
+                requested,
                 state.position,
                 state.velocity,
                 self._before,
@@ -264,6 +272,7 @@ class DeviceControl:
                 self._command,
                 self._before,
                 self._effort,
+                *self._governor.flags,
             ],
             device=self._device,
         )
@@ -481,21 +490,6 @@ def _constants(
     return wraps, gains, feed_forward
 
 
-def _bodies(hardware: RobotHardware) -> list[Any]:
-    table = hardware.table
-    found = []
-    for each, joint in zip(table.dynamics.bodies, table.to_model, strict=True):
-        body = Body()
-        body.parent, body.is_prismatic = each.parent, int(each.is_prismatic)
-        body.master, body.joint = table.to_model[each.master], joint
-        body.multiplier, body.mass = each.multiplier, each.mass
-        x, y, z, origin = np.reshape(each.placement, (4, 3)).tolist()
-        body.rotation = wp.mat33(*[v for row in zip(x, y, z, strict=True) for v in row])
-        body.position, body.center = wp.vec3(*origin), wp.vec3(*each.center)
-        found.append(body)
-    return found
-
-
 def _springs(hardware: RobotHardware) -> list[Any]:
     table = hardware.table
     found = []
@@ -509,8 +503,11 @@ def _springs(hardware: RobotHardware) -> list[Any]:
     return found
 
 
-def _drive(bounds: DriveBounds, gripper: ParallelGripper | None) -> Any:
+def _drive(
+    bounds: DriveBounds, gripper: ParallelGripper | None, governed: Set[int]
+) -> Any:
     drive = Drive()
+    drive.is_governed = int(bounds.joint in governed)
     for name in ("joint", "effort", "velocity", "lower", "upper", "rotor", "ease"):
         setattr(drive, name, getattr(bounds, name))
     if bounds.soft is not None:

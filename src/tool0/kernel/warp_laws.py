@@ -27,6 +27,8 @@ class Body:
     rotation: wp.mat33
     position: wp.vec3
     center: wp.vec3
+    tensor: wp.mat33
+    """Inertia about the centre."""
 
 
 @wp.struct
@@ -47,6 +49,8 @@ class Drive:
     joint: int
     is_soft: int
     is_linear: int
+    is_governed: int
+    """Whether the governor limits its speed."""
     effort: float
     velocity: float
     lower: float
@@ -291,6 +295,33 @@ def start_grips(
     grips[robot, gripper.drive] = wp.vec3(forces[robot], speeds[robot], 1.0)
 
 
+@wp.func
+def place_bodies(
+    robot: int,
+    bodies: wp.array[Body],
+    position: wp.array2d[float],
+    rotations: wp.array2d[wp.mat33],
+    positions: wp.array2d[wp.vec3],
+) -> None:
+    """Find the frames of all bodies of a robot."""
+    for i in range(bodies.shape[0]):
+        body = bodies[i]
+        R = body.rotation
+        p = body.position
+        if body.parent >= 0:
+            p = rotations[robot, body.parent] @ p + positions[robot, body.parent]
+            R = rotations[robot, body.parent] @ R
+        q = position[robot, body.joint]
+        if body.is_prismatic != 0:
+            p = p + q * wp.vec3(R[0, 2], R[1, 2], R[2, 2])
+        else:
+            c = wp.cos(q)
+            s = wp.sin(q)
+            R = R @ wp.mat33(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
+        rotations[robot, i] = R
+        positions[robot, i] = p
+
+
 @wp.kernel
 def balance(
     steps: wp.array[int],
@@ -311,24 +342,10 @@ def balance(
     robot = wp.tid()
     if steps[robot] % pose_period != 0:
         return
+    place_bodies(robot, bodies, position, rotations, positions)
     for i in range(bodies.shape[0]):
-        body = bodies[i]
-        R = body.rotation
-        p = body.position
-        if body.parent >= 0:
-            p = rotations[robot, body.parent] @ p + positions[robot, body.parent]
-            R = rotations[robot, body.parent] @ R
-        q = position[robot, body.joint]
-        if body.is_prismatic != 0:
-            p = p + q * wp.vec3(R[0, 2], R[1, 2], R[2, 2])
-        else:
-            c = wp.cos(q)
-            s = wp.sin(q)
-            R = R @ wp.mat33(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
-        rotations[robot, i] = R
-        positions[robot, i] = p
-        center = R @ body.center + p
-        moments[robot, i] = body.mass * wp.vec3(center[0], center[1], 1.0)
+        center = rotations[robot, i] @ bodies[i].center + positions[robot, i]
+        moments[robot, i] = bodies[i].mass * wp.vec3(center[0], center[1], 1.0)
     for i in range(loads.shape[1]):
         loads[robot, i] = 0.0
     for k in range(bodies.shape[0]):
@@ -364,7 +381,7 @@ def run_drives(
     compensates: wp.array[float],
     loads: wp.array2d[float],
     grips: wp.array2d[wp.vec3],
-    command: wp.array2d[float],
+    requested: wp.array2d[float],
     position: wp.array2d[float],
     velocity: wp.array2d[float],
     before: wp.array2d[float],
@@ -384,7 +401,7 @@ def run_drives(
     gravity = compensates[k] * loads[robot, i]
     q = position[robot, i]
     qd = velocity[robot, i]
-    u = command[robot, i] + gravity
+    u = requested[robot, i]
     most = drive.effort
     speed = drive.velocity
     applied = effort[robot, i]
@@ -424,6 +441,8 @@ def run_drives(
         else:
             before[robot, k] = wp.nan
         speed = wp.inf
+    if drive.is_governed != 0:
+        speed = wp.inf
     if u > 0.0:
         if q > drive.upper or qd > speed:
             u = 0.0
@@ -449,11 +468,15 @@ def restart(
     command: wp.array2d[float],
     before: wp.array2d[float],
     effort: wp.array2d[float],
+    has_before: wp.array[int],
+    has_mobility: wp.array[int],
 ) -> None:
-    """Reset the state of laws and drives of the chosen robots."""
+    """Reset the state of laws, drives and governors of the chosen robots."""
     robot = wp.tid()
     if is_chosen[robot] == 0:
         return
+    has_before[robot] = 0
+    has_mobility[robot] = 0
     for k in range(integrals.shape[1]):
         integrals[robot, k] = 0.0
     for k in range(before.shape[1]):

@@ -25,9 +25,11 @@ from tool0.simulation.setup import Setup  # noqa: E402
 
 N = 4
 TICKS = 200
-FAST = 1.5
-"""Less than half the largest speed of each joint [rad/s]: the governor of faster joints
-runs on the CPU only."""
+FAST = 4.0
+"""More than the largest speed of each joint [rad/s]."""
+FAST_TOLERANCE = 0.03
+"""Of the largest effort, where the governor acts on random velocities: with the inverse
+of masses in single precision.  Real motions agree better (test_batch_device.py)."""
 TOLERANCE = 3e-5
 """Of the largest effort of a joint: 2e-7 rad of single precision at 4000 N·m/rad."""
 
@@ -177,7 +179,8 @@ def test_efforts_are_those_of_python(gripper: str, is_soft: bool) -> None:
         drives = np.isfinite(side.most)
         is_bound = np.abs(efforts[:, drives]) >= 0.999 * side.most[drives]
         n_bound, n_free = n_bound + is_bound.sum(), n_free + (~is_bound).sum()
-        assert side.error() < TOLERANCE, f"tick {k}"
+        most = FAST_TOLERANCE if k % 7 == 0 else TOLERANCE
+        assert side.error() < most, f"tick {k}"
     assert n_free > 100
     assert n_bound > 10
     np.testing.assert_array_equal(
