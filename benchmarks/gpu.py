@@ -1,8 +1,9 @@
-"""Physics steps of batches on a GPU, beside those of a batch on the CPU.
+"""Batches and environments on a GPU, beside those on the CPU.
 
-Run it on a machine with an NVIDIA GPU and ``pip install '.[gpu]'``::
+Run it on a machine with an NVIDIA GPU and ``pip install '.[gpu,gym]'``::
 
     python benchmarks/gpu.py                                # cuda, 1024, 4096, 8192
+    python benchmarks/gpu.py --envs Reach Lift              # env-steps/s of tasks
     python benchmarks/gpu.py --device warp:cpu --copies 4 16  # without a GPU, slowly
 
 The CPU's batch and the GPU's alternate, so that what else the machine does slows both.
@@ -16,6 +17,7 @@ import platform
 import statistics
 import time
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -72,6 +74,50 @@ def compare(n: int, device: str, scene: str | None, *, moves_grippers: bool) -> 
         )
 
 
+def environment_step(env: Any, rng: np.random.Generator) -> float:
+    """Return the seconds of a step of a vector environment with random actions."""
+    actions = rng.uniform(-1.0, 1.0, env.action_space.shape).astype(np.float32)
+    start = time.perf_counter()
+    env.step(actions)
+    return time.perf_counter() - start
+
+
+def compare_environments(task: str, n: int, device: str) -> None:
+    """Print the env-steps/s of n copies of a task, and their ratio to the CPU's."""
+    import gymnasium
+
+    import tool0.gym  # noqa: F401  # registers the tasks
+
+    rng = np.random.default_rng(0)
+    start = time.perf_counter()
+    env = gymnasium.make_vec(f"tool0/{task}-v0", num_envs=n, device=device)
+    host = gymnasium.make_vec(f"tool0/{task}-v0", num_envs=min(n, HOST_COPIES))
+    both = env, host
+    for each in both:
+        each.reset(seed=0)
+        environment_step(each, rng)  # compiles
+    ready = time.perf_counter() - start
+    pairs = [[environment_step(each, rng) for each in both] for _ in range(ROUNDS)]
+    speeds = np.array([n, host.num_envs]) / np.array(pairs)
+    ratio = statistics.median((speeds[:, 0] / speeds[:, 1]).tolist())
+    ours, its = np.median(speeds, axis=0).tolist()
+    copies = env.unwrapped.copies
+    start = time.perf_counter()
+    copies.batch.step(copies.options.ticks)
+    copies.batch.position  # noqa: B018  # waits for the GPU
+    physics = time.perf_counter() - start
+    whole = statistics.median(pair[0] for pair in pairs)
+    print(
+        f"{task} {n:6d} copies: {ours:12,.1f} env-steps/s on {device}, of which "
+        f"{100.0 * (1.0 - physics / whole):.0f} % outside the physics; {its:10,.1f} on "
+        f"the CPU ({host.num_envs} copies); ratio {ratio:6.2f}; ready after "
+        f"{ready:.1f} s; diverged {int(copies.batch.diverged.sum())}",
+        flush=True,
+    )
+    for each in both:
+        each.close()
+
+
 def print_machine(device: str) -> None:
     """Print what computes, and the versions of what it runs."""
     import warp as wp
@@ -95,7 +141,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument(
         "--grippers",
         action="store_true",
-        help="move the grippers, too: their commands are computed one by one",
+        help="move the grippers, too",
+    )
+    parser.add_argument(
+        "--envs",
+        nargs="+",
+        default=[],
+        metavar="TASK",
+        help="measure environments of these tasks instead, such as Reach Lift",
     )
     options = parser.parse_args(arguments)
     try:
@@ -103,7 +156,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except tool0.Tool0Error as error:
         parser.exit(1, f"{error}\n")
     print_machine(options.device)
-    for n in options.copies:
+    for task in options.envs:
+        for n in options.copies:
+            compare_environments(task, n, options.device)
+    for n in () if options.envs else options.copies:
         compare(n, options.device, options.scene, moves_grippers=options.grippers)
 
 

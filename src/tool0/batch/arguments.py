@@ -97,6 +97,25 @@ class Arguments:
             )
         return given
 
+    def on_device(
+        self,
+        name: str,
+        values: object,
+        shape: tuple[int, ...],
+        axes: str,
+        *,
+        is_held: bool,
+    ) -> None:
+        """Raise ControlError if ``values`` is no array on the device, of one row each.
+
+        ``is_held`` is whether it lies there.
+        """
+        whole, found = (self._n, *shape), tuple(getattr(values, "shape", ()))
+        if not is_held:
+            raise self._error(f"'{name}' must be on the device, as the other array")
+        if found != whole:
+            raise self._error(f"'{name}' has shape {found}; it must be {whole}{axes}")
+
     def duration(self, value: float) -> float:
         """Return a duration [s] that is no INSTANT, or raise ControlError."""
         name = "duration"

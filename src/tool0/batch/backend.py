@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,15 +12,43 @@ from numpy.typing import NDArray
 from tool0.batch.arguments import Indices
 from tool0.description.drive_limits import DriveLimits
 from tool0.errors import ConfigError, ControlError, EngineUnavailableError
+from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
     from tool0.engines.mujoco.copies import ObjectArrays
-    from tool0.simulation.core import Core
     from tool0.simulation.executor import Executor
+
+ObjectField = Literal["mass", "friction"]
+"""Fields of a ``SceneObject`` that differ between copies."""
 
 CPU = "cpu"
 _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")
+
+
+class DeviceArrays(NamedTuple):
+    """The state of n copies where it is computed, in single precision.
+
+    These are Warp's arrays; ``torch.from_dlpack`` and the like share their memory.
+    They change when time passes, and must not be written to.
+    """
+
+    position: Any
+    """Joint positions [rad | m], shape (n, n_joints), as ``Batch.joint_names``."""
+    velocity: Any
+    """Joint velocities [rad/s | m/s], shape (n, n_joints)."""
+    effort: Any
+    """Efforts that the drives applied in the last step [N·m | N], (n, n_joints)."""
+    object_position: Any
+    """Positions of the m movable objects in the root [m], shape (n, m, 3)."""
+    object_quat: Any
+    """Their orientations w, x, y, z, shape (n, m, 4)."""
+    object_linear: Any
+    """Their velocities in the root's axes [m/s], shape (n, m, 3)."""
+    object_angular: Any
+    """Their angular velocities in their own axes [rad/s], shape (n, m, 3)."""
+    diverged: Any
+    """1 for copies that stand still since their physics failed, shape (n,): int32."""
 
 
 class BatchBackend(Protocol):
@@ -46,6 +74,9 @@ class BatchBackend(Protocol):
     def states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""
 
+    def arrays(self) -> DeviceArrays:
+        """Return the state where it is computed; ControlError if this is the CPU."""
+
     def objects(self) -> ObjectArrays:
         """Return poses and velocities of the objects."""
 
@@ -55,24 +86,16 @@ class BatchBackend(Protocol):
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object, at rest; ControlError if that is impossible."""
 
+    def change(
+        self, rows: Indices, name: str, field: ObjectField, values: Array
+    ) -> None:
+        """Give an object other values of a field, as if it had been made with them."""
+
     def executor(self, i: int) -> Executor:
         """Return what moves one copy, whose core is up to date.
 
         Raises:
             ControlError: If this is no CPU.
-        """
-
-    def observed(self, i: int) -> Core:
-        """Return the core of one copy, up to date, only to read it.
-
-        It raises as ``executor``.
-        """
-
-    def desired(self, rows: Indices, controller: int, joint: int) -> Array | None:
-        """Return the desired positions of a joint [rad | m]; None if only Python can.
-
-        ``controller`` and ``joint`` are their numbers, among the running controllers
-        and in the controller.
         """
 
     def start(
@@ -102,15 +125,57 @@ class BatchBackend(Protocol):
             GoalRejectedError: If no joint can move so; nothing has changed.
         """
 
-    def set_drive_limits(
-        self, rows: Indices, joint: int, limits: Sequence[DriveLimits]
+    def holds(self, array: object) -> bool:
+        """Return whether ``command`` takes an array without a copy to the host."""
+
+    def command(
+        self,
+        rows: Indices,
+        goals: Mapping[int, Sequence[JointGoal]],
+        positions: object,
+        velocities: object | None,
+        duration: float,
     ) -> None:
-        """Limit the drive of a joint, by its number, after its motion has started."""
+        """Start motions to positions in arrays on the device.
+
+        Args:
+            rows: The copies.
+            goals: The joints that move, by the number of their running controller.
+            positions: [rad | m], shape (n, k), as ``velocities`` [rad/s | m/s].
+            velocities: None makes linear motions.
+            duration: [s].
+
+        Raises:
+            ControlError: If an array is not of single precision, or this is the CPU.
+        """
+
+    def grip(
+        self,
+        rows: Indices,
+        controller: int,
+        joint: int,
+        openings: object,
+        limits: Sequence[DriveLimits],
+    ) -> bool:
+        """Move a gripper along ``direct_path``; return False if only Python can.
+
+        Args:
+            rows: The copies, at least one.
+            controller: Its number among the running controllers.
+            joint: The number of the gripper's joint in the controller.
+            openings: [m], shape (n,); perhaps an array on the device.
+            limits: Of speed and force, one per row.
+        """
 
 
 def needs_cpu(what: str, device: str) -> ControlError:
     """Return the error for something that only the CPU can do."""
     return ControlError(f"{what} works with device='cpu' only; this is '{device}'")
+
+
+def needs_gpu(what: str) -> ControlError:
+    """Return the error for something that only a device of Warp can do."""
+    return ControlError(f"{what} works on a GPU only, with device='cuda'")
 
 
 def checked_device(device: str, threads: int | None) -> str:

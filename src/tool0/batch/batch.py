@@ -15,7 +15,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tool0.batch.arguments import Arguments, Indices, Which
-from tool0.batch.backend import CPU, BatchBackend, checked_device, needs_cpu
+from tool0.batch.backend import (
+    CPU,
+    BatchBackend,
+    DeviceArrays,
+    ObjectField,
+    checked_device,
+    needs_cpu,
+)
 from tool0.batch.commands import Commands
 from tool0.batch.frames import GripperFrames
 from tool0.batch.images import Images
@@ -35,6 +42,7 @@ from tool0.description.look import LAMP
 from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.description.parts import find_arms, find_grippers
 from tool0.description.scene import Scene
+from tool0.description.scene_state import ObjectState
 from tool0.description.transform_arrays import Frames, from_quats_wxyz
 from tool0.errors import (
     ConfigError,
@@ -332,6 +340,16 @@ class Batch:
         with self._alone():
             return _frozen(self._copies.pad_forces(pads))
 
+    @property
+    def device_arrays(self) -> DeviceArrays:
+        """The state on the device of a GPU, without a copy to the host.
+
+        Raises:
+            ControlError: If this is the CPU.
+        """
+        with self._alone():
+            return self._copies.arrays()
+
     # ---- commands -------------------------------------------------------------------
 
     def command(
@@ -349,7 +367,10 @@ class Batch:
         before it.
 
         Args:
-            positions: [rad | m], shape (n, k).
+            positions: [rad | m], shape (n, k).  An array on the device of a GPU, such
+                as PyTorch's, is not copied to the host and its numbers are not checked:
+                those beyond a limit count as the limit, and a copy with one that is not
+                finite diverges.  It must be float32 and of the whole shape.
             velocities: At the positions [rad/s | m/s], shape (n, k); if left out, the
                 setpoints move linearly and then rest, as in ROS.
             duration: Time until the joints are there [s].
@@ -364,6 +385,16 @@ class Batch:
         names, parts = self._commands.parts(joints)
         rows = check.which(which)
         shape, axes = (len(names),), f" for joints {', '.join(names)}"
+        if self._copies.holds(positions):
+            for name, array in (("positions", positions), ("velocities", velocities)):
+                if array is not None:
+                    is_held = self._copies.holds(array)
+                    check.on_device(name, array, shape, axes, is_held=is_held)
+            with self._changing():
+                self._commands.start_on_device(
+                    rows, parts, positions, velocities, duration
+                )
+            return
         q = check.rows("positions", positions, shape, rows, axes)
         qd = None
         if velocities is not None:
@@ -424,7 +455,8 @@ class Batch:
         (``motion.gripper.direct_path``); a GripperActionController moves it its way.
 
         Args:
-            opening: Distance between the pads [m], shape (n,).
+            opening: Distance between the pads [m], shape (n,).  An array on the device
+                of a GPU is treated as in ``command``.
             speed: Of the pads relative to each other [m/s], shape (n,); the fastest, if
                 left out.
             force: Largest force at each pad [N], shape (n,); the strongest, if left
@@ -440,7 +472,14 @@ class Batch:
         check = Arguments(self._n, "move_gripper")
         geometry = self._gripper(gripper)
         rows = check.which(which)
-        openings = check.rows("opening", opening, (), rows)[rows].tolist()
+        openings: object = opening
+        if self._copies.holds(opening):
+            check.on_device("opening", opening, (), "", is_held=True)
+        else:
+            openings = ends = check.rows("opening", opening, (), rows)
+            is_beyond = (ends[rows] < 0.0) | (ends[rows] > geometry.max_opening)
+            for end in ends[rows][is_beyond]:
+                geometry.position(float(end))  # raises ModelError
         fastest, strongest = geometry.speed[1], geometry.force[1]
         speeds = check.rows("speed", fastest if speed is None else speed, (), rows)
         forces = check.rows("force", strongest if force is None else force, (), rows)
@@ -474,8 +513,8 @@ class Batch:
                 f"Batch.step: 'ticks' must be a whole number, 0 or more, got {ticks!r}"
             )
         rows = Arguments(self._n, "step").which(which)
-        if len(rows) < self._n:
-            self._check_on_cpu("step(which=…)")
+        if len(rows) < self._n and self._device != CPU:
+            raise needs_cpu("Batch.step(which=…)", self._device)
         with self._changing():
             self._copies.step(int(ticks), rows)
 
@@ -582,7 +621,7 @@ class Batch:
         """Return an image of copy ``i``.
 
         Raises:
-            ControlError: If there is no such copy, or this is a GPU.
+            ControlError: If there is no such copy.
             RenderError: If there is no such camera, or no OpenGL here.
         """
         if not 0 <= i < self._n:
@@ -601,11 +640,9 @@ class Batch:
             which: The copies; all, if left out.
 
         Raises:
-            ControlError: If this is a GPU.
             RenderError: If there is no such camera, or no OpenGL here.
         """
         rows = Arguments(self._n, "render_all").which(which)
-        self._check_on_cpu("render")
         with self._alone():
             return self._images.render(camera, rows)
 
@@ -622,11 +659,9 @@ class Batch:
             which: The copies; all, if left out.
 
         Raises:
-            ControlError: If this is a GPU.
             RenderError: If there is no such camera, or no OpenGL here.
         """
         rows = Arguments(self._n, "segment_all").which(which)
-        self._check_on_cpu("render")
         with self._alone():
             return self._images.segment(camera, rows)
 
@@ -686,7 +721,9 @@ class Batch:
         Raises:
             ControlError: If a shape or a number is wrong, or there is no such object.
         """
-        self._change_objects("set_colour", name, "rgba", rgba, which, shape=(4,))
+        self._object(name)
+        with self._alone():
+            self._images.set_colour(name, rgba, which)
 
     def close(self) -> None:
         """End the batch; closing twice is allowed."""
@@ -718,10 +755,6 @@ class Batch:
         from tool0.batch.device import DeviceCopies
 
         return DeviceCopies(self._cores[0], self._model, self._n, self._device)
-
-    def _check_on_cpu(self, method: str) -> None:
-        if self._device != CPU:
-            raise needs_cpu(f"Batch.{method}", self._device)
 
     @contextlib.contextmanager
     def _alone(self) -> Iterator[None]:
@@ -790,37 +823,28 @@ class Batch:
         self,
         method: str,
         name: str,
-        field: str,
+        field: ObjectField,
         values: ArrayLike,
         which: Which | None,
-        *,
-        shape: tuple[int, ...] = (),
     ) -> None:
         """Change a field of an object, as if each copy had been made with it."""
-        self._check_on_cpu(method)
         check = Arguments(self._n, method)
         rows = check.which(which)
-        given = check.rows(field, values, shape, rows)[rows].tolist()
-        numbers = [tuple(each) if shape else each for each in given]
+        numbers = check.rows(field, values, (), rows)[rows]
         self._object(name)
-        items = []
-        for i, number in zip(rows.tolist(), numbers, strict=True):
-            objects = {item.name: item for item in self._cores[i].scene.objects}
-            if field == "mass" and objects[name].mass is None:
-                raise ControlError(
-                    f"Batch.{method}: object '{name}' is fixed: it has no mass"
-                )
+        (item,) = (x for x in self._cores[0].scene.objects if x.name == name)
+        if field == "mass" and item.mass is None:
+            raise ControlError(
+                f"Batch.{method}: object '{name}' is fixed: it has no mass"
+            )
+        for i, number in zip(rows.tolist(), numbers.tolist(), strict=True):
             try:
                 changes: dict[str, Any] = {field: number}
-                items.append(replace(objects[name], **changes))
+                replace(item, **changes)
             except ConfigError as error:
                 raise ControlError(f"Batch.{method}: copy {i}: {error}") from None
-        from tool0.engines.mujoco.copies import mujoco_engine
-
         with self._changing():
-            for i, item in zip(rows.tolist(), items, strict=True):
-                mujoco_engine(self._cores[i].engine).world.change(item)
-                self._cores[i].scene.changed(item)
+            self._copies.change(rows, name, field, numbers)
 
     def _object(self, name: str) -> None:
         if name not in self.object_names:
@@ -830,22 +854,27 @@ class Batch:
 
     def _snapshot(self, i: int) -> Snapshot:
         """Return the state of one copy, for its image."""
-        core = self._copies.observed(i)
-        state = core.state
+        core = self._cores[i if self._device == CPU else 0]
+        arrays, time = self._objects(), float(self.time[i])
+        states = (arrays.position, arrays.quat, arrays.linear, arrays.angular)
+        rows = zip(*(values[i].tolist() for values in states), strict=True)
         return Snapshot(
-            time=core.time,
-            tick=core.ticks,
+            time=time,
+            tick=round(time / self.control_period),
             joint_names=self.joint_names,
-            position=tuple(state.position),
-            velocity=tuple(state.velocity),
-            effort=tuple(state.effort),
+            position=tuple(self.position[i].tolist()),
+            velocity=tuple(self.velocity[i].tolist()),
+            effort=tuple(self.effort[i].tolist()),
             controllers=core.manager.list(),
             is_paused=False,
             is_stopped=False,
             real_time_factor=0.0,
             overruns=0,
             scene=core.scene.objects,
-            objects=core.engine.world.object_states(),
+            objects=tuple(
+                ObjectState(name, *map(tuple, row))
+                for name, row in zip(self.object_names, rows, strict=True)
+            ),
         )
 
 

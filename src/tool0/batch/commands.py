@@ -15,11 +15,11 @@ from tool0.control.position_limits import check_position, position_range
 from tool0.control.ros1.goal_check import check_names
 from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.drive_limits import DriveLimits
-from tool0.description.model import ParallelGripper, RobotModel
+from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.errors import ControlError
+from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 from tool0.motion.gripper import direct_path
-from tool0.motion.path import Path
 from tool0.protocol.controllers import Role, why_not_driven
 from tool0.protocol.trajectories import TrajectoryPoint
 from tool0.simulation.core import Core
@@ -47,7 +47,6 @@ class Commands:
         self._first = Executor(first)
         self._manager = first.manager
         self._limits = first.hardware.limits
-        self._joint_names = first.engine.joint_names
         self._period = first.control_period
 
     @cached_property
@@ -96,11 +95,7 @@ class Commands:
         self, names: Sequence[str], positions: Array, rows: Indices
     ) -> None:
         """Raise GoalRejectedError for positions (n, m, k) beyond the joints' limits."""
-        limits = self._limits
-        joints = [
-            replace(joint, limits=limits.get(joint.name, joint.limits))
-            for joint in map(self._model.joint, names)
-        ]
+        joints = self._limited(names)
         ranges = np.array([position_range(joint) for joint in joints])
         chosen = positions[rows]
         is_beyond = (chosen < ranges[:, 0]) | (chosen > ranges[:, 1])
@@ -137,19 +132,39 @@ class Commands:
                 goal = TrajectoryGoal(points=points, joint_names=part.joints)
                 self._copies.executor(i).command_trajectory(part.controller, goal)
 
+    def start_on_device(
+        self,
+        rows: Indices,
+        parts: list[ControllerJoints],
+        positions: object,
+        velocities: object | None,
+        duration: float,
+    ) -> None:
+        """Start motions to positions (n, k) that lie on the device."""
+        goals = {}
+        for part in parts:
+            number, joints = self._running[part.controller]
+            limited = self._limited(part.joints)
+            goals[number] = [
+                JointGoal(column, joints.index(joint.name), *position_range(joint))
+                for column, joint in zip(part.columns, limited, strict=True)
+            ]
+        self._copies.command(rows, goals, positions, velocities, duration)
+
     def grip(
         self,
         gripper: ParallelGripper,
         rows: Indices,
-        openings: Sequence[float],
+        openings: object,
         speeds: Sequence[float],
         forces: Sequence[float],
         *,
         has_force: bool,
     ) -> None:
-        """Move the pads to openings [m] with speeds [m/s] and forces [N], by row.
+        """Move the pads with speeds [m/s] and forces [N] by row.
 
-        Without ``has_force`` a GripperActionController applies its own effort.
+        ``openings`` [m] have shape (n,), and may lie on the device.  Without
+        ``has_force`` a GripperActionController applies its own effort.
         """
         limits: dict[tuple[float, float], DriveLimits] = {}
         bounds = []
@@ -159,24 +174,40 @@ class Commands:
                     gripper=gripper, speed=speed, force=force
                 )
             bounds.append(limits[speed, force])
-        targets = [gripper.position(opening) for opening in openings]
         name, role = self._gripper_controller(gripper)
         if not rows.size:
             return
         joint = gripper.joint
-        if role is Role.GRIPPER:
-            effort = self._limits[joint].effort if has_force else None
-            for i, target, bound in zip(rows.tolist(), targets, bounds, strict=True):
-                self._copies.executor(i).command_gripper(name, target, effort, bound)
-        elif not self._grip_native(rows, name, openings, bounds):
-            for i, end, bound in zip(rows.tolist(), openings, bounds, strict=True):
-                executor = self._copies.executor(i)
-                controller = executor.trajectory_controller(name)
-                column = controller.spec.joints.index(joint)
-                here = controller.query_state(executor.core.time).positions[column]
-                points = trajectory_points(self._grip_path(bound, here, end))
-                goal = TrajectoryGoal(points=points, joint_names=[joint])
-                executor.command_trajectory(name, goal, {joint: bound})
+        number, joints = self._running[name]
+        is_followed = role is Role.TRAJECTORY
+        if is_followed and self._copies.grip(
+            rows, number, joints.index(joint), openings, bounds
+        ):
+            return
+        effort = self._limits[joint].effort if has_force else None
+        ends = np.asarray(openings)[rows].tolist()
+        for i, end, speed, bound in zip(
+            rows.tolist(), ends, speeds, bounds, strict=True
+        ):
+            executor = self._copies.executor(i)
+            if not is_followed:
+                target = gripper.position(end)
+                executor.command_gripper(name, target, effort, bound)
+                continue
+            controller = executor.trajectory_controller(name)
+            column = controller.spec.joints.index(joint)
+            here = controller.query_state(executor.core.time).positions[column]
+            path = direct_path(gripper, here, end, speed, self._period)
+            goal = TrajectoryGoal(points=trajectory_points(path), joint_names=[joint])
+            executor.command_trajectory(name, goal, {joint: bound})
+
+    def _limited(self, names: Sequence[str]) -> list[Joint]:
+        """Return the joints with the limits of their drives."""
+        limits = self._limits
+        return [
+            replace(joint, limits=limits.get(joint.name, joint.limits))
+            for joint in map(self._model.joint, names)
+        ]
 
     def _start_native(
         self,
@@ -197,45 +228,6 @@ class Commands:
             velocities=None if velocities is None else velocities[rows],
             lifts_limits=not self._driven_by_grippers.isdisjoint(part.joints),
         )
-
-    def _grip_native(
-        self,
-        rows: Indices,
-        controller: str,
-        openings: Sequence[float],
-        bounds: Sequence[DriveLimits],
-    ) -> bool:
-        """Move grippers without Python; return False if only Python can."""
-        joint = bounds[0].gripper.joint
-        number, joints = self._running[controller]
-        column = joints.index(joint)
-        here = self._copies.desired(rows, number, column)
-        if here is None:
-            return False
-        paths = [
-            self._grip_path(bound, at, end)
-            for bound, at, end in zip(bounds, here.tolist(), openings, strict=True)
-        ]
-        targets = np.array([path.positions[1:] for path in paths])
-        has_started = self._copies.start(
-            rows,
-            number,
-            [column],
-            times=np.array([path.times[1:] for path in paths]),
-            positions=targets,
-            velocities=np.zeros_like(targets),
-            lifts_limits=False,
-        )
-        if has_started:
-            index = self._joint_names.index(joint)
-            self._copies.set_drive_limits(rows, index, bounds)
-        return has_started
-
-    def _grip_path(self, bounds: DriveLimits, here: float, end: float) -> Path:
-        """Return the motion to an opening [m] from the joint's setpoint."""
-        gripper = bounds.gripper
-        speed = bounds.speed or gripper.speed[1]
-        return direct_path(gripper, here, end, speed, self._period)
 
     @cached_property
     def _driven_by_grippers(self) -> frozenset[str]:

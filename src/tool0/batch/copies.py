@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import final
+from dataclasses import replace
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
+from tool0.batch.backend import DeviceArrays, ObjectField, needs_gpu
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.scene_state import ObjectState
 from tool0.engines.mujoco.copies import (
@@ -20,8 +22,10 @@ from tool0.engines.mujoco.copies import (
 from tool0.errors import EngineError, GoalRejectedError
 from tool0.kernel import library
 from tool0.kernel.many import Addresses, BatchKernel, StartResult
+from tool0.kernel.motions import JointGoal
 from tool0.kernel.program import Ended, TickProgram
 from tool0.kinematics.chain import Array
+from tool0.motion.gripper import direct_path
 from tool0.simulation.core import Core
 from tool0.simulation.executor import Executor
 
@@ -160,6 +164,18 @@ class Copies:
             state = ObjectState(name, (x, y, z), (qw, qx, qy, qz))
             self._cores[i].scene.place(state)
 
+    def change(
+        self, rows: Indices, name: str, field: ObjectField, values: Array
+    ) -> None:
+        """Give an object other values of a field: ``BatchBackend.change``."""
+        for i, value in zip(rows.tolist(), values.tolist(), strict=True):
+            scene = self._cores[i].scene
+            (item,) = (item for item in scene.objects if item.name == name)
+            changes: dict[str, Any] = {field: value}
+            item = replace(item, **changes)
+            self._engines[i].world.change(item)
+            scene.changed(item)
+
     def _unload(self, i: int) -> None:
         self._is_loaded[i] = False
         self._programs[i] = None
@@ -192,13 +208,6 @@ class Copies:
         return np.array([engine.world.normal_forces(pads) for engine in self._engines])
 
     # ---- commands to copies that are loaded ----------------------------------------
-
-    def desired(self, rows: Indices, controller: int, joint: int) -> Array | None:
-        """Return the desired positions of a joint, as ``BatchBackend.desired``."""
-        if self._kernel is None or not self.load(rows):
-            return None
-        laws = self._laws[controller][rows]
-        return self._kernel.desired(laws, joint, self.time[rows])
 
     def start(
         self,
@@ -235,11 +244,60 @@ class Copies:
             )
         return started is StartResult.YES
 
-    def set_drive_limits(
-        self, rows: Indices, joint: int, limits: Sequence[DriveLimits]
+    def arrays(self) -> DeviceArrays:
+        """Raise ControlError: there is no device."""
+        raise needs_gpu("Batch.device_arrays")
+
+    def holds(self, array: object) -> bool:
+        """Return False: every array is of the host."""
+        return False
+
+    def command(
+        self,
+        rows: Indices,
+        goals: Mapping[int, Sequence[JointGoal]],
+        positions: object,
+        velocities: object | None,
+        duration: float,
     ) -> None:
-        """Limit the drive of a joint, by its number, in copies that are loaded."""
-        for i, each in zip(rows.tolist(), limits, strict=True):
-            program = self._programs[i]
-            assert program is not None
-            program.set_drive_limits(joint, each)
+        """Raise ControlError: there is no device."""
+        raise needs_gpu("Batch.command with an array on a device")
+
+    def grip(
+        self,
+        rows: Indices,
+        controller: int,
+        joint: int,
+        openings: object,
+        limits: Sequence[DriveLimits],
+    ) -> bool:
+        """Move a gripper, as ``BatchBackend.grip``: the kernel, if it can."""
+        if self._kernel is None or not self.load(rows):
+            return False
+        laws = self._laws[controller][rows]
+        here = self._kernel.desired(laws, joint, self.time[rows])
+        if here is None:
+            return False
+        ends = np.asarray(openings)[rows].tolist()
+        gripper, period = limits[0].gripper, self._cores[0].control_period
+        paths = [
+            direct_path(gripper, at, end, each.speed or gripper.speed[1], period)
+            for each, at, end in zip(limits, here.tolist(), ends, strict=True)
+        ]
+        targets = np.array([path.positions[1:] for path in paths])
+        has_started = self.start(
+            rows,
+            controller,
+            [joint],
+            times=np.array([path.times[1:] for path in paths]),
+            positions=targets,
+            velocities=np.zeros_like(targets),
+            lifts_limits=False,
+        )
+        if has_started:
+            driven = self._engines[0].joint_names.index(gripper.joint)
+            for i, each in zip(rows.tolist(), limits, strict=True):
+                program = self._programs[i]
+                assert program is not None
+                program.set_drive_limits(driven, each)
+        return has_started

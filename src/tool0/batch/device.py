@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
-from tool0.batch.backend import needs_cpu
+from tool0.batch.backend import DeviceArrays, ObjectField, needs_cpu
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.forward_kinematics import joint_position
 from tool0.description.model import RobotModel
 from tool0.engines.mujoco.copies import ObjectArrays, mujoco_engine
 from tool0.engines.mujoco.warp_worlds import WarpWorlds, check_device
 from tool0.errors import GoalRejectedError
-from tool0.kernel.device import DeviceControl, DeviceState
+from tool0.kernel.device import DeviceControl, DeviceState, is_on_device
+from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 from tool0.simulation.core import Core
 from tool0.simulation.executor import Executor
@@ -34,11 +35,12 @@ class DeviceCopies:
             EngineError: If there is no such device, or it cannot simulate the scene.
         """
         name = check_device(device)
-        self._device = device
+        self._device, self._name = device, name
         engine = mujoco_engine(core.engine)
         self._model, self._dt = model, engine.dt
         self._period = core.control_period
         self._steps_per_tick = round(core.control_period / engine.dt)
+        self._n = n
         self._initial = np.tile(core.state.position, (n, 1))
         self._worlds = worlds = WarpWorlds(engine, n, name)
         statuses = core.manager.list()
@@ -47,7 +49,13 @@ class DeviceCopies:
             dict(zip(names, core.manager.running_controllers, strict=True)),
             core.hardware,
             model.grippers,
-            DeviceState(worlds.steps, worlds.position, worlds.velocity, worlds.motors),
+            DeviceState(
+                worlds.steps,
+                worlds.position,
+                worlds.velocity,
+                worlds.motors,
+                worlds.divergence,
+            ),
             position=self._initial,
             motor_joints=engine.motor_joints(),
             period=core.control_period,
@@ -55,6 +63,7 @@ class DeviceCopies:
         )
         self._launch: Callable[[], None] | None = None
         """Launch of one tick; None until it is made."""
+        self._layout = self._control.layout
 
     @property
     def time(self) -> Array:
@@ -69,8 +78,9 @@ class DeviceCopies:
 
     def step(self, ticks: int, rows: Indices) -> None:
         """Advance all copies, but for those that have diverged; ``rows`` are all."""
-        if self._control.upload():
-            self._launch = None
+        self._control.upload()
+        if self._layout != self._control.layout:
+            self._launch, self._layout = None, self._control.layout
         for _ in range(ticks):
             if self._launch is None:
                 self._tick()  # compiles the kernels
@@ -101,6 +111,16 @@ class DeviceCopies:
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""
         return (*self._worlds.joints(), self._control.effort)
 
+    def arrays(self) -> DeviceArrays:
+        """Return the state on the device."""
+        worlds = self._worlds
+        return DeviceArrays(
+            *worlds.joint_arrays,
+            self._control.effort_array,
+            *worlds.object_arrays,
+            worlds.divergence,
+        )
+
     def objects(self) -> ObjectArrays:
         """Return poses and velocities of the objects."""
         return self._worlds.objects()
@@ -117,19 +137,20 @@ class DeviceCopies:
         """
         self._worlds.place(name, rows, position, quat)
 
+    def change(
+        self, rows: Indices, name: str, field: ObjectField, values: Array
+    ) -> None:
+        """Give an object other values of a field: ``BatchBackend.change``."""
+        if field == "mass":
+            self._worlds.set_mass(name, rows, values)
+        else:
+            self._worlds.set_friction(name, rows, values)
+
     # ---- commands -------------------------------------------------------------------
 
     def executor(self, i: int) -> Executor:
         """Raise ControlError: the copies have no cores."""
         raise needs_cpu(f"what moves copy {i}", self._device)
-
-    def observed(self, i: int) -> Core:
-        """Raise ControlError: the copies have no cores."""
-        raise needs_cpu(f"the core of copy {i}", self._device)
-
-    def desired(self, rows: Indices, controller: int, joint: int) -> Array:
-        """Return desired positions of a joint [rad | m]: ``BatchBackend.desired``."""
-        return self._control.desired(rows, controller, joint, self.time[rows])
 
     def start(
         self,
@@ -163,8 +184,48 @@ class DeviceCopies:
             )
         return True
 
-    def set_drive_limits(
-        self, rows: Indices, joint: int, limits: Sequence[DriveLimits]
+    def holds(self, array: object) -> bool:
+        """Return whether an array lies on the device; those of NumPy do not."""
+        return not isinstance(array, np.ndarray) and is_on_device(array, self._name)
+
+    def command(
+        self,
+        rows: Indices,
+        goals: Mapping[int, Sequence[JointGoal]],
+        positions: object,
+        velocities: object | None,
+        duration: float,
     ) -> None:
-        """Limit the drive of a joint, by its number, in each of the rows."""
-        self._control.set_drive_limits(rows, joint, limits)
+        """Start motions to positions in arrays on the device: ``BatchBackend``."""
+        for controller, its in goals.items():
+            self._control.command(
+                rows,
+                controller,
+                its,
+                positions=positions,
+                velocities=velocities,
+                duration=duration,
+            )
+
+    def grip(
+        self,
+        rows: Indices,
+        controller: int,
+        joint: int,
+        openings: object,
+        limits: Sequence[DriveLimits],
+    ) -> bool:
+        """Move a gripper, as ``BatchBackend.grip``; it always can."""
+        speeds, forces = np.zeros((2, self._n))
+        speeds[rows] = [each.speed for each in limits]
+        forces[rows] = [each.force for each in limits]
+        self._control.grip(
+            rows,
+            controller,
+            joint,
+            limits[0].gripper,
+            openings=openings,
+            speeds=speeds,
+            forces=forces,
+        )
+        return True

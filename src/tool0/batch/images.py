@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import final
 
+import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -13,6 +14,7 @@ from tool0.batch.arguments import Arguments, Indices, Which
 from tool0.description.camera import Camera
 from tool0.description.look import Look
 from tool0.description.model import RobotModel
+from tool0.description.shapes import RGBA
 from tool0.description.transform import from_arrays, to_pose
 from tool0.description.transform_arrays import from_quats_wxyz
 from tool0.errors import ControlError
@@ -40,6 +42,7 @@ class Images:
         self._n, self._snapshot = n, snapshot
         self._moved: dict[tuple[int, str], Camera] = {}
         self._looks: dict[int, Look] = {}
+        self._colours: dict[int, dict[str, RGBA]] = {}
 
     def render(self, camera: str, rows: Indices) -> tuple[CameraImage, ...]:
         """Return an image of each of the copies; RenderError as ``Batch.render``."""
@@ -79,6 +82,16 @@ class Images:
         ]
         self._looks.update(zip(rows.tolist(), looks, strict=True))
 
+    def set_colour(self, name: str, rgba: ArrayLike, which: Which | None) -> None:
+        """Change the colour of an object, as ``Batch.set_colour``."""
+        check = Arguments(self._n, "set_colour")
+        rows = check.which(which)
+        colours = check.rows("rgba", rgba, (4,), rows)[rows]
+        if (colours < 0.0).any() or (colours > 1.0).any():
+            raise ControlError("Batch.set_colour: 'rgba' must be numbers within 0 … 1")
+        for i, (r, g, b, a) in zip(rows.tolist(), colours.tolist(), strict=True):
+            self._colours.setdefault(i, {})[name] = r, g, b, a
+
     def close(self) -> None:
         """Free OpenGL."""
         self._cameras.close()
@@ -88,8 +101,19 @@ class Images:
         return [
             View(
                 self._moved.get((i, camera), usual),
-                self._snapshot(i),
+                self._coloured(i),
                 self._looks.get(i, Look()),
             )
             for i in rows.tolist()
         ]
+
+    def _coloured(self, i: int) -> Snapshot:
+        """Return the state of a copy, with its own colours of objects."""
+        state, colours = self._snapshot(i), self._colours.get(i)
+        if colours is None:
+            return state
+        scene = tuple(
+            replace(item, rgba=colours.get(item.name, item.rgba))
+            for item in state.scene
+        )
+        return msgspec.structs.replace(state, scene=scene)

@@ -249,11 +249,12 @@ class JointDynamics:
             for i, body in enumerate(bodies)
             if (spring := body.joint.spring) is not None
         ]
-        self._armature = [
+        self.armature = [
             transmission.armature if transmission else 0.0
             for body in bodies
             for transmission in [model.transmission_by_joint.get(body.joint.name)]
         ]
+        """Inertia of the rotor at each joint [kg·m² | kg]."""
         self._tree = FlatTree([body.tree_joint for body in bodies], upright)
         self._mass: list[float] = []
         self._center: list[tuple[float, float, float]] = []
@@ -328,7 +329,7 @@ class JointDynamics:
         At ``position``, with the rotors' inertia; rows of mimic joints are 0.
         """
         frames = self.frames(position)
-        matrix = np.diag(self._armature)
+        matrix = np.diag(self.armature)
         for body, frame in enumerate(frames):
             rotation = np.array(frame[:9]).reshape(3, 3).T
             x, y, z = (rotation @ np.array(self._center[body])).tolist()

@@ -77,6 +77,7 @@ class Copies:
             scene=scene,
             dt=options.dt,
             threads=options.threads,
+            device=options.device,
         )
         names, gripper = self.batch.joint_names, workspace.gripper
         self._arm = [names.index(joint) for joint in workspace.chain.joint_names]
@@ -144,7 +145,7 @@ class Copies:
         batch, options = self.batch, self.options
         q = batch.position[:, self._arm]
         is_sound = np.isfinite(q).all(axis=1) & ~batch.diverged
-        self._last_opening = batch.opening().copy()
+        self._last_opening = self.state.opening
         moved = self.actions.positions(actions, self.target, q)
         self.target = np.where(is_sound[:, None], moved, self.target)
         batch.command(

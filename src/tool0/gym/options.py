@@ -84,6 +84,8 @@ class EnvOptions:
     """Length of a physics step [s]."""
     threads: int | None = None
     """Threads that step the copies; those of ``tool0.Batch`` if not given."""
+    device: str = "cpu"
+    """The device that computes the physics, as that of ``tool0.Batch``."""
 
     def __post_init__(self) -> None:
         for name, choices in _CHOICES.items():

@@ -35,12 +35,12 @@ class DriveDynamics:
         """Take the model without declared payloads; for the rest see RobotHardware."""
         self._model, self._gravity_vector, self._dt = model, gravity, dt
         self._payloads: dict[str, Payload] = {}
-        self._own = self._declared = JointDynamics(model, gravity)
+        self.own = self._declared = JointDynamics(model, gravity)
         """Without and with the declared payloads."""
         index = {name: i for i, name in enumerate(joint_names)}
         self.to_model = tuple(index[joint.name] for joint in model.movable_joints)
         """Engine index of each of the model's movable joints."""
-        inertias = self._own.mass_matrix([0.0] * len(joint_names)).diagonal()
+        inertias = self.own.mass_matrix([0.0] * len(joint_names)).diagonal()
         self.inertias = {
             joint.name: float(inertia)
             for joint, inertia in zip(model.movable_joints, inertias, strict=True)
@@ -97,7 +97,7 @@ class DriveDynamics:
 
         Declared payloads count within the bounds of ``servo_masses``.
         """
-        own = self._matrix(self._own, joints, state)
+        own = self._matrix(self.own, joints, state)
         loads = [self._expected_loads.get(i, 0.0) for i in joints]
         if not self._payloads and not any(loads):
             return own
@@ -114,7 +114,7 @@ class DriveDynamics:
         Shape (n, n) [rad/s/(N·m)], by the masses of the description and the ``rotors``,
         by joint [kg·m²].
         """
-        masses = self._matrix(self._own, joints, state)
+        masses = self._matrix(self.own, joints, state)
         masses += np.diag([rotors.get(joint, 0.0) for joint in joints])
         return np.asarray(self._dt * np.linalg.inv(masses))
 

@@ -25,6 +25,7 @@ from tool0.description.bodies import (
     ROTOR_INERTIA,
     STANDARD_GRAVITY,
     DynamicsTable,
+    JointDynamics,
     Matrix,
 )
 from tool0.description.drive_limits import DriveLimits
@@ -434,6 +435,11 @@ class RobotHardware:
                 self._steps_per_command,
             )
         return self._table
+
+    @property
+    def own_dynamics(self) -> JointDynamics:
+        """The dynamics without declared payloads: those of the governor."""
+        return self._dynamics.own
 
     @property
     def setup(self) -> DriveSetup:

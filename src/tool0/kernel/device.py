@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from typing import Any, NamedTuple, final
 
 import numpy as np
@@ -11,25 +11,30 @@ import warp as wp
 
 from tool0.control.controller import Controller
 from tool0.control.law import IdleLaw, TrajectoryLaw
-from tool0.description.drive_limits import DriveLimits
 from tool0.description.model import LinearOpening, ParallelGripper, RotaryOpening
-from tool0.errors import ConfigError
+from tool0.errors import ConfigError, ControlError
 from tool0.hardware.limits import DriveBounds
 from tool0.hardware.robot_hardware import POSE_PERIOD, RobotHardware
-from tool0.kernel.motions import Array, Indices, Motions
+from tool0.kernel.device_governor import DeviceGovernor, body_structs
+from tool0.kernel.motions import Array, Indices, JointGoal, Motions
 from tool0.kernel.warp_laws import (
     Body,
     Drive,
+    Goal,
+    Gripper,
     Spring,
     balance,
     restart,
     run_drives,
     run_laws,
+    start_grips,
+    start_motions,
 )
+from tool0.motion.gripper import RAMP_TIME
 
 NO_GRIP = (0.0, 0.0, 0.0)
-JOINT_EFFORT, PAD_FORCE = 1.0, 2.0
-"""Kinds of grips in ``run_drives``."""
+DLPACK_CPU, DLPACK_CUDA = 1, 2
+"""Kinds of memory in ``__dlpack_device__``."""
 
 
 class DeviceState(NamedTuple):
@@ -44,6 +49,8 @@ class DeviceState(NamedTuple):
     velocity: Any
     motors: Any
     """Efforts that the engine reads, one per motor."""
+    has_diverged: Any
+    """1 for robots that stand still since they failed, shape (n,)."""
 
 
 @final
@@ -93,12 +100,14 @@ class DeviceControl:
         self._joints = joints
         wraps, gains, feed_forward = _constants(laws)
         self._motions = Motions(position[:, joints], wraps)
-        self._is_uploaded = False
+        self._motions.extend(2)  # as ``command`` needs them
+        self._is_uploaded = self._is_ahead = False
         table = hardware.table
         self._drives = [bounds.joint for bounds in table.bounds]
         self._grips = np.zeros((n, len(self._drives), 3), dtype=np.float32)
         compensated = [float(i in table.compensated) for i in self._drives]
         n_joints, n_bodies = len(hardware.joint_names), len(table.dynamics.bodies)
+        governed = {each.joint for each in hardware.setup.governor.drives}
         pads = {gripper.joint: gripper for gripper in grippers}
         names = hardware.joint_names
         with wp.ScopedDevice(device):
@@ -111,11 +120,14 @@ class DeviceControl:
             self._effort = wp.zeros((n, n_joints), dtype=float)
             self._loads = wp.zeros((n, n_joints), dtype=float)
             self._before = wp.full((n, len(self._drives)), math.nan, dtype=float)
-            self._bodies = wp.array(_bodies(hardware), dtype=Body)
+            self._bodies = wp.array(
+                body_structs(table.dynamics.bodies, table.to_model), dtype=Body
+            )
+            self._governor = DeviceGovernor(hardware, n)
             self._springs = wp.array(_springs(hardware), dtype=Spring)
             self._drive_table = wp.array(
                 [
-                    _drive(bounds, pads.get(names[bounds.joint]))
+                    _drive(bounds, pads.get(names[bounds.joint]), governed)
                     for bounds in table.bounds
                 ],
                 dtype=Drive,
@@ -128,6 +140,8 @@ class DeviceControl:
             self._moments = wp.zeros((n, n_bodies), dtype=wp.vec3)
             self._grip_array = wp.zeros((n, len(self._drives)), dtype=wp.vec3)
         self._gravity = table.dynamics.gravity
+        self.layout = 0
+        """Grows when arrays have moved: a recorded graph of launches is then void."""
         self._allocate()
 
     @property
@@ -135,17 +149,18 @@ class DeviceControl:
         """The efforts applied in the last step [N·m | N], shape (n, n_joints)."""
         return np.asarray(self._effort.numpy(), dtype=np.float64)
 
+    @property
+    def effort_array(self) -> Any:
+        """The same as Warp's array."""
+        return self._effort
+
     # ---- what a tick launches -------------------------------------------------------
 
-    def upload(self) -> bool:
-        """Copy the changes of commands to the device; return whether arrays moved.
-
-        A recorded graph of launches then has to be recorded again.
-        """
+    def upload(self) -> None:
+        """Copy the changes of commands to the device."""
         if self._is_uploaded:
-            return False
-        has_moved = bool(self._until.shape != self._motions.until.shape)
-        if has_moved:
+            return
+        if self._until.shape != self._motions.until.shape:
             self._allocate()
         motions = self._motions
         self._until.assign(motions.until)
@@ -153,9 +168,20 @@ class DeviceControl:
         self._coefficients.assign(motions.coefficients.astype(np.float32))
         self._grip_array.assign(self._grips)
         self._is_uploaded = True
-        return has_moved
+
+    def _download(self) -> None:
+        """Copy the motions that the device has started to the host."""
+        if self._is_ahead:
+            motions = self._motions
+            motions.until = self._until.numpy().copy()
+            motions.origin = self._origin.numpy().copy()
+            coefficients = self._coefficients.numpy()
+            motions.coefficients = coefficients.astype(np.float64)
+            self._grips = self._grip_array.numpy().copy()
+            self._is_ahead = False
 
     def _allocate(self) -> None:
+        self.layout += 1
         shape = self._motions.until.shape
         with wp.ScopedDevice(self._device):
             self._until = wp.zeros(shape, dtype=wp.float64)
@@ -207,6 +233,9 @@ class DeviceControl:
             ],
             device=self._device,
         )
+        requested = self._governor.launch(
+            self._command, self._loads, state.position, state.velocity, self._effort
+        )
         wp.launch(
             run_drives,
             dim=self._before.shape,
@@ -215,7 +244,7 @@ class DeviceControl:
                 self._compensates,
                 self._loads,
                 self._grip_array,
-                self._command,
+                requested,
                 state.position,
                 state.velocity,
                 self._before,
@@ -230,27 +259,23 @@ class DeviceControl:
 
     def restart(self, rows: Indices, position: Array) -> None:
         """Put copies at rest at ``position`` of all joints, (len(rows), n_joints)."""
-        is_chosen = np.zeros(len(self._grips), dtype=np.int32)
-        is_chosen[rows] = 1
+        self._download()
         self._motions.rest(rows, position[:, self._joints])
         self._grips[rows] = NO_GRIP
         self._is_uploaded = False
         wp.launch(
             restart,
-            dim=len(is_chosen),
+            dim=len(self._grips),
             inputs=[
-                wp.array(is_chosen, dtype=int, device=self._device),
+                self._chosen(rows),
                 self._integrals,
                 self._command,
                 self._before,
                 self._effort,
+                *self._governor.flags,
             ],
             device=self._device,
         )
-
-    def desired(self, rows: Indices, controller: int, joint: int, now: Array) -> Array:
-        """Return the desired positions of a controller's joint, by its number there."""
-        return self._motions.desired(rows, self._first[controller] + joint, now)[0]
 
     def start(
         self,
@@ -264,6 +289,7 @@ class DeviceControl:
         velocities: Array | None,
     ) -> int | None:
         """Start motions as ``Motions.start``; limits of goals on the joints end."""
+        self._download()
         columns = [self._first[controller] + joint for joint in joints]
         refused = self._motions.start(
             rows,
@@ -276,18 +302,149 @@ class DeviceControl:
         if refused is not None:
             return refused
         for column in columns:
-            self._grips[rows, self._drives.index(self._joints[column])] = NO_GRIP
+            self._grips[rows, self._drive_of(column)] = NO_GRIP
         self._is_uploaded = False
         return None
 
-    def set_drive_limits(
-        self, rows: Indices, joint: int, limits: Sequence[DriveLimits]
+    def command(
+        self,
+        rows: Indices,
+        controller: int,
+        goals: Sequence[JointGoal],
+        *,
+        positions: object,
+        velocities: object | None,
+        duration: float,
     ) -> None:
-        """Limit the drive of a joint, by the engine's number, in each of the rows."""
-        drive = self._drives.index(joint)
-        if len(rows):
-            self._grips[rows, drive] = [_grip(each) for each in limits]
-            self._is_uploaded = False
+        """Start motions to positions in arrays on the device, shape (n, k).
+
+        As ``start`` with one point, and limits of goals on the joints end.  Positions
+        beyond the limits count as the limits; a robot with a number that is not finite
+        diverges.
+
+        Raises:
+            ControlError: If an array is not of single precision.
+        """
+        self.upload()
+        structs = []
+        for each in goals:
+            goal = Goal()
+            goal.source, goal.lower, goal.upper = each.source, each.lower, each.upper
+            goal.column = self._first[controller] + each.joint
+            goal.drive = self._drive_of(goal.column)
+            structs.append(goal)
+        none = wp.zeros((0, 0), dtype=float, device=self._device)
+        wp.launch(
+            start_motions,
+            dim=(len(self._grips), len(goals)),
+            inputs=[
+                self._chosen(rows),
+                self._state.steps,
+                self._dt,
+                duration,
+                wp.array(structs, dtype=Goal, device=self._device),
+                self._wraps,
+                _floats(positions),
+                none if velocities is None else _floats(velocities),
+                self._until,
+                self._origin,
+                self._coefficients,
+                self._grip_array,
+                self._state.has_diverged,
+            ],
+            device=self._device,
+        )
+        self._is_ahead = True
+
+    def grip(
+        self,
+        rows: Indices,
+        controller: int,
+        joint: int,
+        gripper: ParallelGripper,
+        *,
+        openings: object,
+        speeds: Array,
+        forces: Array,
+    ) -> None:
+        """Move pads to openings [m], with speeds [m/s] and forces [N], shape (n,) each.
+
+        ``openings`` may be an array on the device; those out of reach count as the
+        nearest one, and a robot with one that is not finite diverges.
+
+        Args:
+            rows: The robots.
+            controller: The number of the running controller.
+            joint: The number of the gripper's joint there.
+            gripper: Its geometry.
+            openings: Distances between the pads.
+            speeds: Largest speeds of the pads relative to each other.
+            forces: Largest forces at each pad.
+        """
+        self.upload()
+        column = self._first[controller] + joint
+        found = Gripper()
+        found.column, found.drive = column, self._drive_of(column)
+        found.widest, found.fastest = gripper.max_opening, gripper.speed[1]
+        found.ramp_time, found.shortest = RAMP_TIME, self._period
+        found.pad_offset = gripper.law.pad_offset
+        match gripper.law:
+            case LinearOpening() as law:
+                found.is_linear, found.pad_slope = 1, law.pad_slope
+            case RotaryOpening() as law:
+                found.pad_cos, found.pad_sin = law.pad_cos, law.pad_sin
+        if isinstance(openings, np.ndarray):
+            openings = wp.array(openings, dtype=float, device=self._device)
+        wp.launch(
+            start_grips,
+            dim=len(self._grips),
+            inputs=[
+                self._chosen(rows),
+                self._state.steps,
+                self._dt,
+                found,
+                _floats(openings),
+                wp.array(speeds, dtype=float, device=self._device),
+                wp.array(forces, dtype=float, device=self._device),
+                self._until,
+                self._origin,
+                self._coefficients,
+                self._grip_array,
+                self._state.has_diverged,
+            ],
+            device=self._device,
+        )
+        self._is_ahead = True
+
+    def _drive_of(self, column: int) -> int:
+        """Return the number of the drive of a controlled joint."""
+        return self._drives.index(self._joints[column])
+
+    def _chosen(self, rows: Indices) -> Any:
+        mask = np.zeros(len(self._grips), dtype=np.int32)
+        mask[rows] = 1
+        return wp.array(mask, dtype=int, device=self._device)
+
+
+def is_on_device(array: object, device: str) -> bool:
+    """Return whether an array of another library lies in the memory of a device."""
+    if not hasattr(array, "__dlpack_device__"):
+        return False
+    kind, number = array.__dlpack_device__()
+    known = wp.get_device(device)
+    if known.is_cuda:
+        return bool(kind == DLPACK_CUDA and number == known.ordinal)
+    return bool(kind == DLPACK_CPU)
+
+
+def _floats(array: object) -> Any:
+    """Return an array on the device as Warp's, which shares its memory."""
+    found = array if isinstance(array, wp.array) else wp.from_dlpack(array)
+    if found.dtype is not wp.float32:
+        raise ControlError(
+            f"an array on the device must be float32, got {found.dtype.__name__}"
+        )
+    return found
 
 
 def _laws(
@@ -333,21 +490,6 @@ def _constants(
     return wraps, gains, feed_forward
 
 
-def _bodies(hardware: RobotHardware) -> list[Any]:
-    table = hardware.table
-    found = []
-    for each, joint in zip(table.dynamics.bodies, table.to_model, strict=True):
-        body = Body()
-        body.parent, body.is_prismatic = each.parent, int(each.is_prismatic)
-        body.master, body.joint = table.to_model[each.master], joint
-        body.multiplier, body.mass = each.multiplier, each.mass
-        x, y, z, origin = np.reshape(each.placement, (4, 3)).tolist()
-        body.rotation = wp.mat33(*[v for row in zip(x, y, z, strict=True) for v in row])
-        body.position, body.center = wp.vec3(*origin), wp.vec3(*each.center)
-        found.append(body)
-    return found
-
-
 def _springs(hardware: RobotHardware) -> list[Any]:
     table = hardware.table
     found = []
@@ -361,8 +503,11 @@ def _springs(hardware: RobotHardware) -> list[Any]:
     return found
 
 
-def _drive(bounds: DriveBounds, gripper: ParallelGripper | None) -> Any:
+def _drive(
+    bounds: DriveBounds, gripper: ParallelGripper | None, governed: Set[int]
+) -> Any:
     drive = Drive()
+    drive.is_governed = int(bounds.joint in governed)
     for name in ("joint", "effort", "velocity", "lower", "upper", "rotor", "ease"):
         setattr(drive, name, getattr(bounds, name))
     if bounds.soft is not None:
@@ -376,11 +521,3 @@ def _drive(bounds: DriveBounds, gripper: ParallelGripper | None) -> Any:
         case RotaryOpening() as law:
             drive.pad_cos, drive.pad_sin = law.pad_cos, law.pad_sin
     return drive
-
-
-def _grip(limits: DriveLimits) -> tuple[float, float, float]:
-    """Return the limits of a goal as ``run_drives`` reads them."""
-    speed = math.inf if limits.speed is None else limits.speed
-    if limits.force is not None:
-        return limits.force, speed, PAD_FORCE
-    return math.inf if limits.effort is None else limits.effort, speed, JOINT_EFFORT

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,18 @@ from tool0.control.spline import IMPLAUSIBLE, wrap_offset
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+
+
+class JointGoal(NamedTuple):
+    """A joint that a command on the device moves."""
+
+    source: int
+    """Its column in the command."""
+    joint: int
+    """Its number in the controller."""
+    lower: float
+    upper: float
+    """Limits of its position [rad | m]."""
 
 
 @final
@@ -94,7 +106,7 @@ class Motions:
         is_bounded = _largest(found, T) <= IMPLAUSIBLE
         if not is_bounded.all():
             return int(np.argwhere(~is_bounded)[0, 0])
-        self._extend(n_points + 1)
+        self.extend(n_points + 1)
         columns = np.array(joints, dtype=np.intp)
         at = np.ix_(rows, columns, np.arange(n_points))
         c = np.moveaxis(found[:, :, -1], -1, 0)
@@ -111,7 +123,7 @@ class Motions:
         self.coefficients[(*chosen, n_points)] = rest
         return None
 
-    def _extend(self, n_pieces: int) -> None:
+    def extend(self, n_pieces: int) -> None:
         """Make room for so many pieces of each motion."""
         missing = n_pieces - self.until.shape[2]
         if missing > 0:

@@ -10,6 +10,8 @@ import math
 import warp as wp
 
 TURN = wp.constant(math.tau)
+JUST_AFTER = wp.constant(wp.float64(2.3e-16))
+"""Relative distance to the next number."""
 
 
 @wp.struct
@@ -25,6 +27,8 @@ class Body:
     rotation: wp.mat33
     position: wp.vec3
     center: wp.vec3
+    tensor: wp.mat33
+    """Inertia about the centre."""
 
 
 @wp.struct
@@ -45,6 +49,8 @@ class Drive:
     joint: int
     is_soft: int
     is_linear: int
+    is_governed: int
+    """Whether the governor limits its speed."""
     effort: float
     velocity: float
     lower: float
@@ -58,6 +64,38 @@ class Drive:
     pad_cos: float
     pad_sin: float
     pad_slope: float
+
+
+@wp.struct
+class Goal:
+    """A joint that a command moves."""
+
+    source: int
+    """Its column in the command."""
+    column: int
+    """Its number among the controlled joints."""
+    drive: int
+    lower: float
+    upper: float
+
+
+@wp.struct
+class Gripper:
+    """``ParallelGripper``, and how its pads move."""
+
+    column: int
+    """Of its joint, among the controlled joints."""
+    drive: int
+    is_linear: int
+    pad_offset: float
+    pad_cos: float
+    pad_sin: float
+    pad_slope: float
+    widest: float
+    fastest: float
+    ramp_time: float
+    shortest: float
+    """Least duration of a motion [s]."""
 
 
 @wp.kernel
@@ -100,6 +138,190 @@ def run_laws(
     command[robot, i] = effort + feed_forward[k] * (rate + velocity[robot, i])
 
 
+@wp.func
+def setpoint(
+    until: wp.array3d[wp.float64],
+    origin: wp.array3d[wp.float64],
+    coefficients: wp.array3d[wp.vec4],
+    robot: int,
+    joint: int,
+    now: wp.float64,
+) -> wp.vec2:
+    """Return the desired position and velocity of a controlled joint."""
+    j = int(0)
+    while now >= until[robot, joint, j]:
+        j += 1
+    t = wp.float32(now - origin[robot, joint, j])
+    c = coefficients[robot, joint, j]
+    q = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+    return wp.vec2(q, c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]))
+
+
+@wp.func
+def cubic(start: wp.vec2, way: float, speed: float, T: float) -> wp.vec4:
+    """Return a polynomial over T from position and velocity along a way to a speed."""
+    c2 = (3.0 * way - (2.0 * start[1] + speed) * T) / T / T
+    c3 = (-2.0 * way + (start[1] + speed) * T) / T / T / T
+    return wp.vec4(start[0], start[1], c2, c3)
+
+
+@wp.func
+def start_motion(
+    until: wp.array3d[wp.float64],
+    origin: wp.array3d[wp.float64],
+    coefficients: wp.array3d[wp.vec4],
+    robot: int,
+    joint: int,
+    now: wp.float64,
+    duration: wp.float64,
+    polynomial: wp.vec4,
+    end: float,
+) -> None:
+    """Let a joint follow a polynomial and then rest at ``end``."""
+    last = now + duration
+    until[robot, joint, 0] = last + last * JUST_AFTER  # at its end it still moves
+    until[robot, joint, 1] = wp.float64(wp.inf)
+    origin[robot, joint, 0] = now
+    coefficients[robot, joint, 0] = polynomial
+    coefficients[robot, joint, 1] = wp.vec4(end, 0.0, 0.0, 0.0)
+
+
+@wp.kernel
+def start_motions(
+    is_chosen: wp.array[int],
+    steps: wp.array[int],
+    dt: wp.float64,
+    duration: wp.float64,
+    goals: wp.array[Goal],
+    wraps: wp.array[int],
+    positions: wp.array2d[float],
+    velocities: wp.array2d[float],
+    until: wp.array3d[wp.float64],
+    origin: wp.array3d[wp.float64],
+    coefficients: wp.array3d[wp.vec4],
+    grips: wp.array2d[wp.vec3],
+    has_diverged: wp.array[int],
+) -> None:
+    """Move joints from their setpoints to ``positions``, and rest: ``Motions.start``.
+
+    A line, or a cubic if ``velocities`` is not empty.  Positions beyond a limit count
+    as the limit.  A robot with a number that is not finite diverges.
+    """
+    robot, k = wp.tid()
+    if is_chosen[robot] == 0:
+        return
+    goal = goals[k]
+    target = positions[robot, goal.source]
+    speed = float(0.0)
+    if velocities.shape[0] > 0:
+        speed = velocities[robot, goal.source]
+    if not wp.isfinite(target) or not wp.isfinite(speed):
+        has_diverged[robot] = 1
+        return
+    i = goal.column
+    now = wp.float64(steps[robot]) * dt
+    start = setpoint(until, origin, coefficients, robot, i, now)
+    way = wp.clamp(target, goal.lower, goal.upper) - start[0]
+    if wraps[i] != 0:
+        way = way - TURN * wp.rint(way / TURN)
+    T = wp.float32(duration)
+    polynomial = wp.vec4(start[0], way / T, 0.0, 0.0)
+    if velocities.shape[0] > 0:
+        polynomial = cubic(start, way, speed, T)
+    end = start[0] + way
+    start_motion(until, origin, coefficients, robot, i, now, duration, polynomial, end)
+    grips[robot, goal.drive] = wp.vec3(0.0, 0.0, 0.0)
+
+
+@wp.kernel
+def start_grips(
+    is_chosen: wp.array[int],
+    steps: wp.array[int],
+    dt: wp.float64,
+    gripper: Gripper,
+    openings: wp.array[float],
+    speeds: wp.array[float],
+    forces: wp.array[float],
+    until: wp.array3d[wp.float64],
+    origin: wp.array3d[wp.float64],
+    coefficients: wp.array3d[wp.vec4],
+    grips: wp.array2d[wp.vec3],
+    has_diverged: wp.array[int],
+) -> None:
+    """Move pads to openings: ``motion.gripper.direct_path``, with speeds and forces.
+
+    Openings out of reach count as the nearest one.  A robot whose opening is not finite
+    diverges.
+    """
+    robot = wp.tid()
+    if is_chosen[robot] == 0:
+        return
+    if not wp.isfinite(openings[robot]):
+        has_diverged[robot] = 1
+        return
+    opening = wp.clamp(openings[robot], 0.0, gripper.widest)
+    now = wp.float64(steps[robot]) * dt
+    start = setpoint(until, origin, coefficients, robot, gripper.column, now)
+    q = start[0]
+    if gripper.is_linear != 0:
+        here = 2.0 * (gripper.pad_offset + gripper.pad_slope * q)
+        end = (opening / 2.0 - gripper.pad_offset) / gripper.pad_slope
+    else:
+        x = gripper.pad_cos
+        y = gripper.pad_sin
+        here = 2.0 * (gripper.pad_offset + x * wp.cos(q) + y * wp.sin(q))
+        side = (opening / 2.0 - gripper.pad_offset) / wp.sqrt(x * x + y * y)
+        end = wp.atan2(y, x) + wp.acos(wp.clamp(side, -1.0, 1.0))
+    distance = wp.abs(opening - here)
+    T = wp.max(
+        gripper.shortest,
+        wp.max(
+            1.5 * distance / speeds[robot],
+            wp.sqrt(6.0 * distance * gripper.ramp_time / gripper.fastest),
+        ),
+    )
+    polynomial = cubic(start, end - q, 0.0, T)
+    start_motion(
+        until,
+        origin,
+        coefficients,
+        robot,
+        gripper.column,
+        now,
+        wp.float64(T),
+        polynomial,
+        end,
+    )
+    grips[robot, gripper.drive] = wp.vec3(forces[robot], speeds[robot], 1.0)
+
+
+@wp.func
+def place_bodies(
+    robot: int,
+    bodies: wp.array[Body],
+    position: wp.array2d[float],
+    rotations: wp.array2d[wp.mat33],
+    positions: wp.array2d[wp.vec3],
+) -> None:
+    """Find the frames of all bodies of a robot."""
+    for i in range(bodies.shape[0]):
+        body = bodies[i]
+        R = body.rotation
+        p = body.position
+        if body.parent >= 0:
+            p = rotations[robot, body.parent] @ p + positions[robot, body.parent]
+            R = rotations[robot, body.parent] @ R
+        q = position[robot, body.joint]
+        if body.is_prismatic != 0:
+            p = p + q * wp.vec3(R[0, 2], R[1, 2], R[2, 2])
+        else:
+            c = wp.cos(q)
+            s = wp.sin(q)
+            R = R @ wp.mat33(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
+        rotations[robot, i] = R
+        positions[robot, i] = p
+
+
 @wp.kernel
 def balance(
     steps: wp.array[int],
@@ -120,24 +342,10 @@ def balance(
     robot = wp.tid()
     if steps[robot] % pose_period != 0:
         return
+    place_bodies(robot, bodies, position, rotations, positions)
     for i in range(bodies.shape[0]):
-        body = bodies[i]
-        R = body.rotation
-        p = body.position
-        if body.parent >= 0:
-            p = rotations[robot, body.parent] @ p + positions[robot, body.parent]
-            R = rotations[robot, body.parent] @ R
-        q = position[robot, body.joint]
-        if body.is_prismatic != 0:
-            p = p + q * wp.vec3(R[0, 2], R[1, 2], R[2, 2])
-        else:
-            c = wp.cos(q)
-            s = wp.sin(q)
-            R = R @ wp.mat33(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
-        rotations[robot, i] = R
-        positions[robot, i] = p
-        center = R @ body.center + p
-        moments[robot, i] = body.mass * wp.vec3(center[0], center[1], 1.0)
+        center = rotations[robot, i] @ bodies[i].center + positions[robot, i]
+        moments[robot, i] = bodies[i].mass * wp.vec3(center[0], center[1], 1.0)
     for i in range(loads.shape[1]):
         loads[robot, i] = 0.0
     for k in range(bodies.shape[0]):
@@ -173,7 +381,7 @@ def run_drives(
     compensates: wp.array[float],
     loads: wp.array2d[float],
     grips: wp.array2d[wp.vec3],
-    command: wp.array2d[float],
+    requested: wp.array2d[float],
     position: wp.array2d[float],
     velocity: wp.array2d[float],
     before: wp.array2d[float],
@@ -184,8 +392,8 @@ def run_drives(
     """Write the effort of the next step, for each robot and each drive.
 
     ``compensates`` is 1 for drives that carry their load, ``motor_of`` the number of a
-    drive's motor.  Of a goal, ``grips`` has force or effort, the speed of the pads, and
-    its kind: 0 for none, 1 for an effort of the joint, 2 for a force at the pads.
+    drive's motor.  Of a goal, ``grips`` has force and speed of the pads, and 1, or 0 if
+    there is none.
     """
     robot, k = wp.tid()
     drive = drives[k]
@@ -193,7 +401,7 @@ def run_drives(
     gravity = compensates[k] * loads[robot, i]
     q = position[robot, i]
     qd = velocity[robot, i]
-    u = command[robot, i] + gravity
+    u = requested[robot, i]
     most = drive.effort
     speed = drive.velocity
     applied = effort[robot, i]
@@ -209,9 +417,7 @@ def run_drives(
                     lever = 2.0 * wp.abs(
                         drive.pad_sin * wp.cos(q) - drive.pad_cos * wp.sin(q)
                     )
-                force = grip[0]
-                if grip[2] > 1.5:
-                    force = force * lever
+                force = grip[0] * lever
                 lowest = wp.min(gravity - force, applied + drive.ease)
                 highest = wp.max(gravity + force, applied - drive.ease)
                 u = wp.min(wp.max(u, lowest), highest)
@@ -234,6 +440,8 @@ def run_drives(
                 u = 0.0
         else:
             before[robot, k] = wp.nan
+        speed = wp.inf
+    if drive.is_governed != 0:
         speed = wp.inf
     if u > 0.0:
         if q > drive.upper or qd > speed:
@@ -260,11 +468,15 @@ def restart(
     command: wp.array2d[float],
     before: wp.array2d[float],
     effort: wp.array2d[float],
+    has_before: wp.array[int],
+    has_mobility: wp.array[int],
 ) -> None:
-    """Reset the state of laws and drives of the chosen robots."""
+    """Reset the state of laws, drives and governors of the chosen robots."""
     robot = wp.tid()
     if is_chosen[robot] == 0:
         return
+    has_before[robot] = 0
+    has_mobility[robot] = 0
     for k in range(integrals.shape[1]):
         integrals[robot, k] = 0.0
     for k in range(before.shape[1]):

@@ -17,12 +17,19 @@ from tool0.description.model import SafetyController  # noqa: E402
 from tool0.description.robot import RobotDescription  # noqa: E402
 from tool0.hardware.engine import JointState  # noqa: E402
 from tool0.kernel.device import DeviceControl, DeviceState  # noqa: E402
+from tool0.motion.gripper import direct_path  # noqa: E402
 from tool0.protocol.trajectories import TrajectoryPoint  # noqa: E402
 from tool0.simulation.executor import Executor  # noqa: E402
+from tool0.simulation.paths import trajectory_points  # noqa: E402
 from tool0.simulation.setup import Setup  # noqa: E402
 
 N = 4
 TICKS = 200
+FAST = 4.0
+"""More than the largest speed of each joint [rad/s]."""
+FAST_TOLERANCE = 0.03
+"""Of the largest effort, where the governor acts on random velocities: with the inverse
+of masses in single precision.  Real motions agree better (test_batch_device.py)."""
 TOLERANCE = 3e-5
 """Of the largest effort of a joint: 2e-7 rad of single precision at 4000 N·m/rad."""
 
@@ -65,6 +72,7 @@ class Side:
             wp.array(self.home, dtype=float, device="cpu"),
             wp.zeros((N, n_joints), dtype=float, device="cpu"),
             wp.zeros((N, len(motors)), dtype=float, device="cpu"),
+            wp.zeros(N, dtype=int, device="cpu"),
         )
         self.device = DeviceControl(
             dict(zip(self.names, core.manager.running_controllers, strict=True)),
@@ -94,22 +102,27 @@ class Side:
             )
         self._start(name, q, duration)
 
-    def grip(self, duration: float, force: float, rng: np.random.Generator) -> None:
-        joint = self.gripper.joint
-        name = self.names[-1]
-        limits = DriveLimits(gripper=self.gripper, speed=0.1, force=force)
-        q = self.home[:, [self.cores[0].engine.joint_names.index(joint)]]
-        q = q + rng.uniform(0.0, 0.002, q.shape)
-        for core, target in zip(self.cores, q.tolist(), strict=True):
-            points = [TrajectoryPoint(target, time_from_start=duration)]
-            Executor(core).command_trajectory(
-                name,
-                TrajectoryGoal(points=points, joint_names=(joint,)),
-                {joint: limits},
+    def grip(self, force: float, rng: np.random.Generator) -> None:
+        gripper, joint, name = self.gripper, self.gripper.joint, self.names[-1]
+        limits = DriveLimits(gripper=gripper, speed=0.1, force=force)
+        openings = rng.uniform(0.9, 1.0, N) * gripper.max_opening
+        for core, end in zip(self.cores, openings.tolist(), strict=True):
+            executor = Executor(core)
+            setpoint = executor.trajectory_controller(name).query_state(core.time)
+            path = direct_path(
+                gripper, setpoint.positions[0], end, 0.1, core.control_period
             )
-        self._start(name, q, duration)
-        index = self.cores[0].engine.joint_names.index(joint)
-        self.device.set_drive_limits(np.arange(N), index, [limits] * N)
+            goal = TrajectoryGoal(points=trajectory_points(path), joint_names=(joint,))
+            executor.command_trajectory(name, goal, {joint: limits})
+        self.device.grip(
+            np.arange(N),
+            self.names.index(name),
+            0,
+            gripper,
+            openings=openings,
+            speeds=np.full(N, 0.1),
+            forces=np.full(N, force),
+        )
 
     def _start(self, name: str, q: np.ndarray, duration: float) -> None:
         self.device.start(
@@ -155,18 +168,19 @@ def test_efforts_are_those_of_python(gripper: str, is_soft: bool) -> None:
         if k % 60 == 10:
             side.command(arm, 0.03, rng)
         if k % 60 == 20:
-            side.grip(0.03, 60.0 + k / 4.0, rng)
+            side.grip(60.0 + k / 4.0, rng)
         if k == 150:  # without limits again
             side.command(hand, 0.03, rng)
         drift = rng.uniform(-1.0, 1.0, side.home.shape) * 1e-3
-        speed = rng.uniform(-1.0, 1.0, side.home.shape) * (4.0 if k % 7 == 0 else 0.02)
+        speed = rng.uniform(-1.0, 1.0, side.home.shape) * (FAST if k % 7 == 0 else 0.02)
         position = (side.home + drift).astype(np.float32).astype(np.float64)
         velocity = speed.astype(np.float32).astype(np.float64)
         efforts = side.tick(position, velocity)
         drives = np.isfinite(side.most)
         is_bound = np.abs(efforts[:, drives]) >= 0.999 * side.most[drives]
         n_bound, n_free = n_bound + is_bound.sum(), n_free + (~is_bound).sum()
-        assert side.error() < TOLERANCE, f"tick {k}"
+        most = FAST_TOLERANCE if k % 7 == 0 else TOLERANCE
+        assert side.error() < most, f"tick {k}"
     assert n_free > 100
     assert n_bound > 10
     np.testing.assert_array_equal(
@@ -178,7 +192,7 @@ def test_efforts_are_those_of_python(gripper: str, is_soft: bool) -> None:
 def test_a_restart_forgets_all_of_the_chosen_robots() -> None:
     side = Side(described("2f85"))
     rng = np.random.default_rng(3)
-    side.grip(0.03, 60.0, rng)
+    side.grip(60.0, rng)
     for _ in range(20):
         side.tick(side.home + 1e-3, np.full_like(side.home, 0.01))
     kept = side.device.effort

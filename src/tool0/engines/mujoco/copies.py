@@ -62,7 +62,8 @@ def object_arrays_of(
     """Return the states of the objects that ``first`` has, in n copies.
 
     ``q`` and ``qd`` are those of the free joints, (n, 7 n_movable) and
-    (n, 6 n_movable); ``static`` has the states of the other objects in each copy.
+    (n, 6 n_movable); ``static`` has the states of the other objects in each copy, or
+    once for all of them.
     """
     n, n_objects = len(q), len(first.names)
     position, linear, angular = np.zeros((3, n, n_objects, 3))
@@ -75,7 +76,7 @@ def object_arrays_of(
         linear[:, movable] = qd[..., :3]
         angular[:, movable] = rotated_by(q[..., 3:], qd[..., 3:])
     for k, name in enumerate(first.names):
-        for i, states in enumerate(static if k not in movable else ()):
-            state = states[name]
-            position[i, k], quat[i, k] = state.position, state.quat_wxyz
+        if k not in movable:
+            position[:, k] = [states[name].position for states in static]
+            quat[:, k] = [states[name].quat_wxyz for states in static]
     return ObjectArrays(position, quat, linear, angular)

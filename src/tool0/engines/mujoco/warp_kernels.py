@@ -5,36 +5,43 @@ Arrays have one row per copy of the robot and its scene: a world.
 
 import warp as wp
 
+vec5 = wp.types.vector(length=5, dtype=float)
+"""Coefficients of friction of a pair of geoms."""
+
 
 @wp.kernel
 def finish_step(
     most_squares: float,
+    failures: int,
     overflow: wp.array[int],
+    parked: wp.array[float],
     position: wp.array2d[float],
     velocity: wp.array2d[float],
     warm_start: wp.array2d[float],
-    held: wp.array2d[float],
+    measured: wp.array2d[float],
     has_diverged: wp.array[int],
     steps: wp.array[int],
 ) -> None:
     """Count the step of each world; one that diverges stands still where it was.
 
     A world diverges if the sum of its squared speeds is not below ``most_squares``, or
-    if its contacts did not fit into the memory.  ``held`` are its last positions.
+    if its overflow has one of the bits of ``failures``.  ``measured`` are its last
+    positions.  The physics goes on at ``parked``, so that the contacts of a world that
+    stands still do not fill the memory of all worlds.
     """
     world = wp.tid()
     squares = float(0.0)
     for i in range(velocity.shape[1]):
         squares += velocity[world, i] * velocity[world, i]
-    if not squares < most_squares or overflow[world] != 0:  # NaN, too
+    if not squares < most_squares or (overflow[world] & failures) != 0:  # NaN, too
         has_diverged[world] = 1
     if has_diverged[world] == 0:
         for i in range(position.shape[1]):
-            held[world, i] = position[world, i]
+            measured[world, i] = position[world, i]
         steps[world] += 1
         return
     for i in range(position.shape[1]):
-        position[world, i] = held[world, i]
+        position[world, i] = parked[i]
     for i in range(velocity.shape[1]):
         velocity[world, i] = 0.0
         warm_start[world, i] = 0.0
@@ -48,7 +55,7 @@ def set_state(
     velocity: wp.array2d[float],
     warm_start: wp.array2d[float],
     control: wp.array2d[float],
-    held: wp.array2d[float],
+    measured: wp.array2d[float],
     time: wp.array[float],
     overflow: wp.array[int],
     has_diverged: wp.array[int],
@@ -60,7 +67,7 @@ def set_state(
         return
     for i in range(position.shape[1]):
         position[world, i] = start[world, i]
-        held[world, i] = start[world, i]
+        measured[world, i] = start[world, i]
     for i in range(velocity.shape[1]):
         velocity[world, i] = 0.0
         warm_start[world, i] = 0.0
@@ -78,7 +85,7 @@ def place_object(
     first: wp.vec2i,
     pose: wp.array2d[float],
     position: wp.array2d[float],
-    held: wp.array2d[float],
+    measured: wp.array2d[float],
     velocity: wp.array2d[float],
     warm_start: wp.array2d[float],
 ) -> None:
@@ -88,10 +95,68 @@ def place_object(
         return
     for i in range(7):
         position[world, first[0] + i] = pose[world, i]
-        held[world, first[0] + i] = pose[world, i]
+        measured[world, first[0] + i] = pose[world, i]
     for i in range(6):
         velocity[world, first[1] + i] = 0.0
         warm_start[world, first[1] + i] = 0.0
+
+
+@wp.kernel
+def set_body_mass(
+    is_chosen: wp.array[int],
+    body: int,
+    first_dof: int,
+    given: wp.array[float],
+    mass: wp.array2d[float],
+    subtree_mass: wp.array2d[float],
+    inertia: wp.array2d[wp.vec3],
+    body_weight: wp.array2d[wp.vec2],
+    dof_weight: wp.array2d[float],
+) -> None:
+    """Give a free body other masses, and what follows from them (``mj_setConst``).
+
+    Its shape stays, so inertias grow with the mass; ``…_weight`` are inverse ones.
+    """
+    world = wp.tid()
+    if is_chosen[world] == 0:
+        return
+    ratio = given[world] / mass[world, body]
+    subtree_mass[world, 0] = subtree_mass[world, 0] + given[world] - mass[world, body]
+    subtree_mass[world, body] = given[world]
+    mass[world, body] = given[world]
+    inertia[world, body] = ratio * inertia[world, body]
+    body_weight[world, body] = body_weight[world, body] / ratio
+    for i in range(6):
+        dof_weight[world, first_dof + i] = dof_weight[world, first_dof + i] / ratio
+
+
+@wp.kernel
+def set_geom_friction(
+    is_chosen: wp.array[int],
+    geoms: wp.array[int],
+    pairs: wp.array[int],
+    ends: wp.array[wp.vec2i],
+    given: wp.array[float],
+    friction: wp.array2d[wp.vec3],
+    pair_friction: wp.array2d[vec5],
+) -> None:
+    """Give geoms another sliding friction; in their pairs the smaller one applies.
+
+    ``ends`` are the geoms of the ``pairs``.
+    """
+    world = wp.tid()
+    if is_chosen[world] == 0:
+        return
+    for k in range(geoms.shape[0]):
+        own = friction[world, geoms[k]]
+        friction[world, geoms[k]] = wp.vec3(given[world], own[1], own[2])
+    for k in range(pairs.shape[0]):
+        first = friction[world, ends[k][0]]
+        second = friction[world, ends[k][1]]
+        found = pair_friction[world, pairs[k]]
+        found[0] = wp.min(first[0], second[0])
+        found[1] = found[0]
+        pair_friction[world, pairs[k]] = found
 
 
 @wp.kernel

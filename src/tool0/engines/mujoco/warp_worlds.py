@@ -10,6 +10,7 @@ import mujoco
 import mujoco_warp
 import numpy as np
 import warp as wp
+from mujoco_warp import OverflowType
 from numpy.typing import NDArray
 
 from tool0.engines.mujoco.copies import ObjectArrays, object_arrays_of
@@ -17,6 +18,8 @@ from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.engines.mujoco.warp_kernels import (
     finish_step,
     place_object,
+    set_body_mass,
+    set_geom_friction,
     set_state,
     sum_normal_forces,
 )
@@ -29,8 +32,25 @@ Indices = NDArray[np.intp]
 
 CONTACTS, CONTACTS_PER_OBJECT = 64, 16
 """Room for contacts per copy, without objects and for each movable one."""
+CONTACTS_PER_PAIR = 8
+"""Most contacts of two geoms: two boxes."""
 ROWS, ROWS_PER_CONTACT = 64, 4
 """Room for rows of constraints per copy: mimic joints, stops, friction, contacts."""
+FIELDS_OF_OBJECTS = (
+    "body_mass",
+    "body_subtreemass",
+    "body_inertia",
+    "body_invweight0",
+    "dof_invweight0",
+    "geom_friction",
+    "pair_friction",
+)
+"""Fields of the model with a row per world, for masses and frictions of objects."""
+FAILURES = int(
+    OverflowType.ALL & ~(OverflowType.ITERATIONS | OverflowType.LS_ITERATIONS)
+)
+"""Overflows that leave contacts or constraints out.  A solver that reaches its limit of
+iterations has a less exact result, as on the CPU."""
 
 
 def check_device(device: str) -> str:
@@ -81,21 +101,33 @@ class WarpWorlds:
                 raise EngineError(
                     f"MuJoCo Warp does not support the scene: {error}"
                 ) from error
+            self._model.opt.warn_overflow = 0  # ``diverged`` says so
+            for name in FIELDS_OF_OBJECTS:
+                field = getattr(self._model, name).numpy()
+                rows = np.repeat(field, n, axis=0)
+                kind = getattr(self._model, name).dtype
+                setattr(self._model, name, wp.array(rows, dtype=kind))
+            # All worlds share the memory of contacts.  It has room for all contacts
+            # that one of them can have, beside those of the others; the rows of
+            # constraints, of which each world has its own, overflow before that.
+            most = CONTACTS_PER_PAIR * len(self._model.nxn_geom_pair_filtered)
             self._data = data = mujoco_warp.make_data(
                 model,
                 nworld=n,
-                nconmax=n_contacts,
+                naconmax=n * n_contacts + most,
                 njmax=ROWS + ROWS_PER_CONTACT * n_contacts,
             )
             self.steps = wp.zeros(n, dtype=int)
-            """Of each world since its reset: Warp's array, as the next three."""
-            self._has_diverged = wp.zeros(n, dtype=int)
-            self._held = wp.zeros((n, model.nq), dtype=float)
+            """Of each world since its reset: Warp's array, as the next four."""
+            self.divergence = wp.zeros(n, dtype=int)
+            """1 for worlds that stand still."""
+            self._start = engine.data.qpos.copy()
+            self._parked = wp.array(self._start.astype(np.float32), dtype=float)
+            self._measured = wp.zeros((n, model.nq), dtype=float)
         self.position = data.qpos
         """Of the joints first, then of the objects, shape (n, nq)."""
         self.velocity = data.qvel
         self.motors = data.ctrl
-        self._start = engine.data.qpos.copy()
         self.reset(np.arange(n), np.tile(self._start[: self._n_joints], (n, 1)))
 
     # ---- time -----------------------------------------------------------------------
@@ -110,12 +142,14 @@ class WarpWorlds:
                 dim=self._n,
                 inputs=[
                     LARGEST_VELOCITY**2,
+                    FAILURES,
                     data.overflow,
+                    self._parked,
                     data.qpos,
                     data.qvel,
                     data.qacc_warmstart,
-                    self._held,
-                    self._has_diverged,
+                    self._measured,
+                    self.divergence,
                     self.steps,
                 ],
             )
@@ -152,10 +186,10 @@ class WarpWorlds:
                     data.qvel,
                     data.qacc_warmstart,
                     data.ctrl,
-                    self._held,
+                    self._measured,
                     data.time,
                     data.overflow,
-                    self._has_diverged,
+                    self.divergence,
                     self.steps,
                 ],
             )
@@ -170,18 +204,47 @@ class WarpWorlds:
     @property
     def has_diverged(self) -> NDArray[np.bool_]:
         """Which worlds stand still since their physics failed, shape (n,)."""
-        return np.asarray(self._has_diverged.numpy() != 0)
+        return np.asarray(self.divergence.numpy() != 0)
 
     def joints(self) -> tuple[Array, Array]:
         """Return positions [rad | m] and velocities of the joints, (n, n_joints)."""
         k = self._n_joints
-        return _doubles(self.position)[:, :k], _doubles(self.velocity)[:, :k]
+        return _doubles(self._measured)[:, :k], _doubles(self.velocity)[:, :k]
+
+    @property
+    def joint_arrays(self) -> tuple[Any, Any]:
+        """The same as Warp's arrays, which change with time."""
+        k = self._n_joints
+        return self._measured[:, :k], self.velocity[:, :k]
+
+    @property
+    def object_arrays(self) -> tuple[Any, Any, Any, Any]:
+        """States of the m movable objects as Warp's arrays, which change with time.
+
+        Positions and orientations w, x, y, z in the root, shape (n, m, 3 | 4), linear
+        velocities in the root's axes and angular ones in the object's, (n, m, 3).
+        """
+        q, qd, k = self._measured, self.velocity, self._n_joints
+        m = len(self._engine.world.states.starts)
+
+        def view(base: Any, first: int, width: int, stride: int) -> Any:
+            found = wp.array(
+                ptr=base.ptr + base.strides[1] * (k + first),
+                dtype=float,
+                shape=(self._n, m, width),
+                strides=(base.strides[0], base.strides[1] * stride, base.strides[1]),
+                device=base.device,
+            )
+            found._ref = base  # keeps the memory, as Warp's own slices do
+            return found
+
+        return view(q, 0, 3, 7), view(q, 3, 4, 7), view(qd, 0, 3, 6), view(qd, 3, 3, 6)
 
     def objects(self) -> ObjectArrays:
         """Return the objects' states in the root."""
         states, k = self._engine.world.states, self._n_joints
-        q, qd = _doubles(self.position)[:, k:], _doubles(self.velocity)[:, k:]
-        return object_arrays_of(states, q, qd, [states.static] * self._n)
+        q, qd = _doubles(self._measured)[:, k:], _doubles(self.velocity)[:, k:]
+        return object_arrays_of(states, q, qd, [states.static])
 
     def place(self, name: str, rows: Indices, position: Array, quat: Array) -> None:
         """Put a movable object at rest at positions (len(rows), 3), quat_wxyz (…, 4).
@@ -207,9 +270,54 @@ class WarpWorlds:
                     wp.vec2i(k + first[0], k + first[1]),
                     wp.array(pose, dtype=float),
                     data.qpos,
-                    self._held,
+                    self._measured,
                     data.qvel,
                     data.qacc_warmstart,
+                ],
+            )
+
+    def set_mass(self, name: str, rows: Indices, mass: Array) -> None:
+        """Give a movable object masses [kg], shape (len(rows),), and keep its shape."""
+        model, first = self._model, self._engine.world.states.starts[name]
+        given = np.zeros(self._n, dtype=np.float32)
+        given[rows] = mass
+        with wp.ScopedDevice(self._device):
+            wp.launch(
+                set_body_mass,
+                dim=self._n,
+                inputs=[
+                    self._chosen(rows),
+                    self._engine.model.body(name).id,
+                    self._n_joints + first[1],
+                    wp.array(given, dtype=float),
+                    model.body_mass,
+                    model.body_subtreemass,
+                    model.body_inertia,
+                    model.body_invweight0,
+                    model.dof_invweight0,
+                ],
+            )
+
+    def set_friction(self, name: str, rows: Indices, friction: Array) -> None:
+        """Give an object coefficients of friction, shape (len(rows),)."""
+        compiled, model = self._engine.model, self._model
+        geoms = np.flatnonzero(compiled.geom_bodyid == compiled.body(name).id)
+        ends = np.stack([compiled.pair_geom1, compiled.pair_geom2], axis=1)
+        pairs = np.flatnonzero(np.isin(ends, geoms).any(axis=1))
+        given = np.zeros(self._n, dtype=np.float32)
+        given[rows] = friction
+        with wp.ScopedDevice(self._device):
+            wp.launch(
+                set_geom_friction,
+                dim=self._n,
+                inputs=[
+                    self._chosen(rows),
+                    wp.array(geoms, dtype=int),
+                    wp.array(pairs, dtype=int),
+                    wp.array(ends[pairs], dtype=wp.vec2i),
+                    wp.array(given, dtype=float),
+                    model.geom_friction,
+                    model.pair_friction,
                 ],
             )
 
