@@ -82,6 +82,14 @@ def environment_step(env: Any, rng: np.random.Generator) -> float:
     return time.perf_counter() - start
 
 
+def physics_seconds(copies: Any) -> float:
+    """Return the seconds of the physics of an action."""
+    start = time.perf_counter()
+    copies.batch.step(copies.options.ticks)
+    copies.batch.position  # noqa: B018  # waits for the GPU
+    return time.perf_counter() - start
+
+
 def compare_environments(task: str, n: int, device: str) -> None:
     """Print the env-steps/s of n copies of a task, and their ratio to the CPU's."""
     import gymnasium
@@ -102,14 +110,12 @@ def compare_environments(task: str, n: int, device: str) -> None:
     ratio = statistics.median((speeds[:, 0] / speeds[:, 1]).tolist())
     ours, its = np.median(speeds, axis=0).tolist()
     copies = env.unwrapped.copies
-    start = time.perf_counter()
-    copies.batch.step(copies.options.ticks)
-    copies.batch.position  # noqa: B018  # waits for the GPU
-    physics = time.perf_counter() - start
+    physics = statistics.median(physics_seconds(copies) for _ in range(ROUNDS))
     whole = statistics.median(pair[0] for pair in pairs)
+    outside = max(0.0, 1.0 - physics / whole)
     print(
         f"{task} {n:6d} copies: {ours:12,.1f} env-steps/s on {device}, of which "
-        f"{100.0 * (1.0 - physics / whole):.0f} % outside the physics; {its:10,.1f} on "
+        f"{100.0 * outside:.0f} % outside the physics; {its:10,.1f} on "
         f"the CPU ({host.num_envs} copies); ratio {ratio:6.2f}; ready after "
         f"{ready:.1f} s; diverged {int(copies.batch.diverged.sum())}",
         flush=True,
