@@ -15,6 +15,7 @@ from tool0.errors import ConfigError, ControlError, EngineUnavailableError
 from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
+    from tool0.batch.copies import SavedCopy
     from tool0.engines.mujoco.copies import ObjectArrays
     from tool0.simulation.core import Core
     from tool0.simulation.executor import Executor
@@ -42,6 +43,16 @@ class BatchBackend(Protocol):
 
     def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
         """Reset copies, at the initial pose changed by ``starts`` [rad | m]."""
+
+    def save(self) -> Sequence[SavedCopy]:
+        """Return the state of each copy; ControlError if one cannot be saved."""
+
+    def restore(self, rows: Indices, saved: Sequence[SavedCopy]) -> None:
+        """Let copies continue with saved states, one per row.
+
+        Raises:
+            Tool0Error: If one is of another robot, other objects or controllers.
+        """
 
     def states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""

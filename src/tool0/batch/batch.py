@@ -6,7 +6,7 @@ import contextlib
 import math
 import threading
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, final
@@ -47,10 +47,24 @@ from tool0.sensing.cameras import Cameras
 from tool0.simulation.config import ControlConfig
 
 if TYPE_CHECKING:
+    from tool0.batch.copies import SavedCopy
     from tool0.engines.mujoco.copies import ObjectArrays
 
 Item = TypeVar("Item")
 FrozenArray = TypeVar("FrozenArray", bound=NDArray[Any])
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class BatchState:
+    """What ``Batch.save`` returns: the state of n copies, only for ``restore``."""
+
+    copies: Sequence[SavedCopy] = field(repr=False)
+
+    @property
+    def n(self) -> int:
+        """Number of copies."""
+        return len(self.copies)
 
 
 @final
@@ -455,6 +469,54 @@ class Batch:
             starts = dict(zip(names, q[rows][:, columns].T, strict=True))
         with self._changing():
             self._copies.reset(rows, starts)
+
+    def save(self) -> BatchState:
+        """Return the state of all copies; it does not change.
+
+        It has all that their future depends on: joints, objects with their masses and
+        frictions, warm start and contacts of the physics, motions, integrals of the
+        controllers, grippers, and time.
+
+        Raises:
+            ControlError: If a goal of a GripperActionController is active in a copy, or
+                this is a GPU.
+        """
+        self._check_on_cpu("save")
+        with self._changing():
+            return BatchState(self._copies.save())
+
+    def restore(
+        self,
+        state: BatchState,
+        which: Which | None = None,
+        source: ArrayLike | None = None,
+    ) -> None:
+        """Let copies continue, bit for bit, as saved ones would have.
+
+        Args:
+            state: Of this batch, or of one with the same robot, controllers and
+                objects.
+            which: The copies.
+            source: Number of the saved copy for each, shape (n,); its own, if left out.
+
+        Raises:
+            ControlError: If a number is not that of a saved copy, the robot or the
+                controllers differ, or this is a GPU.
+            EngineError: If the objects differ.
+        """
+        self._check_on_cpu("restore")
+        check = Arguments(self._n, "restore")
+        rows = check.which(which)
+        given = np.arange(self._n) if source is None else source
+        sources = check.rows("source", given, (), rows)[rows].tolist()
+        for number in sources:
+            if number not in range(state.n):
+                raise ControlError(
+                    f"Batch.restore: 'source' names copy {number:g}; the state has "
+                    f"0 … {state.n - 1}"
+                )
+        with self._changing():
+            self._copies.restore(rows, [state.copies[int(k)] for k in sources])
 
     # ---- the scene ------------------------------------------------------------------
 

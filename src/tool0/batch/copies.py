@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
@@ -17,17 +18,28 @@ from tool0.engines.mujoco.copies import (
     mujoco_engine,
     object_arrays,
 )
+from tool0.engines.mujoco.engine import SavedEngine
 from tool0.errors import EngineError, GoalRejectedError
 from tool0.kernel import library
 from tool0.kernel.many import Addresses, BatchKernel, StartResult
 from tool0.kernel.program import Ended, TickProgram
 from tool0.kinematics.chain import Array
-from tool0.simulation.core import Core
+from tool0.simulation.core import Core, SavedCore
 from tool0.simulation.executor import Executor
 
 MOST_TICKS = 1000
 """Ticks of each copy that the kernel executes in one call: a signal such as Ctrl-C is
 handled between two."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SavedCopy:
+    """One copy at one instant."""
+
+    core: SavedCore
+    engine: SavedEngine
+    has_diverged: bool
 
 
 @final
@@ -152,6 +164,30 @@ class Copies:
             self._unload(i)
             self._has_diverged[i] = False
             self._ticks[i] = self._untold[i] = 0
+
+    def save(self) -> tuple[SavedCopy, ...]:
+        """Return the state of each copy, as ``BatchBackend.save``."""
+        found = []
+        for i, engine in enumerate(self._engines):
+            core = self.observed(i).saved()
+            self._unload(i)
+            found.append(SavedCopy(core, engine.saved(), bool(self._has_diverged[i])))
+        return tuple(found)
+
+    def restore(self, rows: Indices, saved: Sequence[SavedCopy]) -> None:
+        """Continue with saved states, as ``BatchBackend.restore``."""
+        for state in saved:
+            self._engines[0].check_saved(state.engine)
+            self._cores[0].manager.check_saved(state.core.controllers)
+        for i, state in zip(rows.tolist(), saved, strict=True):
+            core, engine = self.observed(i), self._engines[i]
+            core.resume(state.core)
+            self._unload(i)
+            engine.resume(state.engine)
+            for item in state.engine.world.objects.values():
+                core.scene.changed(item)
+            self._has_diverged[i] = state.has_diverged
+            self._ticks[i] = core.ticks
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4)."""

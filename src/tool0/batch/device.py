@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import final
+from typing import NoReturn, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,6 +96,14 @@ class DeviceCopies:
         position = np.stack(columns, axis=1)
         self._worlds.reset(rows, position)
         self._control.restart(rows, position)
+
+    def save(self) -> NoReturn:
+        """Raise ControlError: the copies have no cores."""
+        raise needs_cpu("Batch.save", self._device)
+
+    def restore(self, rows: Indices, saved: Sequence[object]) -> NoReturn:
+        """Raise ControlError: the copies have no cores."""
+        raise needs_cpu("Batch.restore", self._device)
 
     def states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""

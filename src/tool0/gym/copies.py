@@ -12,7 +12,6 @@ from tool0.batch.batch import Batch
 from tool0.description.transform_arrays import quats_wxyz
 from tool0.gym.actions import Actions
 from tool0.gym.checks import check_functions, check_objects, check_start
-from tool0.gym.history import History
 from tool0.gym.options import EnvOptions
 from tool0.gym.task import Mask, State, Task
 from tool0.gym.tasks import task_class
@@ -63,7 +62,6 @@ class Copies:
         self.n = n
         self.options = options
         self._task_class = task_class(task)
-        self._history = History(n)
         self.workspace = workspace = Workspace(options)
         self.task = self._task_class(workspace)
         self.actions = Actions(workspace, options)
@@ -96,9 +94,13 @@ class Copies:
         check_functions(self.task, self.state)
 
     def __deepcopy__(self, memo: dict[int, object]) -> Copies:
-        """Return other copies in the same state, by the same actions."""
+        """Return other copies in the same state."""
         twin = Copies(self._task_class, self.n, self.options)
-        self._history.repeat(twin)
+        twin.batch.restore(self.batch.save())
+        twin.target = self.target.copy()
+        twin._opening_target = self._opening_target.copy()
+        twin._last_opening = self._last_opening.copy()
+        twin._goal = self._goal.copy()
         return twin
 
     # ---- time -----------------------------------------------------------------------
@@ -109,7 +111,6 @@ class Copies:
         What is random comes from each copy's own generator alone, so that an episode
         does not depend on the other copies.
         """
-        self._history.begin(which, generators)
         n, count = self.n, len(self.task.objects)
         position = np.tile(self._start, (n, 1))
         places, yaws = np.zeros((n, count, 3)), np.zeros((n, count))
@@ -140,7 +141,6 @@ class Copies:
 
     def act(self, actions: Array) -> None:
         """Advance all copies by one control period; ``actions`` are checked ones."""
-        self._history.add(actions)
         batch, options = self.batch, self.options
         q = batch.position[:, self._arm]
         is_sound = np.isfinite(q).all(axis=1) & ~batch.diverged

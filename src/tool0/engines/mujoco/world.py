@@ -42,6 +42,17 @@ OVERLAP_WARNING = 0.002
 
 
 @final
+@dataclass(frozen=True, slots=True)
+class SavedWorld:
+    """The state of a world that is not in ``MjData``."""
+
+    objects: Mapping[str, SceneObject]
+    """With their masses and frictions, by name."""
+    static: Mapping[str, ObjectState]
+    contacts: tuple[float, tuple[Contact, ...]]
+
+
+@final
 class MujocoWorld:
     """A ``World`` that owns the compiled model of robot and scene, and its data.
 
@@ -124,6 +135,41 @@ class MujocoWorld:
         if item.friction != old.friction:
             change_friction(self._model, self._robot, item, scene)
         self._scene = scene
+
+    def saved(self) -> SavedWorld:
+        """Return what ``MjData`` does not have.
+
+        Raises:
+            EngineError: If an object is attached to a link.
+        """
+        for name, attachment in self._attached.items():
+            raise EngineError(
+                f"object '{name}' is attached to '{attachment.link}'; detach it first"
+            )
+        return SavedWorld(dict(self._objects), self.states.static, self._contacts)
+
+    def check_saved(self, saved: SavedWorld, data: Any) -> None:
+        """Raise EngineError if a state is of another robot or of other objects."""
+        shapes = [
+            {name: item.geometry for name, item in objects.items()}
+            for objects in (saved.objects, self._objects)
+        ]
+        if shapes[0] != shapes[1] or self._data.qpos.shape != data.qpos.shape:
+            raise EngineError(
+                "the saved state is of another robot or of other objects: "
+                f"{', '.join(saved.objects) or 'none'}; here are "
+                f"{', '.join(self._objects) or 'none'}"
+            )
+
+    def resume(self, saved: SavedWorld, data: Any) -> None:
+        """Continue with a saved state and its ``MjData``."""
+        for name in self._attached:
+            self.detach(name)
+        for item in saved.objects.values():
+            self.change(item)
+        mujoco.mj_copyData(self._data, self._model, data)
+        self.states.resume_static(saved.static)
+        self._contacts = saved.contacts
 
     def normal_forces(self, links: Sequence[str]) -> list[float]:
         """Return the sum of the normal forces on each link in the last step [N]."""
@@ -228,7 +274,7 @@ class MujocoWorld:
         self.contacts()  # the new data has no contacts of the last step
         self._compile(scene, attached)
         _transfer_state(model, data, self._model, self._data)
-        self.states.copy_static_poses(states)
+        self.states.resume_static(states.static)
 
     def _warn_of_overlaps(self, of: str | None = None) -> None:
         """Log a warning for each overlap, of the object ``of`` if it is given."""
