@@ -60,6 +60,7 @@ class BatchState:
     """What ``Batch.save`` returns: the state of n copies, only for ``restore``."""
 
     copies: Sequence[SavedCopy] = field(repr=False)
+    """Of no use but for ``restore``."""
 
     @property
     def n(self) -> int:

@@ -41,7 +41,7 @@ class SavedCore:
     ticks: int
     state: JointState
     before: JointState
-    start: Sequence[float]
+    start: list[float]
     commanded: frozenset[str]
 
 
@@ -92,7 +92,7 @@ class Core:
         """Those that the engine has."""
         self.initial_position = list(initial_position)
         """Where it started [rad | m], shape (n_joints,)."""
-        self._start: Sequence[float] = self.initial_position
+        self._start = self.initial_position
         self._commanded: set[str] = set()
         self._watch_drift()
         self._sensors: tuple[ForceTorqueSensor, ...] = ()
