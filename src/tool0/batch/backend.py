@@ -63,6 +63,12 @@ class BatchBackend(Protocol):
     def pad_forces(self, pads: Sequence[str]) -> Array:
         """Return the normal force on each pad in the last step [N], (n, n_pads)."""
 
+    def wrenches(self, links: frozenset[str], at: str) -> Array:
+        """Return force [N] and torque [N·m] on links by contacts with others, (n, 6).
+
+        They act at the origin of the link ``at``, in its axes, in the last step.
+        """
+
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object, at rest; ControlError if that is impossible."""
 

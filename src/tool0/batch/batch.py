@@ -290,6 +290,28 @@ class Batch:
         with self._alone():
             return _frozen(self._copies.pad_forces(pads))
 
+    def tool_wrench(self, robot: str | None = None) -> Array:
+        """Return force [N] and torque [N·m] of contacts on the tool, shape (n, 6).
+
+        They act at the origin of tool0, in its axes: the sum over the contacts, in the
+        last step, of the links beyond tool0 with anything else.  What the gripper holds
+        is something else, so that the wrench has its weight and what it touches.  The
+        weight and the inertia of the gripper are not part of it.
+
+        Args:
+            robot: The arm, by name; the only one, if left out.
+
+        Raises:
+            ControlError: If there is no such arm, or several and no name, or this is a
+                GPU.
+        """
+        arms = find_arms(self._model)
+        flange = _named(arms, robot, "arm", self._model).flange
+        links = frozenset(self._model.links_from(flange))
+        self._check_on_cpu("tool_wrench")
+        with self._alone():
+            return _frozen(self._copies.wrenches(links, flange))
+
     # ---- commands -------------------------------------------------------------------
 
     def command(

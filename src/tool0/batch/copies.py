@@ -227,6 +227,10 @@ class Copies:
         """Return the normal force on each pad in the last step [N], (n, n_pads)."""
         return np.array([engine.world.normal_forces(pads) for engine in self._engines])
 
+    def wrenches(self, links: frozenset[str], at: str) -> Array:
+        """Return the wrench of contacts on ``links``, as ``BatchBackend.wrenches``."""
+        return np.array([engine.world.wrench_on(links, at) for engine in self._engines])
+
     # ---- commands to copies that are loaded ----------------------------------------
 
     def desired(self, rows: Indices, controller: int, joint: int) -> Array | None:

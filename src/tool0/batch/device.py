@@ -117,6 +117,10 @@ class DeviceCopies:
         """Return the normal force on each pad in the last step [N], (n, n_pads)."""
         return self._worlds.normal_forces(pads)
 
+    def wrenches(self, links: frozenset[str], at: str) -> NoReturn:
+        """Raise ControlError: contacts on a device have no torques here."""
+        raise needs_cpu("Batch.tool_wrench", self._device)
+
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4).
 

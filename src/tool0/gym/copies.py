@@ -26,10 +26,13 @@ FARTHEST = 10.0
 """Bound of coordinates in observations [m]."""
 FASTEST_OBJECT = 20.0
 """Bound of velocities of objects in observations [m/s]."""
+STRONGEST, MOST_TORQUE = 1000.0, 100.0
+"""Bounds of wrenches in observations [N], [N·m]."""
 
 
 _XYZ: Final = ("x", "y", "z")
 _WXYZ: Final = ("qw", "qx", "qy", "qz")
+_WRENCH: Final = ("fx", "fy", "fz", "tx", "ty", "tz")
 _SPEED: Final = ("vx", "vy", "vz")
 
 
@@ -188,7 +191,13 @@ class Copies:
             object_quat=_finite(batch.object_quat[:, self._objects]),
             object_velocity=_finite(batch.object_linear[:, self._objects]),
             goal=self._goal.copy(),
+            wrench=self._wrench(),
         )
+
+    def _wrench(self) -> Array:
+        if not self.task.needs_wrench:
+            return np.empty((self.n, 0))
+        return _finite(self.batch.tool_wrench())
 
     def parts(self) -> list[ObservationPart]:
         """Return the parts of the observed state, in their order."""
@@ -235,6 +244,12 @@ class Copies:
                 widest * one,
             ),
         ]
+        if self.task.needs_wrench:
+            columns = _of("wrench", _WRENCH)
+            bound = np.repeat([STRONGEST, MOST_TORQUE], 3)
+            parts.append(
+                ObservationPart("wrench", columns, state.wrench, -bound, bound)
+            )
         return parts + self._surroundings(state)
 
     def _surroundings(self, state: State) -> list[ObservationPart]:

@@ -50,6 +50,9 @@ class State(NamedTuple):
     """[m/s], shape (n, k, 3)."""
     goal: Array
     """What was drawn at the start of the episode, as wide as ``Start.goal``."""
+    wrench: Array
+    """Force [N] and torque [N·m] on the tool, as ``Batch.tool_wrench``, shape (n, 6);
+    (n, 0) without ``Task.needs_wrench``."""
 
 
 class Start(NamedTuple):
@@ -89,6 +92,8 @@ class Task(abc.ABC):
     """Names of the movable objects of the scene, in the order of ``State``."""
     goal_names: tuple[str, ...] = ()
     """What the columns of a goal are."""
+    needs_wrench: bool = False
+    """Whether ``State`` and observations have the wrench on the tool."""
     worst_reward: float = -1.0
     """Of a copy whose physics diverged."""
 

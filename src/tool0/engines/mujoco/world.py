@@ -181,6 +181,27 @@ class MujocoWorld:
         geoms = contacts.geom
         return [float(forces @ self._is_of(link)[geoms].any(axis=1)) for link in links]
 
+    def wrench_on(self, links: frozenset[str], at: str) -> tuple[float, ...]:
+        """Return force [N] and torque [N·m] of all contacts of ``links`` with others.
+
+        They act at the origin of the link ``at``, in its axes, in the last step.
+        """
+        data = self._data
+        is_inside = self._are_of(links)[data.contact.geom]
+        force, torque = np.zeros(3), np.zeros(3)
+        site = data.site(at)
+        local = np.zeros(6)
+        for i in np.flatnonzero(is_inside[:, 0] != is_inside[:, 1]).tolist():
+            mujoco.mj_contactForce(self._model, data, i, local)
+            # It acts on the second shape, in the contact's axes.
+            frame = data.contact.frame[i].reshape(3, 3)
+            sign = 1.0 if is_inside[i, 1] else -1.0
+            pushed, twisted = sign * local[:3] @ frame, sign * local[3:] @ frame
+            force += pushed
+            torque += twisted + np.cross(data.contact.pos[i] - site.xpos, pushed)
+        R_tool_world = site.xmat.reshape(3, 3).T
+        return (*(R_tool_world @ force).tolist(), *(R_tool_world @ torque).tolist())
+
     def _is_of(self, link: str) -> NDArray[np.bool_]:
         """Return for each geom whether it is of ``link``."""
         return self._are_of(frozenset((link,)))
