@@ -61,6 +61,8 @@ class BatchState:
 
     copies: Sequence[SavedCopy] = field(repr=False)
     """Of no use but for ``restore``."""
+    dt: float
+    """Length of a physics step [s]."""
 
     @property
     def n(self) -> int:
@@ -506,7 +508,7 @@ class Batch:
         """
         self._check_on_cpu("save")
         with self._changing():
-            return BatchState(self._copies.save())
+            return BatchState(self._copies.save(), self._dt)
 
     def restore(
         self,
@@ -538,6 +540,11 @@ class Batch:
                     f"Batch.restore: 'source' names copy {number:g}; the state has "
                     f"0 … {state.n - 1}"
                 )
+        if state.dt != self._dt:
+            raise ControlError(
+                f"Batch.restore: the state is of steps of {state.dt} s, but this batch "
+                f"has steps of {self._dt} s"
+            )
         with self._changing():
             self._copies.restore(rows, [state.copies[int(k)] for k in sources])
 

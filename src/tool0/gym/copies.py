@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, Final, NamedTuple, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tool0.batch.batch import Batch
+from tool0.batch.batch import Batch, BatchState
 from tool0.description.transform_arrays import quats_wxyz
 from tool0.gym.actions import Actions
 from tool0.gym.checks import check_functions, check_objects, check_start
+from tool0.gym.held import grasped
 from tool0.gym.options import EnvOptions
 from tool0.gym.task import Mask, State, Task
 from tool0.gym.tasks import task_class
@@ -20,6 +22,8 @@ from tool0.kinematics.chain import Array
 
 GRIP_FORCE = 60.0
 """At each pad [N], as far as the gripper can."""
+MOVING = 0.4
+"""Time in which an arm that holds an object moves to its random start [s]."""
 DEADBAND = 0.02
 """Change of a gripper's target that moves it, part of its largest opening."""
 FARTHEST = 10.0
@@ -69,16 +73,9 @@ class Copies:
         self.task = self._task_class(workspace)
         self.actions = Actions(workspace, options)
         scene = self.task.scene()
-        movable = check_objects(self.task, scene)
-        self._mass = np.array([item.mass for item in movable], dtype=np.float64)
-        self._friction = np.array([item.friction for item in movable])
-        self.batch = Batch(
-            n,
-            description=workspace.description,
-            scene=scene,
-            dt=options.dt,
-            threads=options.threads,
-        )
+        self._items = check_objects(self.task, scene)
+        self._scene = scene
+        self.batch = self._make_batch(n, options.threads)
         names, gripper = self.batch.joint_names, workspace.gripper
         self._arm = [names.index(joint) for joint in workspace.chain.joint_names]
         self._drive = names.index(gripper.joint)
@@ -95,6 +92,15 @@ class Copies:
         self._goal = np.zeros((n, len(drawn.goal)))
         self._state: State | None = None
         check_functions(self.task, self.state)
+
+    def _make_batch(self, n: int, threads: int | None) -> Batch:
+        return Batch(
+            n,
+            description=self.workspace.description,
+            scene=self._scene,
+            dt=self.options.dt,
+            threads=threads,
+        )
 
     def __deepcopy__(self, memo: dict[int, object]) -> Copies:
         """Return other copies in the same state."""
@@ -115,32 +121,77 @@ class Copies:
         does not depend on the other copies.
         """
         n, count = self.n, len(self.task.objects)
-        position = np.tile(self._start, (n, 1))
+        q = np.tile(self.workspace.start, (n, 1))
         places, yaws = np.zeros((n, count, 3)), np.zeros((n, count))
         mass, friction = np.ones((n, count)), np.ones((n, count))
-        ranges = self.options.ranges
+        is_held = np.zeros(n, dtype=bool)
         for i in np.flatnonzero(which).tolist():
             rng = generators[i]
-            start = self.task.draw(rng)
-            places[i], yaws[i], self._goal[i] = start
-            if ranges is not None:
-                mass[i] = self._mass * rng.uniform(*ranges.mass, count)
-                friction[i] = self._friction * rng.uniform(*ranges.friction, count)
-                noise = rng.uniform(-1.0, 1.0, len(self._arm)) * ranges.joint_noise
-                position[i, self._arm] += noise
+            places[i], yaws[i], self._goal[i], is_held[i] = self.task.draw(rng)
+            if self.options.ranges is not None:
+                mass[i], friction[i], noise = self._disturbances(rng)
+                q[i] += noise
         batch = self.batch
-        batch.reset(which, position)
+        self._put_arms(which & ~is_held, q)
+        if is_held.any():
+            batch.restore(self._grasp, is_held, source=0)
         quat = np.zeros((n, count, 4))
         quat[..., 0], quat[..., 3] = np.cos(yaws / 2.0), np.sin(yaws / 2.0)
-        for k, name in enumerate(self.task.objects):
-            if ranges is not None:
-                batch.set_mass(name, mass[:, k], which)
-                batch.set_friction(name, friction[:, k], which)
-            batch.place(name, places[:, k], quat[:, k], which)
-        self.target[which] = position[which][:, self._arm]
+        for k, item in enumerate(self._items):
+            if self.options.ranges is not None:
+                batch.set_friction(item.name, friction[:, k], which)
+                if item.mass is not None:
+                    batch.set_mass(item.name, mass[:, k], which)
+            placed = which if k else which & ~is_held
+            batch.place(item.name, places[:, k], quat[:, k], placed)
         self._opening_target[which] = self.workspace.gripper.max_opening
-        self._last_opening[which] = self._opening_target[which]
+        self._opening_target[is_held] = 0.0
+        if is_held.any() and self.options.ranges is not None:
+            batch.command(q, velocities=0.0 * q, duration=MOVING, which=is_held)
+            batch.step(round(MOVING / batch.control_period), is_held)
+        self.target[which] = q[which]
+        self._last_opening[which] = batch.opening()[which]
         self._state = None
+
+    def _disturbances(self, rng: np.random.Generator) -> tuple[Array, Array, Array]:
+        """Return masses and frictions of the objects, and deviations of the joints."""
+        ranges = self.options.ranges
+        assert ranges is not None
+        count = len(self._items)
+        own = np.array([(item.mass or 0.0, item.friction) for item in self._items])
+        own = own.reshape(count, 2)
+        mass = own[:, 0] * rng.uniform(*ranges.mass, count)
+        friction = own[:, 1] * rng.uniform(*ranges.friction, count)
+        noise = rng.uniform(-1.0, 1.0, len(self._arm)) * ranges.joint_noise
+        return mass, friction, noise
+
+    def _put_arms(self, which: Mask, q: Array) -> None:
+        """Reset copies, with their arms at ``q`` [rad], (n, 6), and open grippers."""
+        position = np.tile(self._start, (self.n, 1))
+        position[:, self._arm] = q
+        self.batch.reset(which, position)
+
+    @cached_property
+    def _grasp(self) -> BatchState:
+        """The start with the first object in the gripper, of one copy."""
+        space, hold, item = self.workspace, self.task.hold, self._items[0]
+        assert hold is not None
+        place = np.array([*space.start_position[:2], item.pose.xyz[2]])
+        yaw = space.start_yaw
+        quat = np.array([[np.cos(yaw / 2.0), 0.0, 0.0, np.sin(yaw / 2.0)]])
+        low = self._start.copy()
+        low[self._arm] = space.posture(hold.places(place[None], quat)[0])
+        with self._make_batch(1, 1) as batch:
+            return grasped(
+                batch,
+                item.name,
+                place=place,
+                yaw=yaw,
+                hold=hold,
+                force=self._force,
+                low=low,
+                high=space.start,
+            )
 
     def act(self, actions: Array) -> None:
         """Advance all copies by one control period; ``actions`` are checked ones."""

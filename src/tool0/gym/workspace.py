@@ -178,10 +178,16 @@ class Workspace:
 
     def is_in_reach(self, position: Array) -> bool:
         """Return whether the arm reaches a point [m], (3,), in its usual posture."""
+        return bool(np.isfinite(self.posture(position)).all())
+
+    def posture(self, position: Array) -> Array:
+        """Return the arm's joints at a place of the tcp [rad], (6,); NaN out of reach.
+
+        ``position`` [m], (3,), is in the root; yaw and posture are those of the start.
+        """
         T = self._flange(position, self.start_yaw)
         with np.errstate(invalid="ignore"):
-            q = self._inverse.geometry.solve(T[None])[0][self._branch]
-        return bool(np.isfinite(q).all())
+            return np.asarray(self._inverse.geometry.solve(T[None])[0][self._branch])
 
     def can_lift(self, place: Array) -> bool:
         """Return whether the arm can grasp and lift a cube at ``place`` [m], (2,)."""
