@@ -39,6 +39,8 @@ BEGUN = 0.002
 """Height of the peg's end below which it is on its way into the hole [m]."""
 CENTRED, STRAIGHT = 0.00015, 0.006
 """Offset [m] and angle [rad] of a peg that may go down."""
+STARTED, SWING = 0.0002, 5.0
+"""Way down [m] from which these tolerances are so many times larger."""
 DOWN = 0.05
 """Speed on the way down, part of the fastest action."""
 
@@ -108,7 +110,10 @@ class PegInsertion(Task):
         peg = yaw_of(from_quats(state.object_quat[:, 0]))
         turn = folded(yaw_of(from_quats(state.object_quat[:, 1])) - peg, 4)
         off = length(end[:, :2] - hole)
-        is_centred = (off < CENTRED) & (np.abs(turn) < STRAIGHT)
+        # By command: the peg swings as the arm starts to go down.
+        wanted = end[:, 2] + commanded.position[:, 2] - state.tcp_position[:, 2]
+        slack = np.where(wanted < self._top + ABOVE - STARTED, SWING, 1.0)
+        is_centred = (off < slack * CENTRED) & (np.abs(turn) < slack * STRAIGHT)
         # A peg that touches the rim, or is in the hole, goes on.
         is_begun = (end[:, 2] < self._top + BEGUN) & (off < INSIDE)
         is_ready = is_begun | is_centred
