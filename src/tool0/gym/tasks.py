@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tool0.errors import ConfigError, did_you_mean
+from tool0.gym.benchmarks.nut_on_peg import NutOnPeg
 from tool0.gym.benchmarks.peg_insertion import PegInsertion
 from tool0.gym.cubes import Lift, PickPlace, Push, Reach, Stack
 from tool0.gym.task import Task
@@ -14,6 +15,7 @@ TASKS: dict[str, type[Task]] = {
     "Stack": Stack,
     "Push": Push,
     "PegInsertion": PegInsertion,
+    "NutOnPeg": NutOnPeg,
 }
 EPISODE_STEPS = {
     "Reach": 100,
@@ -22,6 +24,7 @@ EPISODE_STEPS = {
     "Stack": 300,
     "Push": 300,
     "PegInsertion": 300,
+    "NutOnPeg": 300,
 }
 """Time limit of each task, in actions."""
 

@@ -32,6 +32,8 @@ DROP = 0.002
 """Height above its place at which a cube is released [m]."""
 FINE, FINE_GAIN = 0.003, 0.3
 """Distance within which a held object is moved by this part of it in a step [m]."""
+BEGUN = 0.0003
+"""Way down that shows that an object is being lowered [m]."""
 PUSH_OPENING = 0.4
 """Of the gripper that pushes, part of the cube's edge: two fingers keep it straight."""
 PUSH_SLOW = 0.35
@@ -136,6 +138,16 @@ def carried(
     part = np.where(length(left) < FINE, FINE_GAIN, 1.0)
     aim[:, :2] = commanded.position[:, :2] + part[:, None] * left
     return np.asarray(aim)
+
+
+def is_sent_below(state: State, commanded: Frames, point: Array, height: float) -> Mask:
+    """Return whether a point of a held object is to be below a height, shape (n,).
+
+    The command tells, not what is measured: so an expert knows that it has begun to
+    lower the object from there.  ``point`` is in the root [m], shape (n, 3).
+    """
+    ahead = commanded.position[:, 2] - state.tcp_position[:, 2]
+    return np.asarray(point[:, 2] + ahead < height - BEGUN)
 
 
 def lift(

@@ -14,7 +14,7 @@ from tool0.description.transform import Pose
 from tool0.description.transform_arrays import Frames, from_quats, yaw_of
 from tool0.gym.hold import Hold, folded
 from tool0.gym.task import Mask, Start, State, Target, Task, length, nearness
-from tool0.gym.ways import carried, grasp, is_holding
+from tool0.gym.ways import carried, grasp, is_holding, is_sent_below
 from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
@@ -39,8 +39,8 @@ BEGUN = 0.002
 """Height of the peg's end below which it is on its way into the hole [m]."""
 CENTRED, STRAIGHT = 0.00015, 0.006
 """Offset [m] and angle [rad] of a peg that may go down."""
-STARTED, SWING = 0.0002, 5.0
-"""Way down [m] from which these tolerances are so many times larger."""
+SWING = 5.0
+"""Times these tolerances, on the way down."""
 DOWN = 0.05
 """Speed on the way down, part of the fastest action."""
 
@@ -110,9 +110,9 @@ class PegInsertion(Task):
         peg = yaw_of(from_quats(state.object_quat[:, 0]))
         turn = folded(yaw_of(from_quats(state.object_quat[:, 1])) - peg, 4)
         off = length(end[:, :2] - hole)
-        # By command: the peg swings as the arm starts to go down.
-        wanted = end[:, 2] + commanded.position[:, 2] - state.tcp_position[:, 2]
-        slack = np.where(wanted < self._top + ABOVE - STARTED, SWING, 1.0)
+        # The peg swings as the arm starts to go down.
+        down = is_sent_below(state, commanded, end, self._top + ABOVE)
+        slack = np.where(down, SWING, 1.0)
         is_centred = (off < slack * CENTRED) & (np.abs(turn) < slack * STRAIGHT)
         # A peg that touches the rim, or is in the hole, goes on.
         is_begun = (end[:, 2] < self._top + BEGUN) & (off < INSIDE)
