@@ -40,7 +40,7 @@ OVER, STRAIGHT = 0.001, 0.03
 """Offset [m] and angle [rad] of a nut that may go down over the peg."""
 SWING = 3.0
 """Times these tolerances, on the way down."""
-DOWN = 0.15
+DOWN = 0.25
 """Speed on the way down, part of the fastest action."""
 
 
@@ -125,7 +125,7 @@ class NutOnPeg(Task):
         turn = folded(yaw_of(from_quats(state.object_quat[:, 1])) - yaw, 4)
         off = length(nut[:, :2] - goal[:, :2])
         bottom, top = nut[:, 2] - THICKNESS / 2.0, TABLE_TOP + PEG_HEIGHT
-        is_around = (bottom < top) & (off < AROUND)
+        is_around = (bottom < top + LOW) & (off < AROUND)
         is_high = bottom > top + LOW
         high = top + RAISED + THICKNESS / 2.0
         # The nut swings as the arm starts to go down.
@@ -139,7 +139,7 @@ class NutOnPeg(Task):
         place = np.where(across[:, None], goal[:, :3], nut)
         place[:, 2] = height
         position = carried(state, commanded, nut, place, turn)
-        speed = np.where(may_sink, DOWN, 1.0)
+        speed = np.where(off < 2.0 * AROUND, DOWN, 1.0)
         placed = is_around & (np.abs(nut[:, 2] - goal[:, 2]) < 2.0 * DROP)
         position = np.where(held[:, None], position, target.position)
         # It is there: let go of it, then leave.
