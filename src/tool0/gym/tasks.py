@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from tool0.errors import ConfigError, did_you_mean
 from tool0.gym.benchmarks.nut_on_peg import NutOnPeg
+from tool0.gym.benchmarks.open_drawer import OpenDrawer
 from tool0.gym.benchmarks.peg_insertion import PegInsertion
+from tool0.gym.benchmarks.pick_clutter import PickClutter
 from tool0.gym.cubes import Lift, PickPlace, Push, Reach, Stack
 from tool0.gym.task import Task
 
@@ -16,6 +18,8 @@ TASKS: dict[str, type[Task]] = {
     "Push": Push,
     "PegInsertion": PegInsertion,
     "NutOnPeg": NutOnPeg,
+    "OpenDrawer": OpenDrawer,
+    "PickClutter": PickClutter,
 }
 EPISODE_STEPS = {
     "Reach": 100,
@@ -25,6 +29,8 @@ EPISODE_STEPS = {
     "Push": 300,
     "PegInsertion": 300,
     "NutOnPeg": 300,
+    "OpenDrawer": 200,
+    "PickClutter": 200,
 }
 """Time limit of each task, in actions."""
 

@@ -106,10 +106,7 @@ class Workspace:
         away = closed.position[2] - T_tip_tcp.position[2]
         self.advance = max(0.0, away)
         """Of the finger tips, from holding a cube to closed [m]."""
-        # Lower, the fingers would touch the table, or the knuckles the cube.
-        self.grasp_height = max(
-            self.edge / 2.0, self.edge - self.reach, self.reach + CLEARANCE
-        )
+        self.grasp_height = self.grasp_height_of(self.edge)
         """Of the tcp above what carries the cube, when it grasps it [m]."""
         cameras = {camera.name: camera for camera in default_cameras(model)}
         cameras["scene"] = self._overview()
@@ -130,6 +127,14 @@ class Workspace:
         at = (x, y, 0.1 * self.scale)
         position = [a + self.scale * b for a, b in zip(at, VIEWPOINT, strict=True)]
         return Camera(name="scene", pose=looking(position, at))
+
+    def grasp_height_of(self, height: float) -> float:
+        """Return the height of the tcp above what carries an object [m].
+
+        ``height`` [m] is the object's.  Lower, the fingers would touch the table, or
+        the knuckles the object.
+        """
+        return max(height / 2.0, height - self.reach, self.reach + CLEARANCE)
 
     # ---- places on the table --------------------------------------------------------
 
