@@ -50,6 +50,8 @@ HOVER = 0.02
 """Least distance of the finger tips from cubes that they pass over [m]."""
 RUN_UP = 0.03
 """The same from its nearest corner, which leaves room for the fingers [m]."""
+FIXTURE_RGBA = (0.35, 0.37, 0.4, 1.0)
+"""Colour of what is fixed on the table: steel."""
 VIEWPOINT = (0.85, -0.65, 0.6)
 """Of the camera from the middle of the table, for an arm of scale 1 [m]."""
 ATTEMPTS = 200

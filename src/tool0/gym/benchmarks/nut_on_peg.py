@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from tool0.api.table import TABLE_TOP
-from tool0.description.scene import PALETTE, STILL_RGBA, Scene, SceneObject
+from tool0.description.scene import PALETTE, Scene, SceneObject
 from tool0.description.shapes import Box, Compound
 from tool0.description.transform import Pose
 from tool0.description.transform_arrays import Frames, from_quats, yaw_of
@@ -16,7 +16,7 @@ from tool0.gym.benchmarks.peg_insertion import frame
 from tool0.gym.hold import Hold, folded
 from tool0.gym.task import Mask, Start, State, Target, Task, length, nearness
 from tool0.gym.ways import DROP, carried, grasp, is_holding, is_sent_below
-from tool0.gym.workspace import Workspace
+from tool0.gym.workspace import FIXTURE_RGBA, Workspace
 from tool0.kinematics.chain import Array
 
 NUT, PEG = "nut", "peg"
@@ -77,7 +77,7 @@ class NutOnPeg(Task):
             name=PEG,
             geometry=Box(size=(PEG_WIDTH, PEG_WIDTH, PEG_HEIGHT)),
             pose=Pose(xyz=(float(low[0]), float(low[1]), TABLE_TOP + PEG_HEIGHT / 2.0)),
-            rgba=STILL_RGBA,
+            rgba=FIXTURE_RGBA,
         )
         return replace(table, objects=(*table.objects, nut, peg))
 

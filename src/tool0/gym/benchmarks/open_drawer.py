@@ -8,14 +8,14 @@ from typing import final
 import numpy as np
 
 from tool0.api.table import TABLE_TOP
-from tool0.description.scene import PALETTE, STILL_RGBA, Scene, SceneObject
+from tool0.description.scene import PALETTE, Scene, SceneObject
 from tool0.description.shapes import Box, Compound, Geometry
 from tool0.description.transform import Pose
 from tool0.description.transform_arrays import Frames, from_quats
 from tool0.gym.hold import Hold
 from tool0.gym.task import Mask, Start, State, Target, Task, length, nearness
 from tool0.gym.ways import grasp, is_holding
-from tool0.gym.workspace import Workspace
+from tool0.gym.workspace import FIXTURE_RGBA, Workspace
 from tool0.kinematics.chain import Array
 
 DRAWER, CABINET = "drawer", "cabinet"
@@ -81,7 +81,7 @@ class OpenDrawer(Task):
             geometry=_cabinet(),
             pose=Pose(xyz=(float(x), float(y), TABLE_TOP)),
             friction=SLIDING,
-            rgba=STILL_RGBA,
+            rgba=FIXTURE_RGBA,
         )
         return replace(table, objects=(*table.objects, drawer, cabinet))
 

@@ -8,14 +8,14 @@ from typing import final
 import numpy as np
 
 from tool0.api.table import TABLE_TOP
-from tool0.description.scene import PALETTE, STILL_RGBA, Scene, SceneObject
+from tool0.description.scene import PALETTE, Scene, SceneObject
 from tool0.description.shapes import Box, Compound
 from tool0.description.transform import Pose
 from tool0.description.transform_arrays import Frames, from_quats, yaw_of
 from tool0.gym.hold import Hold, folded
 from tool0.gym.task import Mask, Start, State, Target, Task, length, nearness
 from tool0.gym.ways import carried, grasp, is_holding, is_sent_below
-from tool0.gym.workspace import Workspace
+from tool0.gym.workspace import FIXTURE_RGBA, Workspace
 from tool0.kinematics.chain import Array
 
 PEG, SOCKET = "peg", "socket"
@@ -75,7 +75,7 @@ class PegInsertion(Task):
             geometry=frame(PEG_WIDTH + CLEARANCE, OUTER, HEIGHT),
             pose=Pose(xyz=(float(low[0]), float(low[1]), TABLE_TOP + HEIGHT / 2.0)),
             friction=SLIDING,
-            rgba=STILL_RGBA,
+            rgba=FIXTURE_RGBA,
         )
         return replace(table, objects=(*table.objects, peg, socket))
 
