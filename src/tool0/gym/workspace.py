@@ -54,6 +54,8 @@ FIXTURE_RGBA = (0.35, 0.37, 0.4, 1.0)
 """Colour of what is fixed on the table: steel."""
 VIEWPOINT = (0.85, -0.65, 0.6)
 """Of the camera from the middle of the table, for an arm of scale 1 [m]."""
+NEARER = 0.05
+"""How far in front of the area of the starts an arm of scale 1 can work [m]."""
 ATTEMPTS = 200
 """Draws of a place before the last one is taken."""
 
@@ -202,6 +204,14 @@ class Workspace:
         return all(
             self.is_in_reach(np.append(place, z)) for z in (low, low + self.lift)
         )
+
+    def can_work(self, place: Array) -> bool:
+        """Return whether ``can_lift`` holds, and the arm's base is not too near.
+
+        ``place`` [m], (2,), may be outside of ``area``.
+        """
+        nearest = self.area()[0][0] - NEARER * self.scale
+        return bool(place[0] > nearest) and self.can_lift(place)
 
     def draw_on_table(
         self,

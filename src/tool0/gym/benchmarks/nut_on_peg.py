@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import final
 
@@ -82,13 +83,16 @@ class NutOnPeg(Task):
         return replace(table, objects=(*table.objects, nut, peg))
 
     def draw(self, rng: np.random.Generator) -> Start:
-        def are_apart(places: Array) -> bool:
-            return bool(length(places[0] - places[1]) > APART)
+        yaws = rng.uniform(-np.pi, np.pi, 2)
+        handle = HELD_AT * np.array([np.cos(yaws[0]), np.sin(yaws[0])])
 
-        places = self.workspace.draw_on_table(rng, 2, are_apart)
+        def fits(places: Array) -> bool:
+            nut, peg = places
+            return math.dist(nut, peg) > APART and self.workspace.can_work(nut + handle)
+
+        places = self.workspace.draw_on_table(rng, 2, fits)
         places[:, 2] = self._rest, TABLE_TOP + PEG_HEIGHT / 2.0
-        goal = np.array([*places[1, :2], self._rest, 1.0])
-        return Start(places, rng.uniform(-np.pi, np.pi, 2), goal)
+        return Start(places, yaws, np.array([*places[1, :2], self._rest, 1.0]))
 
     def achieved(self, state: State) -> Array:
         released = state.opening > HANDLE_WIDTH + RELEASED

@@ -27,10 +27,10 @@ PLAY = 0.001
 """Room beside the drawer on each side, and above it [m]."""
 SLIDING, GRIP = 0.2, 0.8
 """Friction coefficients of the cabinet, as of plastic runners, and of the drawer."""
-HANDLE_LENGTH, HANDLE_WIDTH, HANDLE_HEIGHT = 0.05, 0.018, 0.03
+HANDLE_LENGTH, HANDLE_WIDTH, HANDLE_HEIGHT = 0.06, 0.018, 0.03
 """Of the upright plate in front that is the handle, along x, y and z [m]."""
-HELD_AT = 0.036
-"""Of the tcp in front of the drawer [m]."""
+HELD_AT = 0.047
+"""Of the tcp in front of the drawer [m]: the gripper's base clears the cabinet."""
 PULLED = 0.1
 """Way after which the drawer is open [m]."""
 TURNED = 0.4
@@ -90,8 +90,9 @@ class OpenDrawer(Task):
         yaw = np.pi + rng.uniform(-TURNED, TURNED)
         ahead = np.array([np.cos(yaw), np.sin(yaw)])
 
+
         def can_pull(places: Array) -> bool:
-            return space.can_lift(places[0] + ahead * (PULLED + 0.02))
+            return space.can_work(places[0] + ahead * (PULLED + 0.02))
 
         handle = space.draw_on_table(rng, 1, can_pull)[0, :2]
         middle = handle - ahead * (DEPTH / 2.0 + HELD_AT)
