@@ -90,7 +90,6 @@ class OpenDrawer(Task):
         yaw = np.pi + rng.uniform(-TURNED, TURNED)
         ahead = np.array([np.cos(yaw), np.sin(yaw)])
 
-
         def can_pull(places: Array) -> bool:
             return space.can_work(places[0] + ahead * (PULLED + 0.02))
 
