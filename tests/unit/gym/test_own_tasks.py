@@ -1,4 +1,4 @@
-"""Tasks of one's own: written in a user's file, used as the five of tool0."""
+"""Tasks of one's own: written in a user's file, used as those of tool0."""
 
 from __future__ import annotations
 

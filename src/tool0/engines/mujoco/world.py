@@ -186,21 +186,26 @@ class MujocoWorld:
 
         They act at the origin of the link ``at``, in its axes, in the last step.
         """
-        data = self._data
-        is_inside = self._are_of(links)[data.contact.geom]
-        force, torque = np.zeros(3), np.zeros(3)
+        data, contacts = self._data, self._data.contact
+        is_inside = self._are_of(links)[contacts.geom]
+        rows = np.flatnonzero(is_inside[:, 0] != is_inside[:, 1])
+        if not rows.size:
+            return (0.0,) * 6
+        found = np.empty((len(rows), 6))
+        for number, wrench in zip(rows.tolist(), found, strict=True):
+            mujoco.mj_contactForce(self._model, data, number, wrench)
+        # They act on the second shape, in the contact's axes.
+        found[is_inside[rows, 0]] *= -1.0
         site = data.site(at)
-        local = np.zeros(6)
-        for i in np.flatnonzero(is_inside[:, 0] != is_inside[:, 1]).tolist():
-            mujoco.mj_contactForce(self._model, data, i, local)
-            # It acts on the second shape, in the contact's axes.
-            frame = data.contact.frame[i].reshape(3, 3)
-            sign = 1.0 if is_inside[i, 1] else -1.0
-            pushed, twisted = sign * local[:3] @ frame, sign * local[3:] @ frame
-            force += pushed
-            torque += twisted + np.cross(data.contact.pos[i] - site.xpos, pushed)
-        R_tool_world = site.xmat.reshape(3, 3).T
-        return (*(R_tool_world @ force).tolist(), *(R_tool_world @ torque).tolist())
+        R_world_tool = site.xmat.reshape(3, 3)
+        R_contact_world = contacts.frame[rows].reshape(-1, 3, 3)
+        R_tool_contact = R_world_tool.T @ R_contact_world.swapaxes(1, 2)
+        force = (R_tool_contact @ found[:, :3, None])[..., 0]
+        torque = (R_tool_contact @ found[:, 3:, None])[..., 0]
+        x, y, z = ((contacts.pos[rows] - site.xpos) @ R_world_tool).T
+        fx, fy, fz = force.T
+        torque += np.stack([y * fz - z * fy, z * fx - x * fz, x * fy - y * fx], axis=1)
+        return (*force.sum(axis=0).tolist(), *torque.sum(axis=0).tolist())
 
     def _is_of(self, link: str) -> NDArray[np.bool_]:
         """Return for each geom whether it is of ``link``."""
