@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from tool0.api.scene import SceneHandle
     from tool0.api.sensors import CameraHandle, ForceTorque
     from tool0.batch.batch import Batch
+    from tool0.batch.saved import BatchState
     from tool0.cli.demos.hand import PickOptions
     from tool0.cli.demos.picker import pick_and_place
     from tool0.cli.demos.report import PickReport
@@ -142,6 +143,7 @@ __all__ = [
     "ArmMotion",
     "ArmSample",
     "Batch",
+    "BatchState",
     "Bin",
     "Branch",
     "CameraHandle",
@@ -290,6 +292,7 @@ _HOMES = {
     "ArmMotion": "tool0.api.arm_motion",
     "ArmSample": "tool0.protocol.state",
     "Batch": "tool0.batch.batch",
+    "BatchState": "tool0.batch.saved",
     "Bin": "tool0.api.grasps",
     "Branch": "tool0.description.posture",
     "CameraHandle": "tool0.api.sensors",

@@ -16,6 +16,7 @@ from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
+    from tool0.batch.saved import SavedCopy
     from tool0.engines.mujoco.copies import ObjectArrays
     from tool0.simulation.executor import Executor
 
@@ -71,6 +72,16 @@ class BatchBackend(Protocol):
     def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
         """Reset copies, at the initial pose changed by ``starts`` [rad | m]."""
 
+    def save(self) -> Sequence[SavedCopy]:
+        """Return the state of each copy; ControlError if one cannot be saved."""
+
+    def restore(self, rows: Indices, saved: Sequence[SavedCopy]) -> None:
+        """Let copies continue with saved states, one per row.
+
+        Raises:
+            Tool0Error: If one is of another robot, other objects or controllers.
+        """
+
     def states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""
 
@@ -82,6 +93,12 @@ class BatchBackend(Protocol):
 
     def pad_forces(self, pads: Sequence[str]) -> Array:
         """Return the normal force on each pad in the last step [N], (n, n_pads)."""
+
+    def wrenches(self, links: frozenset[str], at: str) -> Array:
+        """Return force [N] and torque [N·m] on links by contacts with others, (n, 6).
+
+        They act at the origin of the link ``at``, in its axes, in the last step.
+        """
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object, at rest; ControlError if that is impossible."""

@@ -33,6 +33,7 @@ from tool0.batch.making import (
     make_cores,
     only_scene,
 )
+from tool0.batch.saved import BatchState
 from tool0.description.camera import default_cameras, merged
 from tool0.description.config import DescriptionConfig, File
 from tool0.description.grasp_frames import pad_links
@@ -350,6 +351,27 @@ class Batch:
         with self._alone():
             return self._copies.arrays()
 
+    def tool_wrench(self, robot: str | None = None) -> Array:
+        """Return force [N] and torque [N·m] of contacts on the tool, shape (n, 6).
+
+        They act at the origin of tool0, in its axes: the sum over the contacts, in the
+        last step, of the links beyond tool0 with anything else.  What the gripper holds
+        is something else, so that the wrench has its weight and what it touches.  The
+        weight and the inertia of the gripper are not part of it.
+
+        Args:
+            robot: The arm, by name; the only one, if left out.
+
+        Raises:
+            ControlError: If there is no such arm, or several and no name, or this is a
+                GPU.
+        """
+        arms = find_arms(self._model)
+        flange = _named(arms, robot, "arm", self._model).flange
+        links = frozenset(self._model.links_from(flange))
+        with self._alone():
+            return _frozen(self._copies.wrenches(links, flange))
+
     # ---- commands -------------------------------------------------------------------
 
     def command(
@@ -551,6 +573,57 @@ class Batch:
             starts = dict(zip(names, q[rows][:, columns].T, strict=True))
         with self._changing():
             self._copies.reset(rows, starts)
+
+    def save(self) -> BatchState:
+        """Return the state of all copies; it does not change.
+
+        It has all that their future depends on: joints, objects with their masses and
+        frictions, warm start and contacts of the physics, motions, integrals of the
+        controllers, grippers, and time.
+
+        Raises:
+            ControlError: If a goal of a GripperActionController is active in a copy, or
+                this is a GPU.
+        """
+        with self._changing():
+            return BatchState(self._copies.save(), self._dt)
+
+    def restore(
+        self,
+        state: BatchState,
+        which: Which | None = None,
+        source: ArrayLike | None = None,
+    ) -> None:
+        """Let copies continue, bit for bit, as saved ones would have.
+
+        Args:
+            state: Of this batch, or of one with the same robot, controllers and
+                objects.
+            which: The copies.
+            source: Number of the saved copy for each, shape (n,); its own, if left out.
+
+        Raises:
+            ControlError: If a number is not that of a saved copy, the robot or the
+                controllers differ, or this is a GPU.
+            EngineError: If the objects differ.
+        """
+        check = Arguments(self._n, "restore")
+        rows = check.which(which)
+        given = np.arange(self._n) if source is None else source
+        sources = check.rows("source", given, (), rows)[rows].tolist()
+        for number in sources:
+            if number not in range(state.n):
+                raise ControlError(
+                    f"Batch.restore: 'source' names copy {number:g}; the state has "
+                    f"0 … {state.n - 1}"
+                )
+        if state.dt != self._dt:
+            raise ControlError(
+                f"Batch.restore: the state is of steps of {state.dt} s, but this batch "
+                f"has steps of {self._dt} s"
+            )
+        with self._changing():
+            self._copies.restore(rows, [state.copies[int(k)] for k in sources])
 
     # ---- the scene ------------------------------------------------------------------
 

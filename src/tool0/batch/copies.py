@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
 from tool0.batch.backend import DeviceArrays, ObjectField, needs_gpu
+from tool0.batch.saved import SavedCopy
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.scene_state import ObjectState
 from tool0.engines.mujoco.copies import (
@@ -157,6 +158,30 @@ class Copies:
             self._has_diverged[i] = False
             self._ticks[i] = self._untold[i] = 0
 
+    def save(self) -> tuple[SavedCopy, ...]:
+        """Return the state of each copy, as ``BatchBackend.save``."""
+        found = []
+        for i, engine in enumerate(self._engines):
+            core = self.observed(i).saved()
+            self._unload(i)
+            found.append(SavedCopy(core, engine.saved(), bool(self._has_diverged[i])))
+        return tuple(found)
+
+    def restore(self, rows: Indices, saved: Sequence[SavedCopy]) -> None:
+        """Continue with saved states, as ``BatchBackend.restore``."""
+        for state in saved:
+            self._engines[0].check_saved(state.engine)
+            self._cores[0].manager.check_saved(state.core.controllers)
+        for i, state in zip(rows.tolist(), saved, strict=True):
+            core, engine = self.observed(i), self._engines[i]
+            core.resume(state.core)
+            self._unload(i)
+            engine.resume(state.engine)
+            for item in state.engine.world.objects.values():
+                core.scene.changed(item)
+            self._has_diverged[i] = state.has_diverged
+            self._ticks[i] = core.ticks
+
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4)."""
         poses = zip(rows.tolist(), position.tolist(), quat.tolist(), strict=True)
@@ -206,6 +231,10 @@ class Copies:
     def pad_forces(self, pads: Sequence[str]) -> Array:
         """Return the normal force on each pad in the last step [N], (n, n_pads)."""
         return np.array([engine.world.normal_forces(pads) for engine in self._engines])
+
+    def wrenches(self, links: frozenset[str], at: str) -> Array:
+        """Return the wrench of contacts on ``links``, as ``BatchBackend.wrenches``."""
+        return np.array([engine.world.wrench_on(links, at) for engine in self._engines])
 
     # ---- commands to copies that are loaded ----------------------------------------
 

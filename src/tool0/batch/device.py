@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import final
+from typing import NoReturn, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,6 +107,14 @@ class DeviceCopies:
         self._worlds.reset(rows, position)
         self._control.restart(rows, position)
 
+    def save(self) -> NoReturn:
+        """Raise ControlError: the copies have no cores."""
+        raise needs_cpu("Batch.save", self._device)
+
+    def restore(self, rows: Indices, saved: Sequence[object]) -> NoReturn:
+        """Raise ControlError: the copies have no cores."""
+        raise needs_cpu("Batch.restore", self._device)
+
     def states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""
         return (*self._worlds.joints(), self._control.effort)
@@ -128,6 +136,10 @@ class DeviceCopies:
     def pad_forces(self, pads: Sequence[str]) -> Array:
         """Return the normal force on each pad in the last step [N], (n, n_pads)."""
         return self._worlds.normal_forces(pads)
+
+    def wrenches(self, links: frozenset[str], at: str) -> NoReturn:
+        """Raise ControlError: contacts on a device have no torques here."""
+        raise needs_cpu("Batch.tool_wrench", self._device)
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4).

@@ -1,4 +1,4 @@
-"""Tasks by name: one of the five, or an environment that a module or a file registers.
+"""Tasks by name: one of tool0's, or an environment that a module or a file registers.
 
 Workers find an environment by these names; neither code nor pickles are sent.
 """
@@ -37,7 +37,7 @@ def environment_spec(task: str, digest: str | None) -> EnvSpec:
     """Return Gymnasium's specification of a task.
 
     Args:
-        task: One of the five, the id of an environment, ``module:id``, or
+        task: One of tool0's, the id of an environment, ``module:id``, or
             ``file.py:id`` as ``located_task`` returns it.
         digest: That of the file.
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import enum
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import replace
-from typing import Final, final
+from dataclasses import fields, replace
+from typing import Final, NamedTuple, final
 
 from tool0.control.config import ControllerConfig, ControllerParameters
 from tool0.control.controller import Adjustable, Controller, ControllerSpec
@@ -35,6 +36,16 @@ _KIND: Final[Mapping[type, str]] = {
     tuple: "array",
 }
 """ROS's name of the type of a parameter."""
+
+
+class SavedController(NamedTuple):
+    """A running controller at one instant."""
+
+    spec: ControllerSpec
+    controller: Controller
+    """A copy that never runs."""
+    is_waiting: bool
+    """Whether the brakes hold its joints until its first command."""
 
 
 class Strictness(enum.Enum):
@@ -466,6 +477,45 @@ class ControllerManager:
             self._engage(item, state)
         self._refresh()
 
+    def saved(self) -> Mapping[str, SavedController]:
+        """Return the running controllers as they are now, by name.
+
+        Raises:
+            ControlError: If a goal or a law of efforts moves the joints of one.
+        """
+        found = {}
+        for name in self._names_running():
+            item = self._loaded[name]
+            if item.effort_law is not None:
+                raise ControlError(
+                    f"the state of '{name}' cannot be saved: a law drives its joints"
+                )
+            found[name] = SavedController(
+                item.configured, _copied(item), item.is_waiting
+            )
+        return found
+
+    def check_saved(self, saved: Mapping[str, SavedController]) -> None:
+        """Raise ControlError if others run, or with other parameters."""
+        specs = {name: self._loaded[name].configured for name in self._names_running()}
+        if specs != {name: one.spec for name, one in saved.items()}:
+            raise ControlError(
+                f"the saved state is of controllers {quoted(saved)}, but these run: "
+                f"{quoted(specs)}; they must have the same parameters, too"
+            )
+
+    def resume(self, saved: Mapping[str, SavedController]) -> None:
+        """Continue with saved states of the running controllers.
+
+        The hardware continues with its own state, claims included.
+
+        """
+        for name, one in saved.items():
+            item = self._loaded[name]
+            item.controller = _copied_controller(one.controller, item.configured)
+            item.is_waiting = one.is_waiting
+        self._refresh()
+
     def stop_all(self, state: JointState) -> None:
         """Stop every running controller; the brake holds all joints."""
         self._stop(self._names_running(), state)
@@ -601,6 +651,23 @@ class ControllerManager:
                 f"`tool0 controllers load {name}` or robot.load('{name}')"
             )
         raise ControlError(f"unknown controller '{name}'{did_you_mean(name, valid)}")
+
+
+def _copied(item: LoadedController) -> Controller:
+    """Return a copy of a running controller; ControlError if it has a goal."""
+    assert item.controller is not None
+    try:
+        return _copied_controller(item.controller, item.configured)
+    except ControlError as error:
+        raise ControlError(
+            f"the state of '{item.name}' cannot be saved: {error}"
+        ) from None
+
+
+def _copied_controller(controller: Controller, spec: ControllerSpec) -> Controller:
+    """Return a copy of a controller, with the same parameters ``spec``."""
+    parts = [getattr(spec, name.name) for name in fields(spec)]  # type: ignore[arg-type]  # dataclasses
+    return copy.deepcopy(controller, {id(part): part for part in (spec, *parts)})
 
 
 def _sharing(*items: LoadedController) -> str:

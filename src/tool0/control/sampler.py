@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import enum
 import math
 from collections.abc import Collection, Iterable, Sequence
@@ -88,6 +89,10 @@ class TrajectorySampler:
     def __init__(self, splines: Sequence[JointSpline], time: float) -> None:
         self.splines = tuple(splines)
         self.advance(time)
+
+    def __deepcopy__(self, memo: dict[int, object]) -> TrajectorySampler:
+        """Return a sampler of the same splines: only its cursor moves."""
+        return copy.copy(self)
 
     def advance(self, time: float) -> None:
         """Find the pieces that are active at ``time``, and when that changes."""

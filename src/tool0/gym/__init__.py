@@ -20,21 +20,24 @@ except ImportError:
     ) from None
 
 from tool0.gym.expert import Expert, expert
+from tool0.gym.hold import Hold
 from tool0.gym.options import Randomisation
 from tool0.gym.registration import register, register_tasks
 from tool0.gym.task import Start, State, Target, Task
-from tool0.gym.ways import Grasp, grasp, lift, place, push, reach
+from tool0.gym.ways import Grasp, carried, grasp, lift, place, push, reach
 from tool0.gym.workspace import Workspace
 
 __all__ = [
     "Expert",
     "Grasp",
+    "Hold",
     "Randomisation",
     "Start",
     "State",
     "Target",
     "Task",
     "Workspace",
+    "carried",
     "expert",
     "grasp",
     "lift",

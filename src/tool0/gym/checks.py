@@ -12,10 +12,10 @@ from tool0.gym.task import Start, State, Task
 
 
 def check_objects(task: Task, scene: Scene) -> list[SceneObject]:
-    """Return the movable objects of a task.
+    """Return the objects of a task.
 
     Raises:
-        ConfigError: If the scene lacks one, or it is fixed.
+        ConfigError: If the scene lacks one.
     """
     by_name = {item.name: item for item in scene.objects}
     for name in task.objects:
@@ -23,10 +23,6 @@ def check_objects(task: Task, scene: Scene) -> list[SceneObject]:
             raise ConfigError(
                 f"task {type(task).__name__}: there is no object '{name}' in its scene"
                 f"{did_you_mean(name, by_name)}"
-            )
-        if by_name[name].mass is None:
-            raise ConfigError(
-                f"task {type(task).__name__}: object '{name}' is fixed; give it a mass"
             )
     return [by_name[name] for name in task.objects]
 
@@ -39,6 +35,10 @@ def check_start(task: Task, start: object) -> Start:
     """
     if not isinstance(start, Start):
         raise _wrong(task, "draw", f"a {type(start).__name__}", "a tool0.gym.Start")
+    if start.is_held and (task.hold is None or not task.objects):
+        raise _wrong(
+            task, "draw: is_held", "True", "False, or the task needs a hold and objects"
+        )
     k = len(task.objects)
     _check_array(task, "draw: places", start.places, (k, 3))
     _check_array(task, "draw: yaws", start.yaws, (k,))

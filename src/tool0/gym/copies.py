@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, Final, NamedTuple, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tool0.batch.backend import CPU
 from tool0.batch.batch import Batch
+from tool0.batch.saved import BatchState
 from tool0.description.transform_arrays import quats_wxyz
 from tool0.gym.actions import Actions
 from tool0.gym.checks import check_functions, check_objects, check_start
-from tool0.gym.history import History
+from tool0.gym.held import grasped
 from tool0.gym.options import EnvOptions
 from tool0.gym.task import Mask, State, Task
 from tool0.gym.tasks import task_class
@@ -21,16 +24,21 @@ from tool0.kinematics.chain import Array
 
 GRIP_FORCE = 60.0
 """At each pad [N], as far as the gripper can."""
+MOVING = 0.4
+"""Time in which an arm that holds an object moves to its random start [s]."""
 DEADBAND = 0.02
 """Change of a gripper's target that moves it, part of its largest opening."""
 FARTHEST = 10.0
 """Bound of coordinates in observations [m]."""
 FASTEST_OBJECT = 20.0
 """Bound of velocities of objects in observations [m/s]."""
+STRONGEST, MOST_TORQUE = 1000.0, 100.0
+"""Bounds of wrenches in observations [N], [N·m]."""
 
 
 _XYZ: Final = ("x", "y", "z")
 _WXYZ: Final = ("qw", "qx", "qy", "qz")
+_WRENCH: Final = ("fx", "fy", "fz", "tx", "ty", "tz")
 _SPEED: Final = ("vx", "vy", "vz")
 
 
@@ -63,22 +71,13 @@ class Copies:
         self.n = n
         self.options = options
         self._task_class = task_class(task)
-        self._history = History(n)
         self.workspace = workspace = Workspace(options)
         self.task = self._task_class(workspace)
         self.actions = Actions(workspace, options)
         scene = self.task.scene()
-        movable = check_objects(self.task, scene)
-        self._mass = np.array([item.mass for item in movable], dtype=np.float64)
-        self._friction = np.array([item.friction for item in movable])
-        self.batch = Batch(
-            n,
-            description=workspace.description,
-            scene=scene,
-            dt=options.dt,
-            threads=options.threads,
-            device=options.device,
-        )
+        self._items = check_objects(self.task, scene)
+        self._scene = scene
+        self.batch = self._make_batch(n, options.threads, options.device)
         names, gripper = self.batch.joint_names, workspace.gripper
         self._arm = [names.index(joint) for joint in workspace.chain.joint_names]
         self._drive = names.index(gripper.joint)
@@ -96,10 +95,24 @@ class Copies:
         self._state: State | None = None
         check_functions(self.task, self.state)
 
+    def _make_batch(self, n: int, threads: int | None, device: str) -> Batch:
+        return Batch(
+            n,
+            description=self.workspace.description,
+            scene=self._scene,
+            dt=self.options.dt,
+            threads=threads,
+            device=device,
+        )
+
     def __deepcopy__(self, memo: dict[int, object]) -> Copies:
-        """Return other copies in the same state, by the same actions."""
+        """Return other copies in the same state."""
         twin = Copies(self._task_class, self.n, self.options)
-        self._history.repeat(twin)
+        twin.batch.restore(self.batch.save())
+        twin.target = self.target.copy()
+        twin._opening_target = self._opening_target.copy()
+        twin._last_opening = self._last_opening.copy()
+        twin._goal = self._goal.copy()
         return twin
 
     # ---- time -----------------------------------------------------------------------
@@ -110,38 +123,81 @@ class Copies:
         What is random comes from each copy's own generator alone, so that an episode
         does not depend on the other copies.
         """
-        self._history.begin(which, generators)
         n, count = self.n, len(self.task.objects)
-        position = np.tile(self._start, (n, 1))
+        q = np.tile(self.workspace.start, (n, 1))
         places, yaws = np.zeros((n, count, 3)), np.zeros((n, count))
         mass, friction = np.ones((n, count)), np.ones((n, count))
-        ranges = self.options.ranges
+        is_held = np.zeros(n, dtype=bool)
         for i in np.flatnonzero(which).tolist():
             rng = generators[i]
-            start = self.task.draw(rng)
-            places[i], yaws[i], self._goal[i] = start
-            if ranges is not None:
-                mass[i] = self._mass * rng.uniform(*ranges.mass, count)
-                friction[i] = self._friction * rng.uniform(*ranges.friction, count)
-                noise = rng.uniform(-1.0, 1.0, len(self._arm)) * ranges.joint_noise
-                position[i, self._arm] += noise
+            places[i], yaws[i], self._goal[i], is_held[i] = self.task.draw(rng)
+            if self.options.ranges is not None:
+                mass[i], friction[i], noise = self._disturbances(rng)
+                q[i] += noise
         batch = self.batch
-        batch.reset(which, position)
+        self._put_arms(which & ~is_held, q)
+        if is_held.any():
+            batch.restore(self._grasp, is_held, source=0)
         quat = np.zeros((n, count, 4))
         quat[..., 0], quat[..., 3] = np.cos(yaws / 2.0), np.sin(yaws / 2.0)
-        for k, name in enumerate(self.task.objects):
-            if ranges is not None:
-                batch.set_mass(name, mass[:, k], which)
-                batch.set_friction(name, friction[:, k], which)
-            batch.place(name, places[:, k], quat[:, k], which)
-        self.target[which] = position[which][:, self._arm]
+        for k, item in enumerate(self._items):
+            if self.options.ranges is not None:
+                batch.set_friction(item.name, friction[:, k], which)
+                if item.mass is not None:
+                    batch.set_mass(item.name, mass[:, k], which)
+            placed = which if k else which & ~is_held
+            batch.place(item.name, places[:, k], quat[:, k], placed)
         self._opening_target[which] = self.workspace.gripper.max_opening
-        self._last_opening[which] = self._opening_target[which]
+        self._opening_target[is_held] = 0.0
+        if is_held.any() and self.options.ranges is not None:
+            batch.command(q, velocities=0.0 * q, duration=MOVING, which=is_held)
+            batch.step(round(MOVING / batch.control_period), is_held)
+        self.target[which] = q[which]
+        self._last_opening[which] = batch.opening()[which]
         self._state = None
+
+    def _disturbances(self, rng: np.random.Generator) -> tuple[Array, Array, Array]:
+        """Return masses and frictions of the objects, and deviations of the joints."""
+        ranges = self.options.ranges
+        assert ranges is not None
+        count = len(self._items)
+        own = np.array([(item.mass or 0.0, item.friction) for item in self._items])
+        own = own.reshape(count, 2)
+        mass = own[:, 0] * rng.uniform(*ranges.mass, count)
+        friction = own[:, 1] * rng.uniform(*ranges.friction, count)
+        noise = rng.uniform(-1.0, 1.0, len(self._arm)) * ranges.joint_noise
+        return mass, friction, noise
+
+    def _put_arms(self, which: Mask, q: Array) -> None:
+        """Reset copies, with their arms at ``q`` [rad], (n, 6), and open grippers."""
+        position = np.tile(self._start, (self.n, 1))
+        position[:, self._arm] = q
+        self.batch.reset(which, position)
+
+    @cached_property
+    def _grasp(self) -> BatchState:
+        """The start with the first object in the gripper, of one copy."""
+        space, hold, item = self.workspace, self.task.hold, self._items[0]
+        assert hold is not None
+        place = np.array([*space.start_position[:2], item.pose.xyz[2]])
+        yaw = space.start_yaw
+        quat = np.array([[np.cos(yaw / 2.0), 0.0, 0.0, np.sin(yaw / 2.0)]])
+        low = self._start.copy()
+        low[self._arm] = space.posture(hold.places(place[None], quat)[0])
+        with self._make_batch(1, 1, CPU) as batch:
+            return grasped(
+                batch,
+                item.name,
+                place=place,
+                yaw=yaw,
+                hold=hold,
+                force=self._force,
+                low=low,
+                high=space.start,
+            )
 
     def act(self, actions: Array) -> None:
         """Advance all copies by one control period; ``actions`` are checked ones."""
-        self._history.add(actions)
         batch, options = self.batch, self.options
         q = batch.position[:, self._arm]
         is_sound = np.isfinite(q).all(axis=1) & ~batch.diverged
@@ -189,7 +245,13 @@ class Copies:
             object_quat=_finite(batch.object_quat[:, self._objects]),
             object_velocity=_finite(batch.object_linear[:, self._objects]),
             goal=self._goal.copy(),
+            wrench=self._wrench(),
         )
+
+    def _wrench(self) -> Array:
+        if not self.task.needs_wrench:
+            return np.empty((self.n, 0))
+        return _finite(self.batch.tool_wrench())
 
     def parts(self) -> list[ObservationPart]:
         """Return the parts of the observed state, in their order."""
@@ -236,6 +298,12 @@ class Copies:
                 widest * one,
             ),
         ]
+        if self.task.needs_wrench:
+            columns = _of("wrench", _WRENCH)
+            bound = np.repeat([STRONGEST, MOST_TORQUE], 3)
+            parts.append(
+                ObservationPart("wrench", columns, state.wrench, -bound, bound)
+            )
         return parts + self._surroundings(state)
 
     def _surroundings(self, state: State) -> list[ObservationPart]:

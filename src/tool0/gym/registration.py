@@ -1,4 +1,4 @@
-"""Registration of tasks with Gymnasium: the five, and those of one's own."""
+"""Registration of tasks with Gymnasium: those of tool0, and those of one's own."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def register(
 
 
 def register_tasks() -> None:
-    """Register the five tasks."""
+    """Register the tasks of tool0."""
     for name in TASKS:
         _register(f"tool0/{name}-v0", name, EPISODE_STEPS[name], {})
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from tool0.description.scene import Scene
 from tool0.description.transform_arrays import Frames
+from tool0.gym.hold import Hold
 from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
@@ -26,7 +27,7 @@ NEARNESS = 5.0
 
 
 class State(NamedTuple):
-    """What is measured in n copies; k movable objects.  Poses are in the root."""
+    """What is measured in n copies; k objects.  Poses are in the root."""
 
     q: Array
     """Positions of the arm's joints [rad], shape (n, 6)."""
@@ -50,17 +51,23 @@ class State(NamedTuple):
     """[m/s], shape (n, k, 3)."""
     goal: Array
     """What was drawn at the start of the episode, as wide as ``Start.goal``."""
+    wrench: Array
+    """Force [N] and torque [N·m] on the tool, as ``Batch.tool_wrench``, shape (n, 6);
+    (n, 0) without ``Task.needs_wrench``."""
 
 
 class Start(NamedTuple):
     """What is drawn at the start of an episode of one copy."""
 
     places: Array
-    """Positions of the movable objects [m], shape (k, 3)."""
+    """Positions of the objects [m], shape (k, 3)."""
     yaws: Array
     """Their turns about z [rad], shape (k,)."""
     goal: Array
     """Shape (g,), or any other if ``Task.desired`` does not return it as it is."""
+    is_held: bool = False
+    """Whether the closed gripper holds the first object, as ``Task.hold`` says.  Its
+    place and yaw do not count then."""
 
 
 class Target(NamedTuple):
@@ -86,9 +93,15 @@ class Task(abc.ABC):
     instruction: str = ""
     """What is to be done, as one says it to a robot."""
     objects: tuple[str, ...] = ()
-    """Names of the movable objects of the scene, in the order of ``State``."""
+    """Names of the objects that a start places, in the order of ``State``: movable, or
+    fixed where they are placed."""
     goal_names: tuple[str, ...] = ()
     """What the columns of a goal are."""
+    hold: Hold | None = None
+    """How a start's gripper holds the first object; a task without such starts needs
+    none."""
+    needs_wrench: bool = False
+    """Whether ``State`` and observations have the wrench on the tool."""
     worst_reward: float = -1.0
     """Of a copy whose physics diverged."""
 

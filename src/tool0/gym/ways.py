@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from tool0.api.table import TABLE_TOP
-from tool0.description.transform_arrays import Frames, from_quats, yaw_of
+from tool0.description.transform_arrays import Frames, yaw_of
+from tool0.gym.hold import Hold
 from tool0.gym.task import Mask, State, Target, length
 from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
@@ -29,17 +30,25 @@ STILL = 0.004
 """Speed of pads below which they hold [m/s]."""
 DROP = 0.002
 """Height above its place at which a cube is released [m]."""
+FINE, FINE_GAIN = 0.003, 0.3
+"""Distance within which a held object is moved by this part of it in a step [m]."""
+BEGUN = 0.0003
+"""Way down that shows that an object is being lowered [m]."""
 PUSH_OPENING = 0.4
 """Of the gripper that pushes, part of the cube's edge: two fingers keep it straight."""
 PUSH_SLOW = 0.35
 """Speed of a push, part of the fastest action."""
 
 
-def is_holding(state: State, edge: float) -> Mask:
+def is_holding(state: State, hold: Hold) -> Mask:
     """Return whether the pads squeeze the first object, shape (n,)."""
-    near = length(state.tcp_position - state.object_position[:, 0]) < HELD
-    is_stopped = np.abs(state.opening - edge) < 0.2 * edge
-    return near & is_stopped & (state.opening_target < 0.8 * edge)
+    near = length(state.tcp_position - _hold_place(state, hold)) < HELD
+    is_stopped = np.abs(state.opening - hold.width) < 0.2 * hold.width
+    return near & is_stopped & (state.opening_target < 0.8 * hold.width)
+
+
+def _hold_place(state: State, hold: Hold) -> Array:
+    return hold.places(state.object_position[:, 0], state.object_quat[:, 0])
 
 
 def reach(space: Workspace, state: State) -> Target:
@@ -47,15 +56,6 @@ def reach(space: Workspace, state: State) -> Target:
     n = len(state.q)
     yaw = np.full(n, space.start_yaw)
     return Target(state.goal, yaw, state.opening_target, np.ones(n))
-
-
-def _grasp_yaw(state: State, k: int = 0) -> Array:
-    """Return the yaw nearest to the tcp's at which pads touch an object's sides."""
-    yaw = yaw_of(from_quats(state.object_quat[:, k]))
-    present = yaw_of(state.tcp_rotation)
-    quarter = np.pi / 2.0
-    turn = np.remainder(yaw - present + quarter / 2.0, quarter) - quarter / 2.0
-    return np.asarray(present + turn)
 
 
 class Grasp(NamedTuple):
@@ -66,43 +66,99 @@ class Grasp(NamedTuple):
     """Whether it is squeezed firmly, shape (n,)."""
 
 
-def grasp(space: Workspace, state: State, commanded: Frames) -> Grasp:
-    """Return the way to a grasp of the first object."""
-    edge, widest = space.edge, space.gripper.max_opening
-    cube, tcp = state.object_position[:, 0], state.tcp_position
-    yaw = _grasp_yaw(state)
-    middle = cube.copy()
-    middle[:, 2] = np.maximum(
-        cube[:, 2] - edge / 2.0 + space.grasp_height, TABLE_TOP + space.grasp_height
-    )
+def grasp(
+    space: Workspace,
+    state: State,
+    commanded: Frames,
+    hold: Hold | None = None,
+    yaw: Array | None = None,
+) -> Grasp:
+    """Return the way to a grasp of the first object.
+
+    Args:
+        space: Arm and gripper.
+        state: What is measured.
+        commanded: The tcp's target now.
+        hold: How the object is held; as a cube of the workspace, if left out.
+        yaw: Of the tcp [rad], shape (n,); the nearest that fits, if left out.
+    """
+    hold = hold or Hold.of_cube(space)
+    if yaw is None:
+        yaw = yaw_of(state.tcp_rotation)
+        yaw = yaw + hold.turn(yaw, state.object_quat[:, 0])
+    width, tcp = hold.width, state.tcp_position
+    middle = _hold_place(state, hold)
+    middle[:, 2] = np.maximum(middle[:, 2], space.lowest)
     # Commanded, not measured: a step that waits for the arm to settle would oscillate.
-    beside = length(commanded.position[:, :2] - cube[:, :2])
+    beside = length(commanded.position[:, :2] - middle[:, :2])
     twist = np.abs(wrapped(yaw - commanded.yaw))
     is_low = commanded.position[:, 2] < middle[:, 2] + space.edge
     slack = np.where(is_low, NEAR, 1.0)
     aligned = (beside < slack * ALIGNED) & (twist < slack * PARALLEL)
-    hover = TABLE_TOP + space.hover_height
+    hover = TABLE_TOP + space.hover_height if hold.hover is None else hold.hover
+    over = hover + np.maximum(0.0, middle[:, 2] - TABLE_TOP - space.edge)
     aim = middle.copy()
-    aim[:, 2] = np.where(aligned, middle[:, 2], np.maximum(hover, cube[:, 2] + hover))
+    aim[:, 2] = np.where(aligned, middle[:, 2], over)
     # Straight up first, if the fingers are beside something.
     stuck = ~aligned & (tcp[:, 2] < hover - 0.02)
     aim[:, :2] = np.where(stuck[:, None], commanded.position[:, :2], aim[:, :2])
     there = aligned & (length(tcp - middle) < ALIGNED)
-    closing = state.opening_target < 0.8 * edge
-    closing &= length(tcp[:, :2] - cube[:, :2]) < HELD
+    closing = state.opening_target < 0.8 * width
+    closing &= length(tcp[:, :2] - middle[:, :2]) < HELD
     closing &= np.abs(tcp[:, 2] - middle[:, 2]) < HELD
-    missed = closing & (state.opening < 0.6 * edge)
+    missed = closing & (state.opening < 0.6 * width)
     close = (there | closing) & ~missed
-    held = closing & is_holding(state, edge) & (np.abs(state.opening_rate) < STILL)
+    held = closing & is_holding(state, hold) & (np.abs(state.opening_rate) < STILL)
     aim = np.where(closing[:, None], commanded.position, aim)
     yaw = np.where(closing, commanded.yaw, yaw)
+    widest = space.gripper.max_opening if hold.opening is None else hold.opening
     opening = np.where(close, 0.0, widest)
     return Grasp(Target(aim, yaw, opening, np.ones(len(state.q))), held)
 
 
-def lift(space: Workspace, state: State, commanded: Frames) -> Target:
-    """Return the way to grasp the first object, and to lift it."""
-    target, held = grasp(space, state, commanded)
+def carried(
+    state: State, commanded: Frames, point: Array, place: Array, turn: Array
+) -> Array:
+    """Return positions of the tcp that bring a point of a held object to a place.
+
+    They follow from where the object is in the gripper; shape (n, 3), in the root [m].
+    The last millimetres are slow: the object swings a little as the arm moves.
+
+    Args:
+        state: What is measured.
+        commanded: The tcp's target now.
+        point: The point in the root [m], shape (n, 3).
+        place: Where it is to go in the root [m], shape (n, 3).
+        turn: Of the tcp about z meanwhile [rad], shape (n,).
+    """
+    c, s = np.cos(turn), np.sin(turn)
+    x, y, z = (point - state.tcp_position).T
+    aim = place - np.stack([c * x - s * y, s * x + c * y, z], axis=1)
+    left = aim[:, :2] - commanded.position[:, :2]
+    part = np.where(length(left) < FINE, FINE_GAIN, 1.0)
+    aim[:, :2] = commanded.position[:, :2] + part[:, None] * left
+    return np.asarray(aim)
+
+
+def is_sent_below(state: State, commanded: Frames, point: Array, height: float) -> Mask:
+    """Return whether a point of a held object is to be below a height, shape (n,).
+
+    The command tells, not what is measured: so an expert knows that it has begun to
+    lower the object from there.  ``point`` is in the root [m], shape (n, 3).
+    """
+    ahead = commanded.position[:, 2] - state.tcp_position[:, 2]
+    return np.asarray(point[:, 2] + ahead < height - BEGUN)
+
+
+def lift(
+    space: Workspace,
+    state: State,
+    commanded: Frames,
+    hold: Hold | None = None,
+    yaw: Array | None = None,
+) -> Target:
+    """Return the way to grasp the first object, as ``grasp``, and to lift it."""
+    target, held = grasp(space, state, commanded, hold, yaw)
     up = commanded.position.copy()
     up[:, 2] = TABLE_TOP + space.grasp_height + space.lift
     return target._replace(position=np.where(held[:, None], up, target.position))

@@ -50,8 +50,12 @@ HOVER = 0.02
 """Least distance of the finger tips from cubes that they pass over [m]."""
 RUN_UP = 0.03
 """The same from its nearest corner, which leaves room for the fingers [m]."""
+FIXTURE_RGBA = (0.35, 0.37, 0.4, 1.0)
+"""Colour of what is fixed on the table: steel."""
 VIEWPOINT = (0.85, -0.65, 0.6)
 """Of the camera from the middle of the table, for an arm of scale 1 [m]."""
+NEARER = 0.05
+"""How far in front of the area of the starts an arm of scale 1 can work [m]."""
 ATTEMPTS = 200
 """Draws of a place before the last one is taken."""
 
@@ -106,10 +110,7 @@ class Workspace:
         away = closed.position[2] - T_tip_tcp.position[2]
         self.advance = max(0.0, away)
         """Of the finger tips, from holding a cube to closed [m]."""
-        # Lower, the fingers would touch the table, or the knuckles the cube.
-        self.grasp_height = max(
-            self.edge / 2.0, self.edge - self.reach, self.reach + CLEARANCE
-        )
+        self.grasp_height = self.grasp_height_of(self.edge)
         """Of the tcp above what carries the cube, when it grasps it [m]."""
         cameras = {camera.name: camera for camera in default_cameras(model)}
         cameras["scene"] = self._overview()
@@ -130,6 +131,14 @@ class Workspace:
         at = (x, y, 0.1 * self.scale)
         position = [a + self.scale * b for a, b in zip(at, VIEWPOINT, strict=True)]
         return Camera(name="scene", pose=looking(position, at))
+
+    def grasp_height_of(self, height: float) -> float:
+        """Return the height of the tcp above what carries an object [m].
+
+        ``height`` [m] is the object's.  Lower, the fingers would touch the table, or
+        the knuckles the object.
+        """
+        return max(height / 2.0, height - self.reach, self.reach + CLEARANCE)
 
     # ---- places on the table --------------------------------------------------------
 
@@ -178,10 +187,16 @@ class Workspace:
 
     def is_in_reach(self, position: Array) -> bool:
         """Return whether the arm reaches a point [m], (3,), in its usual posture."""
+        return bool(np.isfinite(self.posture(position)).all())
+
+    def posture(self, position: Array) -> Array:
+        """Return the arm's joints at a place of the tcp [rad], (6,); NaN out of reach.
+
+        ``position`` [m], (3,), is in the root; yaw and posture are those of the start.
+        """
         T = self._flange(position, self.start_yaw)
         with np.errstate(invalid="ignore"):
-            q = self._inverse.geometry.solve(T[None])[0][self._branch]
-        return bool(np.isfinite(q).all())
+            return np.asarray(self._inverse.geometry.solve(T[None])[0][self._branch])
 
     def can_lift(self, place: Array) -> bool:
         """Return whether the arm can grasp and lift a cube at ``place`` [m], (2,)."""
@@ -189,6 +204,14 @@ class Workspace:
         return all(
             self.is_in_reach(np.append(place, z)) for z in (low, low + self.lift)
         )
+
+    def can_work(self, place: Array) -> bool:
+        """Return whether ``can_lift`` holds, and the arm's base is not too near.
+
+        ``place`` [m], (2,), may be outside of ``area``.
+        """
+        nearest = self.area()[0][0] - NEARER * self.scale
+        return bool(place[0] > nearest) and self.can_lift(place)
 
     def draw_on_table(
         self,

@@ -118,6 +118,15 @@ class DriveState(NamedTuple):
     servos: list[ServoState]
 
 
+class SavedDrives(NamedTuple):
+    """The drives at one instant, with what commands them."""
+
+    setup: DriveSetup
+    state: DriveState
+    claimed: Mapping[str, Interface]
+    command: tuple[float, ...]
+
+
 @final
 class RobotHardware:
     """The drives of the robot, as controllers see them.
@@ -484,6 +493,25 @@ class RobotHardware:
         self._limiter.restore(setup.drive_limits, state.velocities)
         for servo, memory in zip(self._servos.values(), state.servos, strict=True):
             servo.restore(memory)
+
+    def saved(self) -> SavedDrives:
+        """Return the drives as they are now."""
+        state = self.state
+        return SavedDrives(
+            self.setup,
+            state._replace(gravity=list(state.gravity)),
+            dict(self._claimed),
+            tuple(self.command),
+        )
+
+    def resume(self, saved: SavedDrives) -> None:
+        """Continue with saved drives, of the same robot and payloads."""
+        setup, state = saved.setup, saved.state
+        self._claimed = dict(saved.claimed)
+        self.command[:] = saved.command
+        self.restore(setup, state._replace(gravity=list(state.gravity)))
+        self._choose_governed()
+        self._governor.setup, self._governor.state = setup.governor, state.governor
 
     def _select_servo(self, name: str, position: float) -> None:
         """Give the joint the servo for its claim and interface, or engage its brake."""

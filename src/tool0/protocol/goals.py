@@ -9,10 +9,11 @@ import enum
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, final
+from typing import NamedTuple, NoReturn, final
 
 from msgspec import Struct
 
+from tool0.errors import ControlError
 from tool0.protocol.request import Request
 
 
@@ -96,6 +97,12 @@ class Goal:
         self._lock = threading.Lock()
         self.explain: Callable[[Result], Result] = lambda result: result
         """Adds to the outcome facts beyond the controller, such as contacts."""
+
+    def __deepcopy__(self, memo: dict[int, object]) -> NoReturn:
+        """Refuse: somebody waits for its outcome."""
+        raise ControlError(
+            "it has a goal, which can end only once; cancel it or wait for it"
+        )
 
     @property
     def status(self) -> GoalStatus:

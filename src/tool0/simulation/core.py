@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from operator import sub
 from typing import final
 
-from tool0.control.manager import ControllerManager
+from tool0.control.manager import ControllerManager, SavedController
 from tool0.description.forward_kinematics import joint_positions
 from tool0.description.model import Interface, RobotModel
 from tool0.description.payload import Payload
 from tool0.description.scene import Scene
 from tool0.description.scene_state import Contact
-from tool0.errors import ConfigError
+from tool0.errors import ConfigError, ControlError
 from tool0.hardware.engine import Engine, JointState, joint_selector
 from tool0.hardware.own_drives import OwnDrives
-from tool0.hardware.robot_hardware import RobotHardware
+from tool0.hardware.robot_hardware import RobotHardware, SavedDrives
 from tool0.kernel.kernel import Kernel
 from tool0.kernel.program import Ended, TickProgram
 from tool0.protocol.state import ArmSample
@@ -28,6 +29,20 @@ from tool0.simulation.arms.arms import Arms
 from tool0.simulation.pull_springs import PullSprings
 from tool0.simulation.scene_objects import SceneObjects
 from tool0.simulation.wanted import WantedMotions
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SavedCore:
+    """A core at one instant, without its engine."""
+
+    controllers: Mapping[str, SavedController]
+    drives: SavedDrives
+    ticks: int
+    state: JointState
+    before: JointState
+    start: list[float]
+    commanded: frozenset[str]
 
 
 @final
@@ -286,6 +301,39 @@ class Core:
             arm.note_restart(self.state)
         for sensor in self._sensors:
             sensor.restart(self._before, self.state, self._forces)
+
+    def saved(self) -> SavedCore:
+        """Return controllers, drives and clock as they are, but not the engine.
+
+        Raises:
+            ControlError: If a controller or an arm is in a state that cannot be saved.
+        """
+        self.sync_from_kernel()
+        is_idle = self.scene.wrenches.is_idle and self.pulls.is_idle
+        if not (is_idle and self.arms.is_idle):
+            raise ControlError(
+                "the state cannot be saved while wrenches, pulls or modes of an arm act"
+            )
+        return SavedCore(
+            self.manager.saved(),
+            self.hardware.saved(),
+            self.ticks,
+            self.state,
+            self._before,
+            self._start,
+            frozenset(self._commanded),
+        )
+
+    def resume(self, saved: SavedCore) -> None:
+        """Continue with a saved state of the same controllers, but for the engine."""
+        self.sync_from_kernel()
+        self.manager.resume(saved.controllers)
+        self.hardware.resume(saved.drives)
+        self.ticks, self.state, self._before = saved.ticks, saved.state, saved.before
+        self._start, self._commanded = saved.start, set(saved.commanded)
+        self._watch_drift()
+        self.stall_monitor.forget()
+        self.grip_contacts.forget()
 
     def set_payload(self, arm: str | None, payload: Payload | None) -> None:
         """Let drives and sensors expect this at an arm's flange.

@@ -1,4 +1,4 @@
-"""Tasks of one's own: written in a user's file, used as the five of tool0."""
+"""Tasks of one's own: written in a user's file, used as those of tool0."""
 
 from __future__ import annotations
 
@@ -182,11 +182,9 @@ class NoObject(_Wrong):
         return self.workspace.scene(("cube",))
 
 
-class FixedObject(_Wrong):
-    objects = ("table",)
-
-    def scene(self) -> Any:
-        return self.workspace.scene(())
+class HeldWithoutHold(_Wrong):
+    def draw(self, rng: np.random.Generator) -> Start:
+        return super().draw(rng)._replace(is_held=True)
 
 
 @pytest.mark.parametrize(
@@ -199,7 +197,7 @@ class FixedObject(_Wrong):
         (OneReward, ("reward is shape ()", "(1,)")),
         (WrongPart, ("observe: height is shape ()", "(1, m)")),
         (NoObject, ("no object 'cup' in its scene",)),
-        (FixedObject, ("object 'table' is fixed", "mass")),
+        (HeldWithoutHold, ("draw: is_held is True", "hold")),
     ],
 )
 def test_a_wrong_function_is_named(task: type[Task], named: tuple[str, ...]) -> None:

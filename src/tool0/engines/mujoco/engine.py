@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import logging
 import math
 import struct
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, final
 
 import mujoco
@@ -15,7 +17,7 @@ from tool0.description.model import RobotModel
 from tool0.description.scene import Scene
 from tool0.engines.mujoco.library import address_of, mujoco_library, variable_of
 from tool0.engines.mujoco.model import build_spec
-from tool0.engines.mujoco.world import MujocoWorld
+from tool0.engines.mujoco.world import MujocoWorld, SavedWorld
 from tool0.errors import ConfigError, DivergenceError, ModelError
 from tool0.hardware.engine import (
     BRAKE_STANDSTILL,
@@ -46,6 +48,18 @@ _MOST_FRICTION = 1e6
 def _log_warning(message: str) -> None:
     """Log what MuJoCo warns of, in place of a file in the working directory."""
     logger.debug("MuJoCo: %s", message)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SavedEngine:
+    """The state of an engine at one instant, with the contacts of the last step."""
+
+    data: Any
+    """A ``MjData`` that nothing steps."""
+    steps: int
+    effort: tuple[float, ...]
+    world: SavedWorld
 
 
 @final
@@ -94,6 +108,20 @@ class MujocoEngine:
         self.world.reset(position, time)
         self._effort = [0.0] * len(self.joint_names)
         self._steps = round(time / self.dt)
+
+    def saved(self) -> SavedEngine:
+        """Return the state as it is now."""
+        data = copy.copy(self.data)
+        return SavedEngine(data, self._steps, tuple(self._effort), self.world.saved())
+
+    def check_saved(self, saved: SavedEngine) -> None:
+        """Raise EngineError if a state is of another robot or of other objects."""
+        self.world.check_saved(saved.world, saved.data)
+
+    def resume(self, saved: SavedEngine) -> None:
+        """Continue, bit for bit, with a state of the same robot and objects."""
+        self.world.resume(saved.world, saved.data)
+        self._steps, self._effort = saved.steps, list(saved.effort)
 
     def read(self) -> JointState:
         position, velocity = self._position.tolist(), self._velocity.tolist()

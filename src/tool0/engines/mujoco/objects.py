@@ -322,10 +322,11 @@ class ObjectStates:
         for state in self._static_at_start.values():
             self._put(state)
 
-    def copy_static_poses(self, other: ObjectStates) -> None:
-        """Put static objects where ``other`` has them, if it has them."""
-        for name in self.static.keys() & other.static.keys():
-            self._put(other.static[name])
+    def resume_static(self, states: Mapping[str, ObjectState]) -> None:
+        """Put static objects where these states have them, if they have them."""
+        for name in self.static.keys() & states.keys():
+            if self.static[name] != states[name]:
+                self._put(states[name])
 
     def _put(self, state: ObjectState) -> None:
         body = self._model.body(state.name)

@@ -42,6 +42,17 @@ OVERLAP_WARNING = 0.002
 
 
 @final
+@dataclass(frozen=True, slots=True)
+class SavedWorld:
+    """The state of a world that is not in ``MjData``."""
+
+    objects: Mapping[str, SceneObject]
+    """With their masses and frictions, by name."""
+    static: Mapping[str, ObjectState]
+    contacts: tuple[float, tuple[Contact, ...]]
+
+
+@final
 class MujocoWorld:
     """A ``World`` that owns the compiled model of robot and scene, and its data.
 
@@ -125,6 +136,41 @@ class MujocoWorld:
             change_friction(self._model, self._robot, item, scene)
         self._scene = scene
 
+    def saved(self) -> SavedWorld:
+        """Return what ``MjData`` does not have.
+
+        Raises:
+            EngineError: If an object is attached to a link.
+        """
+        for name, attachment in self._attached.items():
+            raise EngineError(
+                f"object '{name}' is attached to '{attachment.link}'; detach it first"
+            )
+        return SavedWorld(dict(self._objects), self.states.static, self._contacts)
+
+    def check_saved(self, saved: SavedWorld, data: Any) -> None:
+        """Raise EngineError if a state is of another robot or of other objects."""
+        shapes = [
+            {name: item.geometry for name, item in objects.items()}
+            for objects in (saved.objects, self._objects)
+        ]
+        if shapes[0] != shapes[1] or self._data.qpos.shape != data.qpos.shape:
+            raise EngineError(
+                "the saved state is of another robot or of other objects: "
+                f"{', '.join(saved.objects) or 'none'}; here are "
+                f"{', '.join(self._objects) or 'none'}"
+            )
+
+    def resume(self, saved: SavedWorld, data: Any) -> None:
+        """Continue with a saved state and its ``MjData``."""
+        for name in self._attached:
+            self.detach(name)
+        for item in saved.objects.values():
+            self.change(item)
+        mujoco.mj_copyData(self._data, self._model, data)
+        self.states.resume_static(saved.static)
+        self._contacts = saved.contacts
+
     def normal_forces(self, links: Sequence[str]) -> list[float]:
         """Return the sum of the normal forces on each link in the last step [N]."""
         contacts = self._data.contact
@@ -134,6 +180,32 @@ class MujocoWorld:
         forces = np.where(rows >= 0, self._data.efc_force[rows], 0.0)
         geoms = contacts.geom
         return [float(forces @ self._is_of(link)[geoms].any(axis=1)) for link in links]
+
+    def wrench_on(self, links: frozenset[str], at: str) -> tuple[float, ...]:
+        """Return force [N] and torque [N·m] of all contacts of ``links`` with others.
+
+        They act at the origin of the link ``at``, in its axes, in the last step.
+        """
+        data, contacts = self._data, self._data.contact
+        is_inside = self._are_of(links)[contacts.geom]
+        rows = np.flatnonzero(is_inside[:, 0] != is_inside[:, 1])
+        if not rows.size:
+            return (0.0,) * 6
+        found = np.empty((len(rows), 6))
+        for number, wrench in zip(rows.tolist(), found, strict=True):
+            mujoco.mj_contactForce(self._model, data, number, wrench)
+        # They act on the second shape, in the contact's axes.
+        found[is_inside[rows, 0]] *= -1.0
+        site = data.site(at)
+        R_world_tool = site.xmat.reshape(3, 3)
+        R_contact_world = contacts.frame[rows].reshape(-1, 3, 3)
+        R_tool_contact = R_world_tool.T @ R_contact_world.swapaxes(1, 2)
+        force = (R_tool_contact @ found[:, :3, None])[..., 0]
+        torque = (R_tool_contact @ found[:, 3:, None])[..., 0]
+        x, y, z = ((contacts.pos[rows] - site.xpos) @ R_world_tool).T
+        fx, fy, fz = force.T
+        torque += np.stack([y * fz - z * fy, z * fx - x * fz, x * fy - y * fx], axis=1)
+        return (*force.sum(axis=0).tolist(), *torque.sum(axis=0).tolist())
 
     def _is_of(self, link: str) -> NDArray[np.bool_]:
         """Return for each geom whether it is of ``link``."""
@@ -228,7 +300,7 @@ class MujocoWorld:
         self.contacts()  # the new data has no contacts of the last step
         self._compile(scene, attached)
         _transfer_state(model, data, self._model, self._data)
-        self.states.copy_static_poses(states)
+        self.states.resume_static(states.static)
 
     def _warn_of_overlaps(self, of: str | None = None) -> None:
         """Log a warning for each overlap, of the object ``of`` if it is given."""

@@ -1,0 +1,37 @@
+"""States of copies to return to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, final
+
+if TYPE_CHECKING:
+    from tool0.engines.mujoco.engine import SavedEngine
+    from tool0.simulation.core import SavedCore
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SavedCopy:
+    """One copy at one instant."""
+
+    core: SavedCore
+    engine: SavedEngine
+    has_diverged: bool
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class BatchState:
+    """What ``Batch.save`` returns: the state of n copies, only for ``restore``."""
+
+    copies: Sequence[SavedCopy] = field(repr=False)
+    """Of no use but for ``restore``."""
+    dt: float
+    """Length of a physics step [s]."""
+
+    @property
+    def n(self) -> int:
+        """Number of copies."""
+        return len(self.copies)

@@ -1,0 +1,1 @@
+"""Tasks that need more than a cube: insertion, assembly, a drawer, clutter."""

@@ -1,0 +1,62 @@
+"""How the pads hold an object."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, final
+
+import numpy as np
+
+from tool0.description.transform_arrays import from_quats, yaw_of
+from tool0.gym.workspace import Workspace
+from tool0.kinematics.chain import Array
+
+
+@final
+class Hold(NamedTuple):
+    """How the pads hold an object that stands upright, from above."""
+
+    width: float
+    """Of the object between the pads [m]."""
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Position of the tcp in the object's frame [m]."""
+    turns: int = 4
+    """Yaws at which the pads fit, in a full turn: 4 for a cube, 2 for a bar along x."""
+    hover: float | None = None
+    """Height of the tcp in the root at which the fingers pass over everything [m]; over
+    cubes, if left out."""
+    opening: float | None = None
+    """Opening of the gripper around the object [m]; the largest, if left out."""
+
+    @staticmethod
+    def of_cube(space: Workspace) -> Hold:
+        """Return how the workspace's cubes are held."""
+        return Hold(space.edge, (0.0, 0.0, space.grasp_height - space.edge / 2.0))
+
+    def places(self, position: Array, quat: Array) -> Array:
+        """Return the positions of the tcp in the root [m], shape (n, 3).
+
+        Args:
+            position: Of the object in the root [m], shape (n, 3).
+            quat: Its orientations w, x, y, z, shape (n, 4); only their yaw counts.
+        """
+        yaw = yaw_of(from_quats(quat))
+        x, y, z = self.point
+        c, s = np.cos(yaw), np.sin(yaw)
+        away = np.stack([c * x - s * y, s * x + c * y, np.full(len(yaw), z)], axis=1)
+        return np.asarray(position + away)
+
+    def turn(self, yaw: Array, quat: Array) -> Array:
+        """Return the smallest turn from a yaw of the tcp to one that fits [rad], (n,).
+
+        ``quat`` is the object's, w, x, y, z, shape (n, 4).
+        """
+        return folded(yaw_of(from_quats(quat)) - yaw, self.turns)
+
+
+def folded(angle: Array, turns: int) -> Array:
+    """Return the smallest angle with the same effect on what has ``turns`` symmetries.
+
+    Angles are in [rad], of any shape; the result is within half of such a turn.
+    """
+    part = 2.0 * np.pi / turns
+    return np.asarray(np.remainder(angle + part / 2.0, part) - part / 2.0)
