@@ -9,10 +9,13 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from raises_naming import raises_naming
 
 import tool0.gym
 from tool0.collect import collect
 from tool0.description.transform_arrays import from_quats
+from tool0.errors import ConfigError
+from tool0.gym import Hold
 from tool0.gym.benchmarks import nut_on_peg, open_drawer, peg_insertion, pick_clutter
 
 pytestmark = pytest.mark.slow
@@ -89,6 +92,16 @@ def test_the_held_start_does_not_depend_on_what_was_before() -> None:
         envs.step(envs.action_space.sample())
     again, _ = envs.reset(seed=5)
     np.testing.assert_array_equal(first, again)
+    envs.close()
+
+
+def test_a_gripper_that_cannot_hold_the_object_says_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(peg_insertion.PegInsertion, "hold", Hold(0.05))
+    envs = many("PegInsertion", 1)
+    with raises_naming(ConfigError, "cannot hold 'peg'", "Task.hold.width is 0.05 m"):
+        envs.reset(seed=1)
     envs.close()
 
 
