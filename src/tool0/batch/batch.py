@@ -579,14 +579,14 @@ class Batch:
 
         It has all that their future depends on: joints, objects with their masses and
         frictions, warm start and contacts of the physics, motions, integrals of the
-        controllers, grippers, and time.
+        controllers, grippers, and time; and how the copies look in images.
 
         Raises:
             ControlError: If a goal of a GripperActionController is active in a copy, or
                 this is a GPU.
         """
         with self._changing():
-            return BatchState(self._copies.save(), self._dt)
+            return BatchState(self._copies.save(), self._images.save(), self._dt)
 
     def restore(
         self,
@@ -624,6 +624,7 @@ class Batch:
             )
         with self._changing():
             self._copies.restore(rows, [state.copies[int(k)] for k in sources])
+            self._images.restore(rows, [state.looks[int(k)] for k in sources])
 
     # ---- the scene ------------------------------------------------------------------
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import msgspec
@@ -24,6 +24,18 @@ from tool0.sensing.cameras import Cameras, View
 
 
 @final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CopyLook:
+    """How one copy looks, where it differs from the usual."""
+
+    cameras: Mapping[str, Camera] = field(default_factory=dict)
+    """Cameras that were moved."""
+    light: Look = Look()
+    colours: Mapping[str, RGBA] = field(default_factory=dict)
+    """Of objects."""
+
+
+@final
 class Images:
     """Renders copies.  A batch checks that they can be rendered."""
 
@@ -40,9 +52,7 @@ class Images:
         """Begin without OpenGL; ``snapshot`` returns the state of a copy."""
         self._cameras = Cameras(model, cameras, ground, lambda: snapshot(0), threads)
         self._n, self._snapshot = n, snapshot
-        self._moved: dict[tuple[int, str], Camera] = {}
-        self._looks: dict[int, Look] = {}
-        self._colours: dict[int, dict[str, RGBA]] = {}
+        self._looks = [CopyLook()] * n
 
     def render(self, camera: str, rows: Indices) -> tuple[CameraImage, ...]:
         """Return an image of each of the copies; RenderError as ``Batch.render``."""
@@ -65,8 +75,9 @@ class Images:
         camera = self._cameras[name]
         poses = zip(rows.tolist(), p, from_quats_wxyz(orientation), strict=True)
         for i, place, R in poses:
-            pose = to_pose(from_arrays(place, R))
-            self._moved[i, name] = replace(camera, pose=pose)
+            moved = replace(camera, pose=to_pose(from_arrays(place, R)))
+            cameras = {**self._looks[i].cameras, name: moved}
+            self._looks[i] = replace(self._looks[i], cameras=cameras)
 
     def set_look(
         self, lamp: ArrayLike, brightness: ArrayLike, which: Which | None
@@ -76,21 +87,32 @@ class Images:
         rows = check.which(which)
         places = check.rows("lamp", lamp, (3,), rows)[rows].tolist()
         levels = check.rows("brightness", brightness, (), rows)[rows].tolist()
-        looks = [
+        lights = [
             Look(lamp=(x, y, z), brightness=level)
             for (x, y, z), level in zip(places, levels, strict=True)
         ]
-        self._looks.update(zip(rows.tolist(), looks, strict=True))
+        for i, light in zip(rows.tolist(), lights, strict=True):
+            self._looks[i] = replace(self._looks[i], light=light)
 
     def set_colour(self, name: str, rgba: ArrayLike, which: Which | None) -> None:
         """Change the colour of an object, as ``Batch.set_colour``."""
         check = Arguments(self._n, "set_colour")
         rows = check.which(which)
-        colours = check.rows("rgba", rgba, (4,), rows)[rows]
-        if (colours < 0.0).any() or (colours > 1.0).any():
+        given = check.rows("rgba", rgba, (4,), rows)[rows]
+        if (given < 0.0).any() or (given > 1.0).any():
             raise ControlError("Batch.set_colour: 'rgba' must be numbers within 0 … 1")
-        for i, (r, g, b, a) in zip(rows.tolist(), colours.tolist(), strict=True):
-            self._colours.setdefault(i, {})[name] = r, g, b, a
+        for i, (r, g, b, a) in zip(rows.tolist(), given.tolist(), strict=True):
+            colours = {**self._looks[i].colours, name: (r, g, b, a)}
+            self._looks[i] = replace(self._looks[i], colours=colours)
+
+    def save(self) -> tuple[CopyLook, ...]:
+        """Return how each copy looks."""
+        return tuple(self._looks)
+
+    def restore(self, rows: Indices, looks: Sequence[CopyLook]) -> None:
+        """Let copies look as others did, one per row."""
+        for i, look in zip(rows.tolist(), looks, strict=True):
+            self._looks[i] = look
 
     def close(self) -> None:
         """Free OpenGL."""
@@ -100,17 +122,17 @@ class Images:
         usual = self._cameras[camera]
         return [
             View(
-                self._moved.get((i, camera), usual),
+                self._looks[i].cameras.get(camera, usual),
                 self._coloured(i),
-                self._looks.get(i, Look()),
+                self._looks[i].light,
             )
             for i in rows.tolist()
         ]
 
     def _coloured(self, i: int) -> Snapshot:
         """Return the state of a copy, with its own colours of objects."""
-        state, colours = self._snapshot(i), self._colours.get(i)
-        if colours is None:
+        state, colours = self._snapshot(i), self._looks[i].colours
+        if not colours:
             return state
         scene = tuple(
             replace(item, rgba=colours.get(item.name, item.rgba))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, final
 
 if TYPE_CHECKING:
+    from tool0.batch.images import CopyLook
     from tool0.engines.mujoco.engine import SavedEngine
     from tool0.simulation.core import SavedCore
 
@@ -28,6 +29,8 @@ class BatchState:
 
     copies: Sequence[SavedCopy] = field(repr=False)
     """Of no use but for ``restore``."""
+    looks: Sequence[CopyLook] = field(repr=False)
+    """How they look in images."""
     dt: float
     """Length of a physics step [s]."""
 

@@ -11,6 +11,8 @@ from tool0.errors import ConfigError
 
 LAMP: Final[Vector3] = (-0.4, -1.0, 4.0)
 """Position of the lamp in the robot's root [m]."""
+BRIGHTEST: Final = 3.0
+"""Largest brightness: everything is white."""
 LIT: Final[Vector3] = (0.2, 0.0, 0.0)
 """The point that the lamp shines on [m]."""
 
@@ -31,7 +33,8 @@ class Look:
                 "the lamp must be 0.5 m or more above the robot's root, got "
                 f"{self.lamp}"
             )
-        if not 0.0 < self.brightness <= 3.0:
+        if not 0.0 < self.brightness <= BRIGHTEST:
             raise ConfigError(
-                f"the brightness must be above 0, up to 3, got {self.brightness}"
+                f"the brightness must be above 0, up to {BRIGHTEST:g}, got "
+                f"{self.brightness}"
             )

@@ -16,6 +16,7 @@ from tool0.description.transform_arrays import quats_wxyz
 from tool0.gym.actions import Actions
 from tool0.gym.checks import check_functions, check_objects, check_start
 from tool0.gym.held import grasped
+from tool0.gym.looks import Looks
 from tool0.gym.options import EnvOptions
 from tool0.gym.task import Mask, State, Task
 from tool0.gym.tasks import task_class
@@ -92,6 +93,10 @@ class Copies:
         self._last_opening = self._opening_target.copy()
         drawn = check_start(self.task, self.task.draw(np.random.default_rng(0)))
         self._goal = np.zeros((n, len(drawn.goal)))
+        self._looks: Looks | None = None
+        if options.ranges is not None and options.observation == "image":
+            cameras = workspace.cameras
+            self._looks = Looks(self.batch, options.ranges, scene.objects, cameras)
         self._state: State | None = None
         check_functions(self.task, self.state)
 
@@ -138,6 +143,9 @@ class Copies:
         self._put_arms(which & ~is_held, q)
         if is_held.any():
             batch.restore(self._grasp, is_held, source=0)
+        if self._looks is not None:
+            for i in np.flatnonzero(which).tolist():
+                self._looks.draw(i, generators[i])
         quat = np.zeros((n, count, 4))
         quat[..., 0], quat[..., 3] = np.cos(yaws / 2.0), np.sin(yaws / 2.0)
         for k, item in enumerate(self._items):
@@ -388,17 +396,21 @@ class Copies:
     def images(self) -> dict[str, NDArray[Any]]:
         """Return what the cameras see of all copies.
 
-        ``rgb``, uint8 of shape (n, height, width, 3), and perhaps ``depth`` [m],
-        float32 of shape (n, height, width), at most ``FARTHEST``; with several cameras
-        as ``rgb_scene``.
+        ``rgb``, uint8 of shape (n, height, width, 3), perhaps ``depth`` [m], float32 of
+        shape (n, height, width), at most ``FARTHEST``, and perhaps ``segmentation``,
+        int32 of that shape, as ``Batch.segment_all``; with several cameras as
+        ``rgb_scene``.
         """
         found = {}
-        for name, (rgb, depth) in self.options.image_keys.items():
+        for name, keys in self.options.image_keys.items():
             drawn = self.batch.render_all(name)
-            found[rgb] = np.stack([image.rgb for image in drawn])
+            found[keys.rgb] = np.stack([image.rgb for image in drawn])
             if self.options.depth:
                 depths = np.stack([image.depth for image in drawn])
-                found[depth] = np.minimum(depths, np.float32(FARTHEST))
+                found[keys.depth] = np.minimum(depths, np.float32(FARTHEST))
+            if self.options.segmentation:
+                segments = self.batch.segment_all(name)
+                found[keys.segmentation] = np.stack(segments)
         return found
 
 

@@ -72,11 +72,14 @@ class Observer:
         options = self._copies.options
         width, height = options.image_size
         found: dict[str, spaces.Space[Any]] = {}
-        for rgb, depth in options.image_keys.values():
-            found[rgb] = spaces.Box(0, 255, (height, width, 3), np.uint8)
+        shape = height, width
+        for keys in options.image_keys.values():
+            found[keys.rgb] = spaces.Box(0, 255, (*shape, 3), np.uint8)
             if options.depth:
-                shape = (height, width)
-                found[depth] = spaces.Box(0.0, FARTHEST, shape, np.float32)
+                found[keys.depth] = spaces.Box(0.0, FARTHEST, shape, np.float32)
+            if options.segmentation:
+                most = len(self._copies.batch.object_names) - 1
+                found[keys.segmentation] = spaces.Box(-3, most, shape, np.int32)
         return found
 
     def observe(self) -> Observation:

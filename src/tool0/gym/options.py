@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Literal, final
+from typing import Literal, NamedTuple, final
 
+from tool0.description.look import BRIGHTEST
 from tool0.errors import ConfigError, did_you_mean
 
 ActionMode = Literal["joint", "cartesian", "pose"]
@@ -19,6 +20,14 @@ _CHOICES = {
     "reward": ("dense", "sparse"),
 }
 
+_LARGEST = {
+    "joint_noise": (0.2, " rad"),
+    "colour": (1.0, ""),
+    "lamp": (2.0, " m"),
+    "camera": (0.2, " m"),
+    "camera_turn": (0.5, " rad"),
+}
+"""Upper bound and unit of the randomised deviations."""
 _NAMES = {"arm": "ur5", "gripper": "2f85"}
 
 
@@ -37,9 +46,19 @@ class Randomisation:
     """Of the task's own friction coefficient."""
     joint_noise: float = 0.03
     """Largest deviation of an arm's joint from the start pose [rad]."""
+    colour: float = 0.15
+    """Largest change of an object's red, green and blue, each 0 … 1; in images."""
+    brightness: tuple[float, float] = (0.6, 1.2)
+    """Of the light, relative to the usual one; in images."""
+    lamp: float = 1.0
+    """Largest displacement of the lamp along each axis [m]; in images."""
+    camera: float = 0.02
+    """Largest displacement of a camera along each axis [m]; in images."""
+    camera_turn: float = 0.03
+    """Largest turn of a camera about each axis [rad]; in images."""
 
     def __post_init__(self) -> None:
-        for name in ("mass", "friction"):
+        for name in ("mass", "friction", "brightness"):
             given = getattr(self, name)
             low, high = _pair(given, f"randomise.{name}")
             if not 0.0 < low <= high < math.inf:
@@ -47,10 +66,25 @@ class Randomisation:
                     f"randomise.{name} must be two numbers above 0, the smaller first, "
                     f"got {given}"
                 )
-        if not 0.0 <= self.joint_noise <= 0.2:
+        if self.brightness[1] > BRIGHTEST:
             raise ConfigError(
-                f"randomise.joint_noise must be 0 … 0.2 rad, got {self.joint_noise}"
+                f"randomise.brightness must be at most {BRIGHTEST:g}, got "
+                f"{self.brightness}"
             )
+        for name, (most, unit) in _LARGEST.items():
+            if not 0.0 <= getattr(self, name) <= most:
+                raise ConfigError(
+                    f"randomise.{name} must be 0 … {most:g}{unit}, got "
+                    f"{getattr(self, name)}"
+                )
+
+
+class ImageKeys(NamedTuple):
+    """Keys of the images of one camera in observations."""
+
+    rgb: str
+    depth: str
+    segmentation: str
 
 
 @final
@@ -78,6 +112,8 @@ class EnvOptions:
     """The cameras of images, one or several: scene, wrist."""
     depth: bool = False
     """Whether observations have depth images, too."""
+    segmentation: bool = False
+    """Whether observations tell what each pixel shows, too."""
     image_size: tuple[int, int] = (96, 96)
     """Width and height of images in observations and of ``render`` [pixels]."""
     dt: float = 0.001
@@ -105,10 +141,12 @@ class EnvOptions:
                 "terminate_on_success must be True or False, got "
                 f"{self.terminate_on_success!r}"
             )
-        if self.depth not in {True, False}:
-            raise ConfigError(f"depth must be True or False, got {self.depth!r}")
-        if self.depth and self.observation != "image":
-            raise ConfigError("depth needs observation='image'")
+        for name in ("depth", "segmentation"):
+            value = getattr(self, name)
+            if value not in {True, False}:
+                raise ConfigError(f"{name} must be True or False, got {value!r}")
+            if value and self.observation != "image":
+                raise ConfigError(f"{name} needs observation='image'")
         names = self.cameras if isinstance(self.camera, str | tuple | list) else ()
         if (
             not names
@@ -143,12 +181,15 @@ class EnvOptions:
         return (self.camera,) if isinstance(self.camera, str) else tuple(self.camera)
 
     @property
-    def image_keys(self) -> dict[str, tuple[str, str]]:
-        """Keys of colours and depth in observations, by camera."""
+    def image_keys(self) -> dict[str, ImageKeys]:
+        """Keys of images in observations, by camera."""
         names = self.cameras
         if len(names) == 1:
-            return {names[0]: ("rgb", "depth")}
-        return {name: (f"rgb_{name}", f"depth_{name}") for name in names}
+            return {names[0]: ImageKeys(*ImageKeys._fields)}
+        return {
+            name: ImageKeys(*(f"{kind}_{name}" for kind in ImageKeys._fields))
+            for name in names
+        }
 
     @property
     def ticks(self) -> int:

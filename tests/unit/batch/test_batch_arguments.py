@@ -249,6 +249,18 @@ WRONG_CALLS: list[tuple[Callable[[tool0.Batch], object], type, tuple[str, ...]]]
     (lambda b: b.run(-1.0), tool0.ControlError, ("'duration'", "-1.0")),
     (lambda b: b.render(3, "overview"), tool0.ControlError, ("copy 3", "0 … 2")),
     (lambda b: b.render(0, "nowhere"), tool0.RenderError, ("'nowhere'",)),
+    (lambda b: b.segment_all("nowhere"), tool0.RenderError, ("'nowhere'",)),
+    (
+        lambda b: b.set_colour(b.object_names[0], [2.0, 0.0, 0.0, 1.0]),
+        tool0.ControlError,
+        ("'rgba'", "0 … 1"),
+    ),
+    (lambda b: b.set_look(brightness=9.0), tool0.ConfigError, ("9.0", "up to 3")),
+    (
+        lambda b: b.set_camera("overview", [0.0] * 3, [0.0] * 4),
+        tool0.ControlError,
+        ("'quat' has a zero row",),
+    ),
 ]
 
 
