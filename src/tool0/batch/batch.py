@@ -44,7 +44,7 @@ from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.description.parts import find_arms, find_grippers
 from tool0.description.scene import Scene
 from tool0.description.scene_state import ObjectState
-from tool0.description.transform_arrays import Frames, from_quats_wxyz
+from tool0.description.transform_arrays import Frames, from_quats
 from tool0.errors import (
     ConfigError,
     ControlError,
@@ -291,7 +291,7 @@ class Batch:
             self._inverses[chain.tip] = InverseKinematics(chain)
         joints = [self.joint_names.index(name) for name in chain.joint_names]
         bases = self._link_frames(chain.base).poses(self._positions(), self._n)
-        target = Frames(p[rows], from_quats_wxyz(orientation[rows]))
+        target = Frames(p[rows], from_quats(orientation[rows]))
         base = bases[chain.base]
         here = Frames(base.position[rows], base.rotation[rows])
         T_base_tip = (here.inverse() @ target).matrices

@@ -48,6 +48,9 @@ class Commands:
         self._manager = first.manager
         self._limits = first.hardware.limits
         self._period = first.control_period
+        self._parts: dict[tuple[str, ...], list[ControllerJoints]] = {}
+        self._position_ranges: dict[tuple[str, ...], Array] = {}
+        """Of the joints that were commanded before."""
 
     @cached_property
     def arm_joints(self) -> tuple[str, ...]:
@@ -64,6 +67,11 @@ class Commands:
     ) -> tuple[tuple[str, ...], list[ControllerJoints]]:
         """Return the joints to move, and those of each controller."""
         names = self.arm_joints if joints is None else tuple(joints)
+        if names not in self._parts:
+            self._parts[names] = self._found_parts(names)
+        return names, self._parts[names]
+
+    def _found_parts(self, names: tuple[str, ...]) -> list[ControllerJoints]:
         owners = {
             joint: name
             for name, its in self._trajectory_controllers.items()
@@ -89,20 +97,27 @@ class Commands:
                 allow_partial=spec.allow_partial_joints_goal,
             )
             parts.append(part)
-        return names, parts
+        return parts
 
     def check_positions(
         self, names: Sequence[str], positions: Array, rows: Indices
     ) -> None:
         """Raise GoalRejectedError for positions (n, m, k) beyond the joints' limits."""
-        joints = self._limited(names)
-        ranges = np.array([position_range(joint) for joint in joints])
+        ranges = self._ranges(tuple(names))
         chosen = positions[rows]
         is_beyond = (chosen < ranges[:, 0]) | (chosen > ranges[:, 1])
         if is_beyond.any():
             i, m, k = np.argwhere(is_beyond)[0].tolist()
             where = f"point {m} of copy {rows[i]}"
-            check_position(joints[k], float(chosen[i, m, k]), where)
+            joint = self._limited(names)[k]
+            check_position(joint, float(chosen[i, m, k]), where)
+
+    def _ranges(self, names: tuple[str, ...]) -> Array:
+        """Return the ranges of joints' positions [rad | m], shape (k, 2)."""
+        if names not in self._position_ranges:
+            ranges = [position_range(joint) for joint in self._limited(names)]
+            self._position_ranges[names] = np.array(ranges)
+        return self._position_ranges[names]
 
     def start(
         self,

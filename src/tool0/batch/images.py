@@ -16,7 +16,7 @@ from tool0.description.look import Look
 from tool0.description.model import RobotModel
 from tool0.description.shapes import RGBA
 from tool0.description.transform import from_arrays, to_pose
-from tool0.description.transform_arrays import from_quats_wxyz
+from tool0.description.transform_arrays import from_quats
 from tool0.errors import ControlError
 from tool0.protocol.sensors import CameraImage
 from tool0.protocol.state import Snapshot
@@ -73,7 +73,7 @@ class Images:
         if not np.linalg.norm(orientation, axis=1).all():
             raise ControlError("Batch.set_camera: 'quat' has a zero row")
         camera = self._cameras[name]
-        poses = zip(rows.tolist(), p, from_quats_wxyz(orientation), strict=True)
+        poses = zip(rows.tolist(), p, from_quats(orientation), strict=True)
         for i, place, R in poses:
             moved = replace(camera, pose=to_pose(from_arrays(place, R)))
             cameras = {**self._looks[i].cameras, name: moved}

@@ -122,14 +122,6 @@ def sine_vectors(R: Array) -> Array:
     )
 
 
-def from_quats_wxyz(quats: Array) -> Array:
-    """Return the rotations of quaternions of any length, (n, 4), shape (n, 3, 3)."""
-    unit = quats / np.linalg.norm(quats, axis=1, keepdims=True)
-    crosses = cross_matrices(unit[:, 1:])
-    w = unit[:, 0, None, None]
-    return np.asarray(np.eye(3) + 2.0 * (w * crosses + crosses @ crosses))
-
-
 def quats_wxyz(R: Array) -> Array:
     """Return rotations, (n, 3, 3), as unit quaternions with w >= 0, shape (n, 4)."""
     xx, yy, zz = R[:, 0, 0], R[:, 1, 1], R[:, 2, 2]
@@ -158,6 +150,12 @@ def from_quats(quat_wxyz: Array) -> Array:
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
     return np.moveaxis(np.array(rows), 2, 0)
+
+
+def yaws_of_quats(quat_wxyz: Array) -> Array:
+    """Return ``yaw_of`` the rotations of unit quaternions, (n, 4), shape (n,)."""
+    w, x, y, z = quat_wxyz.T
+    return np.asarray(np.arctan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z)))
 
 
 def rotated_by(quat_wxyz: Array, vectors: Array) -> Array:

@@ -49,8 +49,6 @@ class ObservationPart(NamedTuple):
     name: str
     columns: tuple[str, ...]
     """Names of its m numbers."""
-    values: Array
-    """Shape (n, m)."""
     low: Array
     """Shape (m,)."""
     high: Array
@@ -261,104 +259,82 @@ class Copies:
             return np.empty((self.n, 0))
         return _finite(self.batch.tool_wrench())
 
+    def values(self) -> list[Array]:
+        """Return the observed state by its parts, each of shape (n, m)."""
+        state = self.state
+        values = [
+            state.q,
+            state.qd,
+            state.tcp_position,
+            quats_wxyz(state.tcp_rotation),
+            state.opening[:, None],
+            state.opening_target[:, None],
+        ]
+        if self.task.needs_wrench:
+            values.append(state.wrench)
+        for k in range(len(self.task.objects)):
+            position = state.object_position[:, k]
+            values += [
+                position,
+                state.object_quat[:, k],
+                state.object_velocity[:, k],
+                position - state.tcp_position,
+            ]
+        goal = self.task.desired(state)
+        values += [goal, goal - self.task.achieved(state)]
+        for given in self.task.observe(state).values():
+            values.append(_finite(np.asarray(given, np.float64).reshape(self.n, -1)))
+        return values
+
     def parts(self) -> list[ObservationPart]:
-        """Return the parts of the observed state, in their order."""
-        state, workspace = self.state, self.workspace
+        """Return what ``values`` are, in their order."""
+        workspace, task = self.workspace, self.task
         fastest = 2.0 * workspace.fastest
         widest = 1.1 * workspace.gripper.max_opening
-        one, three, four = np.ones(1), np.ones(3), np.ones(4)
-        far = FARTHEST * three
-        opening, aim = state.opening[:, None], state.opening_target[:, None]
         joints = workspace.chain.joint_names
         parts = [
             ObservationPart(
                 "joint_position",
                 tuple(f"{name}.position" for name in joints),
-                state.q,
                 workspace.lower - 0.1,
                 workspace.upper + 0.1,
             ),
             ObservationPart(
                 "joint_velocity",
                 tuple(f"{name}.velocity" for name in joints),
-                state.qd,
                 -fastest,
                 fastest,
             ),
-            ObservationPart(
-                "tcp_position", _of("tcp", _XYZ), state.tcp_position, -far, far
-            ),
-            ObservationPart(
-                "tcp_quat_wxyz",
-                _of("tcp", _WXYZ),
-                quats_wxyz(state.tcp_rotation),
-                -four,
-                four,
-            ),
-            ObservationPart(
-                "opening", ("gripper.opening",), opening, 0.0 * one, widest * one
-            ),
-            ObservationPart(
-                "opening_target",
-                ("gripper.opening_target",),
-                aim,
-                0.0 * one,
-                widest * one,
+            _symmetric("tcp_position", _of("tcp", _XYZ), FARTHEST),
+            _symmetric("tcp_quat_wxyz", _of("tcp", _WXYZ), 1.0),
+            *(
+                ObservationPart(
+                    name, (f"gripper.{name}",), np.zeros(1), np.full(1, widest)
+                )
+                for name in ("opening", "opening_target")
             ),
         ]
-        if self.task.needs_wrench:
-            columns = _of("wrench", _WRENCH)
+        if task.needs_wrench:
             bound = np.repeat([STRONGEST, MOST_TORQUE], 3)
-            parts.append(
-                ObservationPart("wrench", columns, state.wrench, -bound, bound)
-            )
-        return parts + self._surroundings(state)
-
-    def _surroundings(self, state: State) -> list[ObservationPart]:
-        """Return what the robot does not measure on itself: objects and goal."""
-        four = np.ones(4)
-        far, speed = FARTHEST * np.ones(3), FASTEST_OBJECT * np.ones(3)
-        parts = []
-        for k, name in enumerate(self.task.objects):
-            position, quat = state.object_position[:, k], state.object_quat[:, k]
-            velocity = state.object_velocity[:, k]
-            away = position - state.tcp_position
-            parts += [
-                ObservationPart(
-                    f"{name}_position", _of(name, _XYZ), position, -far, far, False
-                ),
-                ObservationPart(
-                    f"{name}_quat_wxyz", _of(name, _WXYZ), quat, -four, four, False
-                ),
-                ObservationPart(
-                    f"{name}_velocity",
-                    _of(name, _SPEED),
-                    velocity,
-                    -speed,
-                    speed,
-                    False,
-                ),
-                ObservationPart(
-                    f"tcp_to_{name}",
-                    _of(f"tcp_to_{name}", _XYZ),
-                    away,
-                    -far,
-                    far,
-                    False,
-                ),
+            columns = _of("wrench", _WRENCH)
+            parts.append(ObservationPart("wrench", columns, -bound, bound))
+        # What the robot does not measure on itself: objects and goal.
+        around = []
+        for name in task.objects:
+            away = f"tcp_to_{name}"
+            around += [
+                _symmetric(f"{name}_position", _of(name, _XYZ), FARTHEST),
+                _symmetric(f"{name}_quat_wxyz", _of(name, _WXYZ), 1.0),
+                _symmetric(f"{name}_velocity", _of(name, _SPEED), FASTEST_OBJECT),
+                _symmetric(away, _of(away, _XYZ), FARTHEST),
             ]
-        goal = self.task.desired(state)
-        missing = goal - self.task.achieved(state)
-        bound = FARTHEST * np.ones(goal.shape[1])
-        for name, values in (("goal", goal), ("to_goal", missing)):
-            columns = _of(name, self.task.goal_names)
-            parts.append(ObservationPart(name, columns, values, -bound, bound, False))
-        for name, given in self.task.observe(state).items():
-            values = _finite(np.asarray(given, np.float64).reshape(self.n, -1))
-            columns = _of(name, [str(k) for k in range(values.shape[1])])
-            bound = np.full(values.shape[1], np.inf)
-            parts.append(ObservationPart(name, columns, values, -bound, bound, False))
-        return parts
+        for name in ("goal", "to_goal"):
+            around.append(_symmetric(name, _of(name, task.goal_names), FARTHEST))
+        for name, given in task.observe(self.state).items():
+            width = np.reshape(given, (self.n, -1)).shape[1]
+            columns = _of(name, [str(k) for k in range(width)])
+            around.append(_symmetric(name, columns, np.inf))
+        return parts + [part._replace(of_robot=False) for part in around]
 
     def rewards(self, success: Mask) -> Array:
         """Return the rewards, shape (n,); a copy that diverged gets the worst."""
@@ -416,8 +392,15 @@ class Copies:
 
 def _finite(values: Array) -> Array:
     """Return a copy in which what diverged is a number, too."""
+    if np.isfinite(values).all():
+        return values.copy()
     return np.nan_to_num(values, nan=0.0, posinf=FARTHEST, neginf=-FARTHEST)
 
 
 def _of(name: str, parts: Sequence[str]) -> tuple[str, ...]:
     return tuple(f"{name}.{part}" for part in parts)
+
+
+def _symmetric(name: str, columns: tuple[str, ...], bound: float) -> ObservationPart:
+    bounds = np.full(len(columns), bound)
+    return ObservationPart(name, columns, -bounds, bounds)

@@ -6,7 +6,7 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from tool0.description.transform_arrays import from_quats, yaw_of
+from tool0.description.transform_arrays import yaws_of_quats
 from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
@@ -39,7 +39,7 @@ class Hold(NamedTuple):
             position: Of the object in the root [m], shape (n, 3).
             quat: Its orientations w, x, y, z, shape (n, 4); only their yaw counts.
         """
-        yaw = yaw_of(from_quats(quat))
+        yaw = yaws_of_quats(quat)
         x, y, z = self.point
         c, s = np.cos(yaw), np.sin(yaw)
         away = np.stack([c * x - s * y, s * x + c * y, np.full(len(yaw), z)], axis=1)
@@ -50,7 +50,7 @@ class Hold(NamedTuple):
 
         ``quat`` is the object's, w, x, y, z, shape (n, 4).
         """
-        return folded(yaw_of(from_quats(quat)) - yaw, self.turns)
+        return folded(yaws_of_quats(quat) - yaw, self.turns)
 
 
 def folded(angle: Array, turns: int) -> Array:

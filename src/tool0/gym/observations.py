@@ -85,7 +85,7 @@ class Observer:
     def observe(self) -> Observation:
         """Return what the copies are observed to be now; nothing is shared."""
         copies = self._copies
-        values = np.concatenate([part.values for part in copies.parts()], axis=1)
+        values = np.concatenate(copies.values(), axis=1)
         state = values.clip(self._low, self._high)
         if self._mode == "state":
             return state

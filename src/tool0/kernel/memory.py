@@ -250,4 +250,4 @@ def packed(piece: Piece, monitor: GoalMonitor | None = None) -> tuple[float, ...
 
 def address(array: NDArray[np.generic]) -> c_void_p:
     """Return where the numbers of a contiguous array are, for a call of the kernel."""
-    return c_void_p(array.ctypes.data)
+    return c_void_p(array.__array_interface__["data"][0])

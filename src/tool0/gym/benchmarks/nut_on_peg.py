@@ -12,7 +12,7 @@ from tool0.api.table import TABLE_TOP
 from tool0.description.scene import PALETTE, Scene, SceneObject
 from tool0.description.shapes import Box, Compound
 from tool0.description.transform import Pose
-from tool0.description.transform_arrays import Frames, from_quats, yaw_of
+from tool0.description.transform_arrays import Frames, yaw_of, yaws_of_quats
 from tool0.gym.benchmarks.peg_insertion import frame
 from tool0.gym.hold import Hold, folded
 from tool0.gym.task import Mask, Start, State, Target, Task, length, nearness
@@ -125,8 +125,8 @@ class NutOnPeg(Task):
     def expert(self, state: State, commanded: Frames) -> Target:
         space, nut, goal = self.workspace, state.object_position[:, 0], state.goal
         target, held = grasp(space, state, commanded, self._hold)
-        yaw = yaw_of(from_quats(state.object_quat[:, 0]))
-        turn = folded(yaw_of(from_quats(state.object_quat[:, 1])) - yaw, 4)
+        yaw = yaws_of_quats(state.object_quat[:, 0])
+        turn = folded(yaws_of_quats(state.object_quat[:, 1]) - yaw, 4)
         off = length(nut[:, :2] - goal[:, :2])
         bottom, top = nut[:, 2] - THICKNESS / 2.0, TABLE_TOP + PEG_HEIGHT
         is_around = (bottom < top + LOW) & (off < AROUND)

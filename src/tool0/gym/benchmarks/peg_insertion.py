@@ -11,7 +11,7 @@ from tool0.api.table import TABLE_TOP
 from tool0.description.scene import PALETTE, Scene, SceneObject
 from tool0.description.shapes import Box, Compound
 from tool0.description.transform import Pose
-from tool0.description.transform_arrays import Frames, from_quats, yaw_of
+from tool0.description.transform_arrays import Frames, from_quats, yaw_of, yaws_of_quats
 from tool0.gym.hold import Hold, folded
 from tool0.gym.task import Mask, Start, State, Target, Task, length, nearness
 from tool0.gym.ways import carried, grasp, is_holding, is_sent_below
@@ -107,8 +107,8 @@ class PegInsertion(Task):
     def expert(self, state: State, commanded: Frames) -> Target:
         target, held = grasp(self.workspace, state, commanded, self.hold)
         end, hole = self.achieved(state), state.goal[:, :2]
-        peg = yaw_of(from_quats(state.object_quat[:, 0]))
-        turn = folded(yaw_of(from_quats(state.object_quat[:, 1])) - peg, 4)
+        peg = yaws_of_quats(state.object_quat[:, 0])
+        turn = folded(yaws_of_quats(state.object_quat[:, 1]) - peg, 4)
         off = length(end[:, :2] - hole)
         # The peg swings as the arm starts to go down.
         down = is_sent_below(state, commanded, end, self._top + ABOVE)

@@ -12,7 +12,7 @@ from tool0.api.table import TABLE_TOP
 from tool0.description.scene import PALETTE, Scene, SceneObject
 from tool0.description.shapes import RGBA, Box, Cylinder, Geometry
 from tool0.description.transform import Pose
-from tool0.description.transform_arrays import Frames, from_quats, yaw_of
+from tool0.description.transform_arrays import Frames, yaw_of, yaws_of_quats
 from tool0.gym.hold import Hold, folded
 from tool0.gym.task import Mask, Start, State, Target, Task, length, nearness
 from tool0.gym.ways import is_holding, lift
@@ -152,7 +152,7 @@ class PickClutter(Task):
 
     def _clear_yaw(self, state: State) -> Array:
         """Return the tcp's yaw with the most room for the fingers [rad], (n,)."""
-        cube = yaw_of(from_quats(state.object_quat[:, 0]))
+        cube = yaws_of_quats(state.object_quat[:, 0])
         away = state.object_position[:, 1:, :2] - state.object_position[:, :1, :2]
         sides = [
             (_room(away, yaw[:, None]) - self._radii).min(axis=1)
