@@ -6,6 +6,8 @@ https://github.com/huggingface/lerobot).
 
 from __future__ import annotations
 
+import contextlib
+import sys
 from pathlib import Path
 from typing import Any, final
 
@@ -50,9 +52,10 @@ class LeRobotPolicy:
         try:
             config = PreTrainedConfig.from_pretrained(path)
             config.device = device
-            self._policy = get_policy_class(config.type).from_pretrained(
-                path, config=config
-            )
+            with contextlib.redirect_stdout(sys.stderr):  # it says what it does
+                self._policy = get_policy_class(config.type).from_pretrained(
+                    path, config=config
+                )
             self._before, self._after = make_pre_post_processors(
                 config,
                 pretrained_path=str(path),
