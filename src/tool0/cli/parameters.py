@@ -34,6 +34,8 @@ from tool0.description.units import ANGLE, LENGTH, Quantity, read_number
 from tool0.errors import ConfigError
 
 _SECTION: Final = re.compile(r"^(Args|Returns|Raises):\n", re.MULTILINE)
+_WORDS: Final = re.compile(r"[A-Za-z_]\w*(,[A-Za-z_]\w*)+")
+"""A list of names, such as scene,wrist."""
 _ENTRY: Final = re.compile(r"^    (\w+): (.*(?:\n(?:     .*)?)*)", re.MULTILINE)
 
 
@@ -267,14 +269,14 @@ def keywords(words: Sequence[str]) -> dict[str, object]:
 
 
 def _value(text: str) -> object:
-    """Return JSON as its value, ``96,96`` as a list, and all else as a text."""
+    """Return JSON as its value, ``96,96`` and ``a,b`` as lists, all else as a text."""
     for form in (text, f"[{text}]") if "," in text else (text,):
         try:
             value: object = json.loads(form)
         except ValueError:
             continue
         return value
-    return text
+    return text.split(",") if _WORDS.fullmatch(text) else text
 
 
 # ---- texts ---------------------------------------------------------------------------

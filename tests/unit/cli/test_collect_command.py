@@ -13,6 +13,7 @@ from fake_tasks import WALK
 
 from tool0.cli import FAILED, OK, main
 from tool0.cli import collect as command
+from tool0.cli.parameters import keywords
 from tool0.collect import collecting
 
 pytestmark = pytest.mark.slow
@@ -128,3 +129,18 @@ def test_without_a_terminal_there_is_a_line_now_and_then(
     assert len(lines) > 1
     assert all(re.match(rf"{WALK}: \d+/20 episodes, [\d.]+/s", line) for line in lines)
     assert lines[-1].startswith(f"{WALK}: 20/20 episodes")
+
+
+@pytest.mark.parametrize(
+    ("word", "value"),
+    [
+        ("a=96,64", [96, 64]),
+        ("a=scene,wrist", ["scene", "wrist"]),
+        ('a=["scene"]', ["scene"]),
+        ("a=true", True),
+        ("a=ur5e", "ur5e"),
+        ("a=Lift it, now.", "Lift it, now."),
+    ],
+)
+def test_keywords_are_json_lists_or_texts(word: str, value: object) -> None:
+    assert keywords([word]) == {"a": value}
