@@ -37,7 +37,7 @@ def main() -> None:
     parser.add_argument("--seeds", nargs="+", type=int, default=[0, 1, 2])
     parser.add_argument("--folder", type=Path, required=True)
     parser.add_argument("--episodes", type=int, default=200, help="of the expert")
-    parser.add_argument("--steps", type=int, default=1500, help="of the optimizer")
+    parser.add_argument("--steps", type=int, default=3000, help="of the optimizer")
     parser.add_argument("--checkpoints", type=int, default=3)
     parser.add_argument("--evaluated", type=int, default=50, help="episodes")
     given = parser.parse_args()
