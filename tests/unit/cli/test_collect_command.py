@@ -95,8 +95,8 @@ def test_the_folder_has_the_name_of_the_task(
         ("--task Lift --episodes 3 --format csv", "parquet or lerobot"),
         ("--task Lift --episodes 3 --env arm", "name=value"),
         (
-            "--task Lift --episodes 3 --env camera=scene,wrist",
-            "no camera 'scene,wrist'",
+            "--task Lift --episodes 3 --env camera=scene,nowhere",
+            "no camera 'nowhere'",
         ),
         ("--task Lift --episodes 3 --instruction Lift", "format lerobot"),
         ("--task Lift --episodes 3 --policy nothing.py:x", "No such file"),
