@@ -172,6 +172,10 @@ PRINTED = {
         SUCCEEDED,
     ],
     "29_own_task": [r"solved in \d\d steps"],
+    "30_clone_expert": [
+        r"\d{4} actions of the expert",
+        r"success: (100|9\d|8\d)% of 50",  # the loop: collect, train, evaluate
+    ],
 }
 """Example → what some of its lines are, in this order."""
 WITHOUT_VIDEO = """

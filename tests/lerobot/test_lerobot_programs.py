@@ -79,7 +79,7 @@ def test_collect_train_evaluate(tmp_path: Path) -> None:
         "lerobot-train",
         f"{SMALL_ACT} --policy.dim_model=128 --policy.n_heads=4 "
         "--policy.dim_feedforward=256 --policy.n_encoder_layers=2 "
-        "--policy.optimizer_lr=3e-4 --batch_size=64 --steps=3000 --save_freq=3000 "
+        "--policy.optimizer_lr=3e-4 --batch_size=64 --steps=4000 --save_freq=4000 "
         f"--dataset.repo_id=tool0/lift --dataset.root={tmp_path / 'lift'} "
         f"--output_dir={tmp_path / 'train'}",
     )

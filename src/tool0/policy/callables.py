@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, final
 
-from tool0.collect.policy import Act, loaded, located
+from tool0.collect.policy import Act, Policy, loaded, located
 from tool0.errors import PolicyError, Tool0Error
 from tool0.policy.seen import Seen
 
@@ -13,14 +13,19 @@ from tool0.policy.seen import Seen
 class CallablePolicy:
     """Called with a seed, it returns a function from an observation to actions."""
 
-    def __init__(self, name: str) -> None:
-        """Load it.
+    def __init__(self, policy: str | Policy) -> None:
+        """Take a function or class, or load it from its place.
 
         Raises:
             ConfigError: If there is none, or its file raises an error.
         """
-        self._name, self.digest = located(name)
-        self._policy = loaded(self._name, self.digest)
+        self.digest: str | None = None
+        if isinstance(policy, str):
+            self._name, self.digest = located(policy)
+            self._policy = loaded(self._name, self.digest)
+        else:
+            self._name = getattr(policy, "__qualname__", repr(policy))
+            self._policy = policy
         self._act: Act | None = None
 
     def begin(self, seed: int) -> None:

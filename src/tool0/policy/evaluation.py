@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, final
 
 from tool0.collect.encoding import encoded
+from tool0.collect.policy import Policy
 from tool0.collect.settings import programs, require_extra
 from tool0.errors import ConfigError
 from tool0.policy.report import Report, report_of
@@ -28,7 +29,7 @@ _REPORT: Final = "report.json"
 
 
 def evaluate(
-    policy: str,
+    policy: str | Policy,
     task: str,
     seeds: Iterable[int],
     *,
@@ -46,7 +47,7 @@ def evaluate(
 
     Args:
         policy: ``module:name``, ``file.py:name``, ``lerobot:FOLDER`` or
-            ``ws://HOST:PORT`` (docs/policies.md).
+            ``ws://HOST:PORT`` (docs/policies.md); or a function or class itself.
         task: As for ``tool0.collect.collect``: ``Lift``, or an environment's id.
         seeds: One for each episode.
         options: Keywords of the environment.
@@ -88,7 +89,7 @@ def evaluate(
     report = report_of(runs)
     if place is not None:
         about = {
-            "policy": policy,
+            "policy": policy if isinstance(policy, str) else repr(policy),
             "policy_sha256": source.digest,
             "task": environment.task,
             "task_sha256": environment.digest,
@@ -101,7 +102,7 @@ def evaluate(
 
 
 def execute(
-    policy: str,
+    policy: str | Policy,
     robot: Robot,
     *,
     rate: float = 25.0,
@@ -156,7 +157,7 @@ def execute(
             robot.stop_recording()
         place.add(0, found, environment)
         about = {
-            "policy": policy,
+            "policy": policy if isinstance(policy, str) else repr(policy),
             "policy_sha256": source.digest,
             "robot": robot.description.model.name,
             "rate": rate,

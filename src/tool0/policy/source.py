@@ -7,6 +7,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tool0.collect.policy import Policy
 from tool0.errors import ConfigError, PolicyError
 from tool0.policy.seen import Seen
 
@@ -37,13 +38,15 @@ class Source(Protocol):
         """End it."""
 
 
-def opened(name: str, *, device: str = "cpu", keys: dict[str, str]) -> Source:
+def opened(
+    name: str | Policy, *, device: str = "cpu", keys: dict[str, str]
+) -> Source:
     """Return the policy of this name, ready to answer.
 
     Args:
         name: ``module:name`` or ``file.py:name``, as ``tool0 collect`` takes it;
             ``lerobot:FOLDER`` of a pretrained LeRobot policy; ``ws://HOST:PORT`` of a
-            server that speaks openpi's protocol.
+            server that speaks openpi's protocol; or a function or class itself.
         device: On which LeRobot's policies are computed, such as ``cpu`` or ``cuda``.
         keys: Name that openpi's server expects → what it gets there.
 
@@ -52,6 +55,10 @@ def opened(name: str, *, device: str = "cpu", keys: dict[str, str]) -> Source:
         PolicyError: If it cannot be loaded.
         TransportError: If no server answers.
     """
+    if not isinstance(name, str):
+        from tool0.policy.callables import CallablePolicy
+
+        return CallablePolicy(name)
     if name.startswith(_SERVERS):
         from tool0.policy.openpi import OpenpiServer
 
