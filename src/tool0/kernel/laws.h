@@ -59,7 +59,8 @@ typedef struct {
     int32_t *arrived;
     const double *tolerances; /* shape (n, 4): position and velocity on the path, and at
                                  the goal, if all joints are watched together */
-    int32_t *started; /* whether the kernel started the motion: Python lacks it */
+    int32_t *started; /* segments of a motion that the kernel started: Python lacks it */
+    double *times; /* (n, max_pieces): when they end after the start of that motion [s] */
     const double *values; /* LAW_COMMAND: the commands */
     double *last_errors;  /* LAW_COMMAND with a PID */
     double *errors, *rates; /* scratch */

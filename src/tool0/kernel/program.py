@@ -27,13 +27,15 @@ from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.drives import NativeDrives, goal_limits
 from tool0.kernel.memory import (
     GRIP_FIELDS,
-    MOST_PIECES,
     FloatArray,
     LawMemory,
     LawStruct,
     RobotStruct,
     packed,
 )
+
+LOADED_PIECES = 16
+"""Pieces of a motion that Python makes for each joint at once."""
 
 
 @final
@@ -127,7 +129,7 @@ class _LoadedLaw:
             self._packed, self._known_until = motion, math.inf
             checked = monitor if isinstance(monitor, GoalMonitor) else None
             for k, spline in enumerate(law.sampler.splines):
-                pieces = pieces_from(spline, time, MOST_PIECES)
+                pieces = pieces_from(spline, time, LOADED_PIECES)
                 memory.pieces[k, : len(pieces)] = [
                     packed(piece, checked) for piece in pieces
                 ]
