@@ -325,9 +325,37 @@ class Copies:
             lifts_limits=False,
         )
         if has_started:
-            driven = self._engines[0].joint_names.index(gripper.joint)
-            for i, each in zip(rows.tolist(), limits, strict=True):
-                program = self._programs[i]
-                assert program is not None
-                program.set_drive_limits(driven, each)
+            self._limit_drives(rows, limits)
         return has_started
+
+    def drive(
+        self,
+        rows: Indices,
+        controller: int,
+        targets: Sequence[float],
+        effort: float | None,
+        limits: Sequence[DriveLimits],
+    ) -> bool:
+        """Start goals of a gripper, as ``BatchBackend.drive``, in the kernel's memory.
+
+        Nobody has their handles.
+        """
+        if self._kernel is None or not self.load(rows):
+            return False
+        now = self.time[rows].tolist()
+        for i, target, time, bound in zip(
+            rows.tolist(), targets, now, limits, strict=True
+        ):
+            program = self._programs[i]
+            assert program is not None
+            program.start_grip(controller, target, effort, bound, time)
+        self._limit_drives(rows, limits)
+        return True
+
+    def _limit_drives(self, rows: Indices, limits: Sequence[DriveLimits]) -> None:
+        """Limit the drive of a gripper in copies that are loaded."""
+        driven = self._engines[0].joint_names.index(limits[0].gripper.joint)
+        for i, each in zip(rows.tolist(), limits, strict=True):
+            program = self._programs[i]
+            assert program is not None
+            program.set_drive_limits(driven, each)

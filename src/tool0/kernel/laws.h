@@ -32,6 +32,8 @@ typedef struct {
 typedef struct {
     double target, tolerance, max_effort, stall_range, stall_timeout;
     double ramp, effort, stall_position, stall_since;
+    double position;   /* in the last tick */
+    double is_unheard; /* nobody waits for the end of the goal */
 } Grip;
 
 typedef struct {

@@ -61,6 +61,8 @@ GRIP_FIELDS = (
     "effort",
     "stall_position",
     "stall_since",
+    "position",
+    "is_unheard",
 )
 
 
