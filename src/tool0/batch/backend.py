@@ -184,6 +184,24 @@ class BatchBackend(Protocol):
             limits: Of speed and force, one per row.
         """
 
+    def drive(
+        self,
+        rows: Indices,
+        controller: int,
+        targets: Sequence[float],
+        effort: float | None,
+        limits: Sequence[DriveLimits],
+    ) -> bool:
+        """Start goals of a GripperActionController; return False if only Python can.
+
+        Args:
+            rows: The copies, at least one.
+            controller: Its number among the running controllers.
+            targets: Of its joint, within the limits, one per row [rad | m].
+            effort: Of its joint at most [N·m | N]; None for the controller's own.
+            limits: Of speed and force, one per row.
+        """
+
 
 def needs_cpu(what: str, device: str) -> ControlError:
     """Return the error for something that only the CPU can do."""

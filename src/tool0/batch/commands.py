@@ -201,20 +201,38 @@ class Commands:
             return
         effort = self._limits[joint].effort if has_force else None
         ends = np.asarray(openings)[rows].tolist()
+        if not is_followed:
+            self._drive(rows, name, list(map(gripper.position, ends)), effort, bounds)
+            return
         for i, end, speed, bound in zip(
             rows.tolist(), ends, speeds, bounds, strict=True
         ):
             executor = self._copies.executor(i)
-            if not is_followed:
-                target = gripper.position(end)
-                executor.command_gripper(name, target, effort, bound)
-                continue
             controller = executor.trajectory_controller(name)
             column = controller.spec.joints.index(joint)
             here = controller.query_state(executor.core.time).positions[column]
             path = direct_path(gripper, here, end, speed, self._period)
             goal = TrajectoryGoal(points=trajectory_points(path), joint_names=[joint])
             executor.command_trajectory(name, goal, {joint: bound})
+
+    def _drive(
+        self,
+        rows: Indices,
+        name: str,
+        targets: Sequence[float],
+        effort: float | None,
+        bounds: Sequence[DriveLimits],
+    ) -> None:
+        """Start goals of a GripperActionController, one per row."""
+        number, (joint,) = self._running[name]
+        (limited,) = self._limited([joint])
+        for target in targets:
+            check_position(limited, target, f"a goal of '{name}'")
+        if self._copies.drive(rows, number, targets, effort, bounds):
+            return
+        for i, target, bound in zip(rows.tolist(), targets, bounds, strict=True):
+            executor = self._copies.executor(i)
+            executor.command_gripper(name, target, effort, bound)
 
     def _limited(self, names: Sequence[str]) -> list[Joint]:
         """Return the joints with the limits of their drives."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tool0.batch.arguments import Indices
 from tool0.batch.backend import DeviceArrays, ObjectField, needs_gpu
 from tool0.batch.saved import SavedCopy
+from tool0.control.ros1.goal_check import INSTANT
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.scene_state import ObjectState
 from tool0.engines.mujoco.copies import (
@@ -249,12 +250,12 @@ class Copies:
         velocities: Array | None,
         lifts_limits: bool,
     ) -> bool:
-        """Start motions, as ``BatchBackend.start``: the kernel starts one-point ones.
+        """Start motions, as ``BatchBackend.start``, in the kernel if it can.
 
         Raises:
             GoalRejectedError: If no joint can move so; nothing has changed.
         """
-        if times.shape[1] != 1 or lifts_limits:
+        if lifts_limits or (times[:, 0] <= 2.0 * INSTANT).any():
             return False
         if self._kernel is None or not self.load(rows):
             return False
@@ -262,9 +263,9 @@ class Copies:
             self._laws[controller][rows],
             joints,
             now=self.time[rows],
-            durations=times[:, 0],
-            positions=positions[:, 0],
-            velocities=None if velocities is None else velocities[:, 0],
+            times=times,
+            positions=positions,
+            velocities=velocities,
         )
         if started is StartResult.REFUSED:
             raise GoalRejectedError(
@@ -324,9 +325,37 @@ class Copies:
             lifts_limits=False,
         )
         if has_started:
-            driven = self._engines[0].joint_names.index(gripper.joint)
-            for i, each in zip(rows.tolist(), limits, strict=True):
-                program = self._programs[i]
-                assert program is not None
-                program.set_drive_limits(driven, each)
+            self._limit_drives(rows, limits)
         return has_started
+
+    def drive(
+        self,
+        rows: Indices,
+        controller: int,
+        targets: Sequence[float],
+        effort: float | None,
+        limits: Sequence[DriveLimits],
+    ) -> bool:
+        """Start goals of a gripper, as ``BatchBackend.drive``, in the kernel's memory.
+
+        Nobody has their handles.
+        """
+        if self._kernel is None or not self.load(rows):
+            return False
+        now = self.time[rows].tolist()
+        for i, target, time, bound in zip(
+            rows.tolist(), targets, now, limits, strict=True
+        ):
+            program = self._programs[i]
+            assert program is not None
+            program.start_grip(controller, target, effort, bound, time)
+        self._limit_drives(rows, limits)
+        return True
+
+    def _limit_drives(self, rows: Indices, limits: Sequence[DriveLimits]) -> None:
+        """Limit the drive of a gripper in copies that are loaded."""
+        driven = self._engines[0].joint_names.index(limits[0].gripper.joint)
+        for i, each in zip(rows.tolist(), limits, strict=True):
+            program = self._programs[i]
+            assert program is not None
+            program.set_drive_limits(driven, each)

@@ -241,3 +241,14 @@ class DeviceCopies:
             forces=forces,
         )
         return True
+
+    def drive(
+        self,
+        rows: Indices,
+        controller: int,
+        targets: Sequence[float],
+        effort: float | None,
+        limits: Sequence[DriveLimits],
+    ) -> bool:
+        """Return False: GripperActionControllers run on the CPU only."""
+        return False

@@ -180,6 +180,17 @@ class GripperDriver(Controller, Protocol):
         None means its all; settings left out are the controller's own.
         """
 
+    def resume_from_kernel(
+        self,
+        target: float,
+        max_effort: float,
+        drive_limits: DriveLimits | None,
+        now: float,
+        *,
+        has_goal: bool,
+    ) -> None:
+        """Continue with a goal that the kernel started ``now`` [s], or that ended."""
+
     def cancel(self, goal: Goal, now: float) -> None:
         """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
 

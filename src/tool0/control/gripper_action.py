@@ -184,6 +184,8 @@ class GripperActionController:
             self.pid,
             self._drive_limits,
             self._grip,
+            self._position,
+            spec.max_effort,
         )
 
     def observe(self, state: JointState) -> None:
@@ -236,8 +238,7 @@ class GripperActionController:
         check_position(self.spec.joint, position, f"a goal of '{self.spec.name}'")
         self._finish(GoalStatus.PREEMPTED)
         self._goal = goal = Goal(self.spec.name)
-        self._target, self._drive_limits = float(position), drive_limits
-        self._hold = hold(now, self._target)
+        self._move_to(float(position), drive_limits, now)
         lead = self._grip.ramp - self._position
         distance = self._target - self._position
         # A further squeeze in the same direction must not release the object.
@@ -248,6 +249,30 @@ class GripperActionController:
         self._max_effort = abs(max_effort or 0.0) or self.spec.max_effort
         self._grip.stall_position, self._grip.stall_since = self._position, now
         return goal
+
+    def resume_from_kernel(
+        self,
+        target: float,
+        max_effort: float,
+        drive_limits: DriveLimits | None,
+        now: float,
+        *,
+        has_goal: bool,
+    ) -> None:
+        """Continue with a goal that the kernel started ``now`` [s], or that ended.
+
+        Nobody has its handle.
+        """
+        self._finish(GoalStatus.PREEMPTED)
+        self._goal = Goal(self.spec.name) if has_goal else None
+        self._move_to(target, drive_limits, now)
+        self._max_effort = max_effort
+
+    def _move_to(
+        self, target: float, drive_limits: DriveLimits | None, now: float
+    ) -> None:
+        self._target, self._drive_limits = target, drive_limits
+        self._hold = hold(now, target)
 
     def limits(
         self, max_effort: float | None, max_velocity: float | None

@@ -111,6 +111,10 @@ class GripperLaw(NamedTuple):
     """Limits of the drive during the goal; they slow the ramp down."""
     grip: GripState
     """The state; updated in place."""
+    position: float
+    """The position in the last tick [rad | m]."""
+    own_effort: float
+    """Largest effort of a goal that names none [N·m | N]."""
 
 
 class IdleLaw(NamedTuple):

@@ -435,17 +435,22 @@ def point_to_point(
 
 def along(segment: Segment) -> JointSpline:
     """Return the spline of one segment, which belongs to no goal."""
-    first = Motion(*segment.sample(segment.start))
-    last = Motion(*segment.sample(segment.end))
-    knots = Knots((segment.end - segment.start,), lambda _: last)
-    origin = segment.start, first
-    made = {0: segment}
+    return through([segment], [segment.end - segment.start])
+
+
+def through(segments: Sequence[Segment], times: Sequence[float]) -> JointSpline:
+    """Return the spline of segments that follow each other, and belong to no goal.
+
+    ``times`` are when they end after the start of the first one [s].
+    """
+    start = segments[0].start
+    origin = start, Motion(*segments[0].sample(start))
+    ends = [Motion(*segment.sample(segment.end)) for segment in segments]
+    made = dict(enumerate(segments))
+    span = range(len(segments))
+    knots = Knots(times, ends.__getitem__)
     return JointSpline(
-        (
-            SplineSection(
-                segment.start, knots, 0, origin, range(1), None, NO_TOLERANCES, made
-            ),
-        )
+        (SplineSection(start, knots, 0, origin, span, None, NO_TOLERANCES, made),)
     )
 
 

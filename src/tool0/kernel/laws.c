@@ -143,6 +143,13 @@ static int grip_continues(const Grip *grip, double time, double position)
             || !(time - grip->stall_since > grip->stall_timeout));
 }
 
+/* Return whether Python has nothing to do: the end of an unheard goal is noted here. */
+static int prepare_grip(Law *law, double time, double position)
+{
+    return !law->is_monitored || law->grip->is_unheard != 0.0
+        || grip_continues(law->grip, time, position);
+}
+
 double law_time(const Law *law, double time)
 {
     return time - (law->lag + law->slip * (time - law->since));
@@ -155,8 +162,7 @@ int law_prepare(Law *law, double time, const double *position, const double *vel
         return 1;
     }
     if (law->kind == LAW_GRIPPER)
-        return !law->is_monitored
-            || grip_continues(law->grip, time, position[law->joints[0]]);
+        return prepare_grip(law, time, position[law->joints[0]]);
     time = law_time(law, time);
     if (!find_pieces(law, time))
         return 0;
@@ -237,6 +243,9 @@ static double grip_command(Law *law, double time, double period, double position
                            double velocity)
 {
     Grip *grip = law->grip;
+    grip->position = position;
+    if (law->is_monitored && !grip_continues(grip, time, position))
+        law->is_monitored = 0;
     if (law->is_monitored
         && fabs(position - grip->stall_position) > grip->stall_range) {
         grip->stall_position = position;

@@ -32,6 +32,8 @@ typedef struct {
 typedef struct {
     double target, tolerance, max_effort, stall_range, stall_timeout;
     double ramp, effort, stall_position, stall_since;
+    double position;   /* in the last tick */
+    double is_unheard; /* nobody waits for the end of the goal */
 } Grip;
 
 typedef struct {
@@ -59,7 +61,8 @@ typedef struct {
     int32_t *arrived;
     const double *tolerances; /* shape (n, 4): position and velocity on the path, and at
                                  the goal, if all joints are watched together */
-    int32_t *started; /* whether the kernel started the motion: Python lacks it */
+    int32_t *started; /* segments of a motion that the kernel started: Python lacks it */
+    double *times; /* (n, max_pieces): when they end after the start of that motion [s] */
     const double *values; /* LAW_COMMAND: the commands */
     double *last_errors;  /* LAW_COMMAND with a PID */
     double *errors, *rates; /* scratch */

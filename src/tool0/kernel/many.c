@@ -147,7 +147,7 @@ TOOL0_EXPORT void tool0_run_many(void *opened, Robot *const *robots, int n,
     pthread_mutex_unlock(&pool->lock);
 }
 
-/* ---- motions: JointTrajectoryController.command with one point ------------------- */
+/* ---- motions: JointTrajectoryController.command ------------------------------------ */
 
 /* control/spline.IMPLAUSIBLE */
 static const double IMPLAUSIBLE = 1e9;
@@ -208,74 +208,110 @@ static double wrap_offset(double previous, double following)
     return previous + turn - following;
 }
 
-/* The segment of a joint from the desired motion at `now` to one point. */
-static int segment(const Law *law, int k, double now, double end, double position,
-                   const double *velocity, double *c)
+/* One joint's part of a trajectory: its points are `stride` numbers apart. */
+typedef struct {
+    double now; /* [s] */
+    int n_points;
+    const double *times; /* of the points after now [s] */
+    const double *positions, *velocities; /* velocities may be NULL */
+    int stride;
+} Course;
+
+/* The polynomials of a joint's segments from the motion q, qd; control/spline.Knots. */
+static int segments(const Course *course, int wraps, double q, double qd, double (*c)[6])
 {
-    double q, qd, T = end - now;
-    if (law->lead != 0.0) /* it starts with the measured motion */
-        return UNKNOWN;
-    if (!desired(law, k, now, &q, &qd) || !(T > 0.0))
-        return UNKNOWN;
-    if (law->wraps[k])
-        position = position + wrap_offset(q, position);
-    fit(q, qd, position, velocity, T, c);
-    return is_bounded(c, T) ? STARTED : REFUSED;
+    double begin = course->now, offset = 0.0;
+    if (wraps)
+        offset = wrap_offset(q, course->positions[0]);
+    for (int m = 0; m < course->n_points; m++) {
+        double end = course->now + course->times[m], T = end - begin;
+        double position = course->positions[m * course->stride];
+        const double *velocity = NULL;
+        if (course->velocities != NULL)
+            velocity = &course->velocities[m * course->stride];
+        if (wraps)
+            position = position + offset;
+        if (!(T > 0.0))
+            return UNKNOWN;
+        fit(q, qd, position, velocity, T, c[m]);
+        if (!is_bounded(c[m], T))
+            return REFUSED;
+        q = position;
+        qd = velocity == NULL ? 0.0 : *velocity; /* lines need none */
+        begin = end;
+    }
+    return STARTED;
 }
 
-/* The pieces of one segment and of the rest after it: control/sampler.pieces_from. */
-static void set_pieces(Law *law, int k, double now, double end, const double *c)
+static void set_piece(Piece *piece, double origin, double end, double until,
+                      const double *c)
+{
+    memset(piece, 0, sizeof(Piece));
+    piece->origin = origin;
+    memcpy(piece->c, c, sizeof piece->c);
+    for (int i = 0; i < 4; i++)
+        piece->d[i] = (i + 2) * c[i + 2];
+    piece->end = end;
+    piece->until = until;
+}
+
+/* The pieces of the segments and of the rest after them: control/sampler.pieces_from. */
+static void set_pieces(Law *law, int k, const Course *course, double (*c)[6])
 {
     Piece *pieces = &law->pieces[k * law->max_pieces];
-    memset(pieces, 0, 3 * sizeof(Piece));
-    for (int j = 0; j < 2; j++) {
-        pieces[j].origin = now;
-        memcpy(pieces[j].c, c, sizeof pieces[j].c);
-        for (int i = 0; i < 4; i++)
-            pieces[j].d[i] = (i + 2) * c[i + 2];
+    int last = course->n_points - 1;
+    double begin = course->now, end = begin;
+    for (int m = 0; m <= last; m++) {
+        begin = m == 0 ? course->now : end;
+        end = course->now + course->times[m];
+        set_piece(&pieces[m], begin, end, end, c[m]);
+        law->times[k * law->max_pieces + m] = course->times[m];
     }
-    double t = end - now;
-    pieces[2].c[0] =
-        c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
-    pieces[0].until = end;
-    pieces[1].until = nextafter(end, INFINITY);
-    pieces[2].until = INFINITY;
-    for (int j = 0; j < 3; j++)
-        pieces[j].end = end;
-    law->n_pieces[k] = 3;
+    set_piece(&pieces[last + 1], begin, end, nextafter(end, INFINITY), c[last]);
+    const double *a = c[last];
+    double t = end - begin, rest[6] = {0.0};
+    rest[0] = a[0] + t * (a[1] + t * (a[2] + t * (a[3] + t * (a[4] + t * a[5]))));
+    set_piece(&pieces[last + 2], 0.0, end, INFINITY, rest);
+    law->n_pieces[k] = last + 3;
     law->piece[k] = 0;
-    law->started[k] = 1;
+    law->started[k] = last + 1;
 }
 
-/* Start a motion of n_joints joints of each law, by their numbers there, to one point.
+/* Start a motion of n_joints joints of each law, by their numbers there, through points.
 
-   `now` and `durations` [s] have shape (n), `positions` (n, n_joints), and so have
-   `velocities`, unless they are NULL.  If a law does not know its motion (UNKNOWN) or
-   a motion is implausible (REFUSED), *which is its number and nothing has changed. */
+   `now` [s] has shape (n), `times` [s] (n, n_points), `positions` (n, n_points, n_joints),
+   and so have `velocities`, unless they are NULL.  If a law does not know its motion, or
+   Python must start it (UNKNOWN), or a motion is implausible (REFUSED), *which is its
+   number and nothing has changed. */
 TOOL0_EXPORT int tool0_start_many(Law *const *laws, int n, int n_joints,
-                                  const int32_t *joints, const double *now,
-                                  const double *durations, const double *positions,
+                                  const int32_t *joints, int n_points, const double *now,
+                                  const double *times, const double *positions,
                                   const double *velocities, int32_t *which)
 {
+    double c[n_points][6];
     for (int is_checked = 0; is_checked < 2; is_checked++)
         for (int i = 0; i < n; i++) {
-            double end = now[i] + durations[i], c[n_joints][6];
+            Law *law = laws[i];
+            *which = i;
+            if (law->lead != 0.0 || n_points + 2 > law->max_pieces)
+                return UNKNOWN; /* it starts with the measured motion, or is too long */
             for (int j = 0; j < n_joints; j++) {
-                int at = i * n_joints + j;
-                int result =
-                    segment(laws[i], joints[j], now[i], end, positions[at],
-                            velocities == NULL ? NULL : &velocities[at], c[j]);
-                if (result != STARTED) {
-                    *which = i;
+                int k = joints[j], at = i * n_points * n_joints + j;
+                Course course = {now[i],   n_points, &times[i * n_points], &positions[at],
+                                 velocities == NULL ? NULL : &velocities[at], n_joints};
+                double q, qd;
+                if (!desired(law, k, now[i], &q, &qd))
+                    return UNKNOWN;
+                int result = segments(&course, law->wraps[k], q, qd, c);
+                if (result != STARTED)
                     return result;
-                }
+                if (is_checked)
+                    set_pieces(law, k, &course, c);
             }
             if (!is_checked)
                 continue;
-            for (int j = 0; j < n_joints; j++)
-                set_pieces(laws[i], joints[j], now[i], end, c[j]);
-            laws[i]->next_change = -INFINITY;
-            laws[i]->is_monitored = 0;
+            law->next_change = -INFINITY;
+            law->is_monitored = 0;
         }
     return STARTED;
 }

@@ -65,25 +65,25 @@ class BatchKernel:
         joints: Sequence[int],
         *,
         now: FloatArray,
-        durations: FloatArray,
+        times: FloatArray,
         positions: FloatArray,
         velocities: FloatArray | None,
     ) -> tuple[StartResult, int]:
-        """Start motions to one point, as ``JointTrajectoryController.command``.
+        """Start motions through points, as ``JointTrajectoryController.command``.
 
         Args:
             laws: Those of trajectory controllers.
             joints: Which k of their joints move, by number.
             now: The time of the next tick [s], shape (n,).
-            durations: Of the motions [s], shape (n,).
-            positions: Of the points [rad | m], shape (n, k).
-            velocities: [rad/s | m/s], shape (n, k); None makes linear motions.
+            times: Of the points after now [s], increasing, shape (n, m).
+            positions: Of the points [rad | m], shape (n, m, k).
+            velocities: [rad/s | m/s], shape (n, m, k); None makes linear motions.
 
         Returns:
             Whether they started, all or none; if not, because of which row.
         """
         columns = np.array(joints, dtype=np.int32)
-        arrays = [np.ascontiguousarray(a) for a in (now, durations, positions)]
+        arrays = [np.ascontiguousarray(a) for a in (now, times, positions)]
         speeds = None if velocities is None else np.ascontiguousarray(velocities)
         laws, which = np.ascontiguousarray(laws), ctypes.c_int32(-1)
         result = self._compiled.tool0_start_many(
@@ -91,6 +91,7 @@ class BatchKernel:
             len(laws),
             len(columns),
             address(columns),
+            times.shape[1],
             *map(address, arrays),
             None if speeds is None else address(speeds),
             ctypes.byref(which),

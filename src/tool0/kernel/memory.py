@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 
 from tool0.control.law import ActiveLaw, CommandLaw, GripperLaw, TrajectoryLaw
 from tool0.control.sampler import Check, GoalMonitor, Piece
-from tool0.control.spline import JointSpline, Segment, along
+from tool0.control.spline import JointSpline, Segment, through
 from tool0.control.tolerances import UNCHECKED
 
-MOST_PIECES = 16
+MOST_PIECES = 64
 """Pieces of a motion per joint; Python continues a longer one."""
 PIECE_SIZE = 16
 """Numbers of a piece."""
@@ -61,6 +61,8 @@ GRIP_FIELDS = (
     "effort",
     "stall_position",
     "stall_since",
+    "position",
+    "is_unheard",
 )
 
 
@@ -100,6 +102,7 @@ class LawStruct(Structure):
         ("arrived", c_size_t),
         ("tolerances", c_size_t),
         ("started", c_size_t),
+        ("times", c_size_t),
         ("values", c_size_t),
         ("last_errors", c_size_t),
         ("errors", c_size_t),
@@ -178,6 +181,7 @@ class LawMemory:
         self.tolerances: FloatArray = np.zeros((k, 4))
         self.arrived: IntArray = np.zeros(k, dtype=np.int32)
         self.started: IntArray = np.zeros(k, dtype=np.int32)
+        self.times: FloatArray = np.zeros((k, MOST_PIECES))
         self.values: FloatArray = np.zeros(k)
         self.last_errors: FloatArray = np.zeros(k)
         self.grip = GripStruct()
@@ -207,9 +211,12 @@ class LawMemory:
         """Return the motions that the kernel started, by the joint's number."""
         found = {}
         for k in np.flatnonzero(self.started).tolist():
-            piece = self.pieces[k, 0].tolist()
-            segment = Segment.of(piece[_ORIGIN], piece[_UNTIL], piece[_COEFFICIENTS])
-            found[k] = along(segment)
+            n = self.started[k]
+            segments = [
+                Segment.of(piece[_ORIGIN], piece[_UNTIL], piece[_COEFFICIENTS])
+                for piece in self.pieces[k, :n].tolist()
+            ]
+            found[k] = through(segments, self.times[k, :n].tolist())
         return found
 
 
@@ -228,6 +235,7 @@ _ARRAYS = (
     "tolerances",
     "arrived",
     "started",
+    "times",
     "values",
     "last_errors",
 )

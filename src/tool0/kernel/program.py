@@ -10,7 +10,12 @@ from typing import final
 
 import numpy as np
 
-from tool0.control.controller import Controller, ControllerSpec, TrajectoryFollower
+from tool0.control.controller import (
+    Controller,
+    ControllerSpec,
+    GripperDriver,
+    TrajectoryFollower,
+)
 from tool0.control.law import (
     ActiveLaw,
     CommandLaw,
@@ -27,13 +32,15 @@ from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.drives import NativeDrives, goal_limits
 from tool0.kernel.memory import (
     GRIP_FIELDS,
-    MOST_PIECES,
     FloatArray,
     LawMemory,
     LawStruct,
     RobotStruct,
     packed,
 )
+
+LOADED_PIECES = 16
+"""Pieces of a motion that Python makes for each joint at once."""
 
 
 @final
@@ -94,6 +101,8 @@ class _LoadedLaw:
         self._rows = law.pid and law.pid.rows
         self._packed: tuple[object, object] | None = None
         self._known_until = -math.inf
+        self._started_grip: tuple[DriveLimits, float] | None = None
+        """Limits and start [s] of a goal that Python lacks."""
 
     def use(self, struct: LawStruct) -> None:
         """Use this struct, which is new."""
@@ -127,7 +136,7 @@ class _LoadedLaw:
             self._packed, self._known_until = motion, math.inf
             checked = monitor if isinstance(monitor, GoalMonitor) else None
             for k, spline in enumerate(law.sampler.splines):
-                pieces = pieces_from(spline, time, MOST_PIECES)
+                pieces = pieces_from(spline, time, LOADED_PIECES)
                 memory.pieces[k, : len(pieces)] = [
                     packed(piece, checked) for piece in pieces
                 ]
@@ -158,15 +167,49 @@ class _LoadedLaw:
         values = (
             *(law.target, law.tolerance, law.max_effort),
             *(law.stall_range, law.stall_timeout, grip.ramp, grip.effort),
-            *(grip.stall_position, grip.stall_since),
+            *(grip.stall_position, grip.stall_since, law.position, False),
         )
         for name, value in zip(GRIP_FIELDS, values, strict=True):
             setattr(self._memory.grip, name, value)
         self._struct.is_monitored = law.has_goal
+        self._bound_grip(law.drive_limits)
+
+    def _bound_grip(self, limits: DriveLimits | None) -> None:
         self._struct.bounds = 0
-        if law.drive_limits is not None:
-            self._bounds = goal_limits(law.drive_limits)
+        if limits is not None:
+            self._bounds = goal_limits(limits)
             self._struct.bounds = addressof(self._bounds)
+
+    def start_grip(
+        self, target: float, effort: float | None, limits: DriveLimits, now: float
+    ) -> None:
+        """Start a goal that nobody waits for, as ``GripperActionController.drive``."""
+        law, grip = self._law, self._memory.grip
+        assert isinstance(law, GripperLaw)
+        self._started_grip = limits, now
+        lead, distance = grip.ramp - grip.position, target - grip.position
+        if lead * distance <= 0.0:
+            grip.ramp = grip.position
+        elif abs(lead) > abs(distance):
+            grip.ramp = target
+        grip.target = target
+        grip.max_effort = abs(effort or 0.0) or law.own_effort
+        grip.stall_position, grip.stall_since = grip.position, now
+        grip.is_unheard = self._struct.is_monitored = True
+        self._bound_grip(limits)
+
+    def _store_grip(self, law: GripperLaw, controller: Controller) -> None:
+        grip, now = law.grip, self._memory.grip
+        if self._started_grip is not None and isinstance(controller, GripperDriver):
+            controller.resume_from_kernel(
+                now.target,
+                now.max_effort,
+                *self._started_grip,
+                has_goal=bool(self._struct.is_monitored),
+            )
+            self._started_grip = None
+        grip.ramp, grip.effort = now.ramp, now.effort
+        grip.stall_position, grip.stall_since = now.stall_position, now.stall_since
 
     def store(self, controller: Controller, time: float) -> None:
         """Give the controller its state back; ``time`` is that of the next tick [s]."""
@@ -179,9 +222,7 @@ class _LoadedLaw:
         if isinstance(law, CommandLaw):
             law.last_errors[:] = memory.last_errors.tolist()
         elif isinstance(law, GripperLaw):
-            grip, now = law.grip, memory.grip
-            grip.ramp, grip.effort = now.ramp, now.effort
-            grip.stall_position, grip.stall_since = now.stall_position, now.stall_since
+            self._store_grip(law, controller)
         elif isinstance(law.monitor, GoalMonitor):
             arrived: list[int] = np.flatnonzero(memory.arrived).tolist()
             law.monitor.note_arrived(arrived)
@@ -304,6 +345,22 @@ class TickProgram:
         """Limit the drive of a joint, by its number, as RobotHardware does."""
         if self._drives.drive_limits.get(joint) != limits:
             self._drives.set_drive_limits(joint, limits)
+
+    def start_grip(
+        self,
+        controller: int,
+        target: float,
+        effort: float | None,
+        limits: DriveLimits,
+        now: float,
+    ) -> None:
+        """Start a goal of a GripperActionController, by its number, ``now`` [s].
+
+        Nobody waits for its end; ``target`` and ``effort`` are those of ``drive``.
+        """
+        law = self._laws[controller]
+        assert law is not None
+        law.start_grip(target, effort, limits, now)
 
     @property
     def n_controllers(self) -> int:
