@@ -38,9 +38,7 @@ class Source(Protocol):
         """End it."""
 
 
-def opened(
-    name: str | Policy, *, device: str = "cpu", keys: dict[str, str]
-) -> Source:
+def opened(name: str | Policy, *, device: str = "cpu", keys: dict[str, str]) -> Source:
     """Return the policy of this name, ready to answer.
 
     Args:
