@@ -43,6 +43,7 @@ ErrorKind = Literal[
     "NotOfferedError",
     "PenetrationError",
     "PlanningError",
+    "PolicyError",
     "ProgramError",
     "RecordingError",
     "RenderError",
