@@ -23,7 +23,8 @@ from tool0.engines.mujoco.copies import (
 )
 from tool0.errors import EngineError, GoalRejectedError
 from tool0.kernel import library
-from tool0.kernel.many import Addresses, BatchKernel, StartResult
+from tool0.kernel.many import BatchKernel, StartResult
+from tool0.kernel.memory import Addresses
 from tool0.kernel.motions import JointGoal
 from tool0.kernel.program import Ended, TickProgram
 from tool0.kinematics.chain import Array
@@ -91,7 +92,10 @@ class Copies:
                 self._ticks[native] += done
                 self._untold[native] += done
                 left[native] -= done
-                events = results.nonzero()[0]
+                if (is_due := results == Ended.MASSES).any():
+                    robots = self._robots[native[is_due]]
+                    self._kernel.refresh_masses(robots, self._cores[0].hardware)
+                events = (results * ~is_due).nonzero()[0]
                 for i, result in zip(
                     native[events].tolist(), results[events].tolist(), strict=True
                 ):

@@ -199,6 +199,10 @@ class DynamicBody(NamedTuple):
     """The joint's frame in that of its parent."""
     mass: float
     center: Vector3
+    tensor: tuple[float, ...]
+    """Inertia about the centre, 9 numbers [kg·m²]."""
+    armature: float
+    """Inertia of the rotor at its joint [kg·m² | kg]."""
 
 
 class DynamicSpring(NamedTuple):
@@ -212,7 +216,7 @@ class DynamicSpring(NamedTuple):
 
 
 class DynamicsTable(NamedTuple):
-    """The constants of ``JointDynamics.static_effort``."""
+    """The constants of ``JointDynamics``."""
 
     gravity: float
     """[m/s²]"""
@@ -265,19 +269,22 @@ class JointDynamics:
             x, y, z = (turn.T @ body.inertia.center).tolist()
             self._center.append((x, y, z))
             self.tensors.append(turn.T @ body.inertia.tensor @ turn)
+        self._flat_tensors = [tuple(each.ravel().tolist()) for each in self.tensors]
 
     @cached_property
     def table(self) -> DynamicsTable:
-        """The constants of ``static_effort``."""
+        """The constants of ``static_effort`` and ``mass_matrix``."""
         bodies = tuple(
-            DynamicBody(parent, prismatic, master, ratio, placement, mass, center)
-            for parent, prismatic, (master, ratio), placement, mass, center in zip(
+            DynamicBody(parent, prismatic, *master, *constants)
+            for parent, prismatic, master, *constants in zip(
                 self._tree.parents,
                 self._tree.is_prismatic,
                 self._masters,
                 self._tree.placements,
                 self._mass,
                 self._center,
+                self._flat_tensors,
+                self.armature,
                 strict=True,
             )
         )
@@ -328,17 +335,61 @@ class JointDynamics:
 
         At ``position``, with the rotors' inertia; rows of mimic joints are 0.
         """
+        # Composite bodies, as plain floats: the kernel does the same (masses.c).
         frames = self.frames(position)
-        matrix = np.diag(self.armature)
-        for body, frame in enumerate(frames):
-            rotation = np.array(frame[:9]).reshape(3, 3).T
-            x, y, z = (rotation @ np.array(self._center[body])).tolist()
-            x, y, z = x + frame[9], y + frame[10], z + frame[11]
-            linear, angular = self.jacobian(frames, body, (x, y, z))
-            tensor = rotation @ self.tensors[body] @ rotation.T
-            matrix += self._mass[body] * linear @ linear.T
-            matrix += angular @ tensor @ angular.T
-        return matrix
+        carried = list(
+            map(_about_root, frames, self._mass, self._center, self._flat_tensors)
+        )
+        matrix = [[0.0] * self._n for _ in frames]
+        for i, armature in enumerate(self.armature):
+            matrix[i][i] = armature
+        parents = self._tree.parents
+        for i in range(self._n - 1, -1, -1):
+            momentum = self._momentum(i, frames[i], carried[i])
+            master, multiplier = self._masters[i]
+            joint = i
+            while joint >= 0:
+                value = self._along(joint, frames[joint], momentum)
+                other, ratio = self._masters[joint]
+                value = multiplier * ratio * value
+                matrix[master][other] += value
+                if joint != i:
+                    matrix[other][master] += value
+                joint = parents[joint]
+            if parents[i] >= 0:
+                together = zip(carried[parents[i]], carried[i], strict=True)
+                carried[parents[i]] = [a + b for a, b in together]
+        return np.array(matrix)
+
+    def _momentum(
+        self, joint: int, frame: Frame, carried: Sequence[float]
+    ) -> Sequence[float]:
+        """Return linear and angular momentum about the root per joint velocity."""
+        m, hx, hy, hz, xx, xy, xz, yy, yz, zz = carried
+        x, y, z, ox, oy, oz = frame[6:]
+        if self._tree.is_prismatic[joint]:
+            return (
+                *(m * x, m * y, m * z),
+                *(hy * z - hz * y, hz * x - hx * z, hx * y - hy * x),
+            )
+        vx, vy, vz = oy * z - oz * y, oz * x - ox * z, ox * y - oy * x
+        return (
+            m * vx + (y * hz - z * hy),
+            m * vy + (z * hx - x * hz),
+            m * vz + (x * hy - y * hx),
+            (hy * vz - hz * vy) + (xx * x + xy * y + xz * z),
+            (hz * vx - hx * vz) + (xy * x + yy * y + yz * z),
+            (hx * vy - hy * vx) + (xz * x + yz * y + zz * z),
+        )
+
+    def _along(self, joint: int, frame: Frame, momentum: Sequence[float]) -> float:
+        """Return the part of a momentum that a joint feels."""
+        px, py, pz, lx, ly, lz = momentum
+        x, y, z, ox, oy, oz = frame[6:]
+        if self._tree.is_prismatic[joint]:
+            return x * px + y * py + z * pz
+        vx, vy, vz = oy * z - oz * y, oz * x - ox * z, ox * y - oy * x
+        return (vx * px + vy * py + vz * pz) + (x * lx + y * ly + z * lz)
 
     def jacobian(
         self, frames: Sequence[Frame], body: int, point: Vector3
@@ -375,6 +426,46 @@ class JointDynamics:
         If gravity is not along -z, in the root rotated so that it is.
         """
         return self._tree.frames(position)
+
+
+def _about_root(
+    frame: Frame, mass: float, center: Vector3, tensor: Sequence[float]
+) -> list[float]:
+    """Return mass, first moment and inertia (xx xy xz yy yz zz) about the root."""
+    ax, ay, az, bx, by, bz, cx, cy, cz, ox, oy, oz = frame
+    u, v, w = center
+    x = ax * u + bx * v + cx * w + ox
+    y = ay * u + by * v + cy * w + oy
+    z = az * u + bz * v + cz * w + oz
+    t0, t1, t2, t3, t4, t5, t6, t7, t8 = tensor
+    # Rows of the rotation times the tensor.
+    xa, xb, xc = (
+        ax * t0 + bx * t3 + cx * t6,
+        ax * t1 + bx * t4 + cx * t7,
+        ax * t2 + bx * t5 + cx * t8,
+    )
+    ya, yb, yc = (
+        ay * t0 + by * t3 + cy * t6,
+        ay * t1 + by * t4 + cy * t7,
+        ay * t2 + by * t5 + cy * t8,
+    )
+    za, zb, zc = (
+        az * t0 + bz * t3 + cz * t6,
+        az * t1 + bz * t4 + cz * t7,
+        az * t2 + bz * t5 + cz * t8,
+    )
+    return [
+        mass,
+        mass * x,
+        mass * y,
+        mass * z,
+        (xa * ax + xb * bx + xc * cx) + mass * (y * y + z * z),
+        (xa * ay + xb * by + xc * cy) - mass * (x * y),
+        (xa * az + xb * bz + xc * cz) - mass * (x * z),
+        (ya * ay + yb * by + yc * cy) + mass * (x * x + z * z),
+        (ya * az + yb * bz + yc * cz) - mass * (y * z),
+        (za * az + zb * bz + zc * cz) + mass * (x * x + y * y),
+    ]
 
 
 def _master(

@@ -97,14 +97,34 @@ class DriveDynamics:
 
         Declared payloads count within the bounds of ``servo_masses``.
         """
-        own = self._matrix(self.own, joints, state)
+        position = [state.position[i] for i in self.to_model]
+        declared = self._declared.mass_matrix(position)[None]
+        return np.asarray(self.servo_masses(joints, declared, [position])[0])
+
+    def servo_masses(
+        self,
+        joints: Sequence[int],
+        declared: Matrix,
+        positions: Sequence[Sequence[float]],
+    ) -> Matrix:
+        """Return ``masses`` of ``joints`` in k states, shape (k, n, n).
+
+        Args:
+            joints: The n joints, by the engine's numbers.
+            declared: The mass matrices of the model's joints with declared payloads,
+                shape (k, n_joints, n_joints).
+            positions: Of the model's joints [rad | m], shape (k, n_joints): they count
+                if payloads are declared.
+        """
+        rows = [self.to_model.index(i) for i in joints]
+        chosen = own = np.ascontiguousarray(declared[:, rows][:, :, rows])
         loads = [self._expected_loads.get(i, 0.0) for i in joints]
         if not self._payloads and not any(loads):
             return own
-        declared = own
         if self._payloads:
-            declared = self._matrix(self._declared, joints, state)
-        return bounded_masses(own, declared + np.diag(loads), largest_ratio(self._dt))
+            matrices = [self.own.mass_matrix(position) for position in positions]
+            own = np.ascontiguousarray(np.array(matrices)[:, rows][:, :, rows])
+        return bounded_masses(own, chosen + np.diag(loads), largest_ratio(self._dt))
 
     def mobility(
         self, joints: Sequence[int], state: JointState, rotors: Mapping[int, float]
@@ -114,16 +134,11 @@ class DriveDynamics:
         Shape (n, n) [rad/s/(N·m)], by the masses of the description and the ``rotors``,
         by joint [kg·m²].
         """
-        masses = self._matrix(self.own, joints, state)
-        masses += np.diag([rotors.get(joint, 0.0) for joint in joints])
-        return np.asarray(self._dt * np.linalg.inv(masses))
-
-    def _matrix(
-        self, dynamics: JointDynamics, joints: Sequence[int], state: JointState
-    ) -> Matrix:
         rows = [self.to_model.index(i) for i in joints]
         position = [state.position[i] for i in self.to_model]
-        return dynamics.mass_matrix(position)[rows][:, rows]
+        masses = self.own.mass_matrix(position)[rows][:, rows]
+        masses += np.diag([rotors.get(joint, 0.0) for joint in joints])
+        return np.asarray(self._dt * np.linalg.inv(masses))
 
 
 def _joints_before_flanges(model: RobotModel) -> set[str]:

@@ -18,8 +18,10 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
-from operator import add, mul, truediv
+from operator import add, mul
 from typing import NamedTuple, final
+
+import numpy as np
 
 from tool0.description.bodies import (
     ROTOR_INERTIA,
@@ -613,11 +615,28 @@ class RobotHardware:
 
     def _servo_masses(self, state: JointState) -> list[tuple[int, list[float]]]:
         matrix = self._dynamics.masses(list(self._servos), state)
-        efforts = [self.limits[self.joint_names[i]].effort for i in self._servos]
-        inertia = matrix.diagonal().tolist()
-        # Other drives must not compensate for one that is at its limit.
-        self._fastest = list(map(truediv, efforts, inertia))
+        self._fastest = self._fastest_with(matrix).tolist()
         return list(zip(self._servos, matrix.tolist(), strict=True))
+
+    def servo_masses(
+        self, declared: Matrix, positions: Sequence[Sequence[float]]
+    ) -> tuple[Matrix, Matrix]:
+        """Return masses and largest accelerations of the servos in k states.
+
+        Their shapes are (k, n, n) and (k, n); ``DriveDynamics.servo_masses`` has the
+        arguments.
+        """
+        matrices = self._dynamics.servo_masses(list(self._servos), declared, positions)
+        return matrices, self._fastest_with(matrices)
+
+    def _fastest_with(self, masses: Matrix) -> Matrix:
+        """Return the largest acceleration of each servo's drive.
+
+        Other drives must not compensate for one that is at its limit.
+        """
+        efforts = [self.limits[self.joint_names[i]].effort for i in self._servos]
+        inertia = np.diagonal(masses, axis1=-2, axis2=-1)
+        return np.asarray(np.array(efforts) / inertia)
 
 
 def _effort_limits(

@@ -44,17 +44,20 @@ def largest_ratio(dt: float) -> float:
 def bounded_masses(own: Matrix, declared: Matrix, ratio: float) -> Matrix:
     """Return the mass matrix ``declared`` within 1 … ``ratio`` times ``own``.
 
-    Both have shape (n, n); ``own`` is that of the description, which is positive
+    Both have shape (…, n, n); ``own`` is that of the description, which is positive
     definite.  The ratio is limited along each of the generalised eigenvectors: the
     light direction of a wrist does not limit the shoulder.
     """
     lower = np.linalg.cholesky(own)
     inverse = np.linalg.inv(lower)
-    ratios, axes = np.linalg.eigh(inverse @ declared @ inverse.T)
-    if ratios[0] >= 1.0 and ratios[-1] <= ratio:
+    ratios, axes = np.linalg.eigh(inverse @ declared @ np.swapaxes(inverse, -1, -2))
+    is_within = (ratios[..., 0] >= 1.0) & (ratios[..., -1] <= ratio)
+    if is_within.all():
         return declared
     root = lower @ axes
-    return np.asarray((root * np.clip(ratios, 1.0, ratio)) @ root.T)
+    bounded = root * np.clip(ratios, 1.0, ratio)[..., None, :]
+    bounded = bounded @ np.swapaxes(root, -1, -2)
+    return np.where(is_within[..., None, None], declared, bounded)
 
 
 def expected_load(effort: float) -> float:

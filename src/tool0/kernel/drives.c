@@ -41,14 +41,20 @@ static void frame_of(const DriveBody *body, double (*frames)[12], int i, double 
     }
 }
 
+void drives_frames(const DriveTable *table, const double *position, double (*frames)[12])
+{
+    for (int i = 0; i < table->n_bodies; i++)
+        frame_of(&table->bodies[i], frames, i, position[table->bodies[i].joint]);
+}
+
 /* Set loads, by joint, to the efforts that balance gravity and springs. */
 static void static_effort(const DriveTable *table, const double *position, double *loads)
 {
     const DriveBody *bodies = table->bodies;
     int n = table->n_bodies;
     double frames[n][12], mass[n], moment_x[n], moment_y[n];
+    drives_frames(table, position, frames);
     for (int i = 0; i < n; i++) {
-        frame_of(&bodies[i], frames, i, position[bodies[i].joint]);
         const double *f = frames[i], *c = bodies[i].center;
         double m = mass[i] = bodies[i].mass;
         moment_x[i] = m * (f[0] * c[0] + f[3] * c[1] + f[6] * c[2] + f[9]);
@@ -334,7 +340,7 @@ static void govern(const DriveGovernor *governor, double *effort, const double *
 
 /* ---- RobotHardware.efforts ------------------------------------------------------- */
 
-static int needs_python(const Drives *drives, const double *command,
+static int what_is_due(const Drives *drives, const double *command,
                         const double *position, const double *velocity,
                         const double *effort)
 {
@@ -342,13 +348,15 @@ static int needs_python(const Drives *drives, const double *command,
     for (int i = 0; i < table->n_joints; i++)
         if (!(fabs(command[i]) <= DBL_MAX) || !(fabs(position[i]) <= DBL_MAX)
             || !(fabs(velocity[i]) <= DBL_MAX) || !(fabs(effort[i]) <= DBL_MAX))
-            return 1;
+            return DRIVES_EVENT;
     const DriveGovernor *governor = &drives->governor;
     if (is_fast(governor, velocity) && is_mobility_due(governor, position))
-        return 1;
-    if (!drives->n_servos)
-        return 0;
-    return !drives->has_masses || drives->steps % table->pose_period == 0;
+        return DRIVES_EVENT;
+    if (!drives->n_servos || drives->masses_at == drives->steps)
+        return DRIVES_OK;
+    if (!drives->has_masses || drives->steps % table->pose_period == 0)
+        return DRIVES_MASSES;
+    return DRIVES_OK;
 }
 
 static void run_servos(Drives *drives, const double *loads, const double *command,
@@ -389,8 +397,9 @@ TOOL0_EXPORT int drives_efforts(Drives *drives, const double *command,
                                 double *effort)
 {
     const DriveTable *table = drives->table;
-    if (needs_python(drives, command, position, velocity, effort))
-        return DRIVES_EVENT;
+    int due = what_is_due(drives, command, position, velocity, effort);
+    if (due != DRIVES_OK)
+        return due;
     int n = table->n_joints;
     int is_due = table->n_compensated
                  && (!drives->has_compensation

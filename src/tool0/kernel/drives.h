@@ -7,13 +7,13 @@
 #ifndef TOOL0_DRIVES_H
 #define TOOL0_DRIVES_H
 
-enum { DRIVES_OK = 0, DRIVES_EVENT = 1 };
+enum { DRIVES_OK = 0, DRIVES_EVENT = 1, DRIVES_MASSES = 2 };
 
 /* A moving body (description/bodies.py, DynamicBody). */
 typedef struct DriveBody {
     int parent, is_prismatic, master, joint; /* joint: its index in the engine */
     double multiplier, mass;
-    double placement[12], center[3];
+    double placement[12], center[3], tensor[9], armature;
 } DriveBody;
 
 typedef struct DriveSpring {
@@ -87,6 +87,7 @@ typedef struct DriveGovernor {
 typedef struct Drives {
     const DriveTable *table;
     long long steps;
+    long long masses_at; /* the step that masses were computed for here; -1: none */
     int has_compensation; /* 0: it is to be computed */
     int n_servos, has_masses, n_brakes;
     double *gravity;      /* (n_joints), the part of the effort that compensates it */
@@ -104,10 +105,14 @@ typedef struct Drives {
  *
  * effort: in, the effort applied in the last step; out, that of the next one.
  * Returns DRIVES_EVENT, with nothing changed, when Python must execute this step: the
- * mass matrix or the governor's mobility is due, or a value is not finite.
+ * governor's mobility is due, or a value is not finite; DRIVES_MASSES when masses of the
+ * servos are due: masses.c.
  */
 int drives_efforts(Drives *drives, const double *command, const double *position,
                    const double *velocity, double *effort);
+
+/* Compute the frames of the bodies at `position`, shape (n_joints). */
+void drives_frames(const DriveTable *table, const double *position, double (*frames)[12]);
 
 /* Compute the largest effort and velocity of a joint at `position` (DriveLimits.at). */
 void drives_goal_at(const DriveGoal *goal, double position, double *effort,

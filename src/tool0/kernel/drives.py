@@ -56,6 +56,8 @@ class _Body(ctypes.Structure):
         *_numbers("multiplier", "mass"),
         ("placement", c_double * 12),
         ("center", c_double * 3),
+        ("tensor", c_double * 9),
+        *_numbers("armature"),
     )
 
 
@@ -134,6 +136,7 @@ class Drives(ctypes.Structure):
     _fields_ = (
         ("table", POINTER(_Table)),
         ("steps", c_longlong),
+        ("masses_at", c_longlong),
         *_integers("has_compensation", "n_servos", "has_masses", "n_brakes"),
         ("gravity", POINTER(c_double)),
         ("before", POINTER(c_double)),
@@ -181,7 +184,7 @@ class NativeDrives:
         self._table = table
         self.struct = Drives(
             ctypes.pointer(_table(n_joints, table)),
-            *(0, 0, 0, 0, 0),
+            *(0, -1, 0, 0, 0, 0),
             *(self._gravity, self._before, self._compensation),
             *(self._goals, self._servos, self._masses, self._brakes),
             self._governed,
@@ -202,7 +205,7 @@ class NativeDrives:
             struct.table = ctypes.pointer(_table(len(self._gravity), table))
         if setup != self._setup:
             self._load_setup(setup)
-        struct.steps = state.steps
+        struct.steps, struct.masses_at = state.steps, -1
         struct.has_compensation = bool(state.compensation)
         self._gravity[:] = state.gravity
         if state.compensation:
@@ -219,6 +222,8 @@ class NativeDrives:
     def store(self) -> None:
         """Give the hardware this state back."""
         struct, before = self.struct, self._before
+        if struct.masses_at >= 0:
+            self._keep_masses()
         bounded = self._rotors | self._setup.drive_limits.keys()
         state = DriveState(
             struct.steps,
@@ -232,6 +237,14 @@ class NativeDrives:
             ],
         )
         self._hardware.restore(self._setup, state)
+
+    def _keep_masses(self) -> None:
+        """Let the setup have the masses that were set here."""
+        n = self.struct.n_servos
+        masses = tuple(self._masses[k * n : (k + 1) * n] for k in range(n))
+        fastest = [servo.fastest for servo in self._servos[:n]]
+        self._setup = self._setup._replace(masses=masses, fastest=fastest)
+        self.struct.masses_at = -1
 
     @property
     def drive_limits(self) -> Mapping[int, DriveLimits]:
@@ -307,6 +320,8 @@ def _table(n_joints: int, table: DriveTable) -> _Table:
             body.mass,
             body.placement,
             body.center,
+            body.tensor,
+            body.armature,
         )
         for body, joint in zip(dynamics.bodies, table.to_model, strict=True)
     ]

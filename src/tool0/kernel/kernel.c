@@ -83,16 +83,17 @@ static void stick(Robot *robot)
     }
 }
 
-/* Execute one physics step; on an event, return RUN_EVENT before it. */
+/* Execute one physics step; on an event, return RUN_EVENT or RUN_MASSES before it. */
 static int step(Robot *robot)
 {
     int n = robot->n_joints;
     copy(robot->step_position, robot->position, n);
     copy(robot->step_velocity, robot->velocity, n);
     copy(robot->step_effort, robot->effort, n);
-    if (drives_efforts(robot->drives, robot->command, robot->position, robot->velocity,
-                       robot->effort) != DRIVES_OK)
-        return RUN_EVENT;
+    int due = drives_efforts(robot->drives, robot->command, robot->position,
+                             robot->velocity, robot->effort);
+    if (due != DRIVES_OK)
+        return due == DRIVES_MASSES ? RUN_MASSES : RUN_EVENT;
     for (int j = 0; j < robot->n_motors; j++)
         robot->motors[j] = robot->effort[robot->motor_joints[j]];
     if (!step_engine(robot))
@@ -105,18 +106,21 @@ static int step(Robot *robot)
 /* Execute up to `most` ticks; *done is how many were.  Returns RUN_...
 
    If `steps_left` is not 0 then, the laws of one further tick are executed, and so many
-   of its steps are left. */
+   of its steps are left.  After RUN_MASSES, the next call executes them first. */
 TOOL0_EXPORT int tool0_run(Robot *robot, int most, int *done)
 {
-    int n = robot->n_joints;
-    robot->steps_left = 0;
+    int n = robot->n_joints, left = robot->steps_left;
     for (*done = 0; *done < most; ++*done) {
-        if (!update(robot))
-            return RUN_EVENT;
-        copy(robot->tick_position, robot->position, n);
-        copy(robot->tick_velocity, robot->velocity, n);
-        copy(robot->tick_effort, robot->effort, n);
-        for (int left = robot->steps_per_tick; left > 0; left--) {
+        robot->steps_left = 0;
+        if (!left) {
+            if (!update(robot))
+                return RUN_EVENT;
+            copy(robot->tick_position, robot->position, n);
+            copy(robot->tick_velocity, robot->velocity, n);
+            copy(robot->tick_effort, robot->effort, n);
+            left = robot->steps_per_tick;
+        }
+        for (; left > 0; left--) {
             int result = step(robot);
             if (result != RUN_DONE) {
                 robot->steps_left = result == RUN_CHECK ? left - 1 : left;

@@ -9,12 +9,10 @@ from enum import IntEnum
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tool0.kernel.memory import FloatArray, IntArray, address
-
-Addresses = NDArray[np.uintp]
-"""Addresses of structs or of numbers, one per copy."""
+from tool0.hardware.robot_hardware import RobotHardware
+from tool0.kernel.masses import refresh_masses
+from tool0.kernel.memory import Addresses, FloatArray, IntArray, address
 
 
 class StartResult(IntEnum):
@@ -58,6 +56,10 @@ class BatchKernel:
             address(results),
         )
         return done, results
+
+    def refresh_masses(self, robots: Addresses, hardware: RobotHardware) -> None:
+        """Compute the masses that are due, as ``masses.refresh_masses``."""
+        refresh_masses(self._compiled, robots, hardware)
 
     def start(
         self,

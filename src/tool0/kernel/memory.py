@@ -34,6 +34,8 @@ PIECE_SIZE = 16
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
+Addresses = NDArray[np.uintp]
+"""Addresses of structs or of numbers, one per robot."""
 
 
 class LawKind(IntEnum):

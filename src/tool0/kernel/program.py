@@ -30,6 +30,7 @@ from tool0.description.drive_limits import DriveLimits
 from tool0.hardware.engine import BRAKE_STANDSTILL, JointState, NativeStepper
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.drives import NativeDrives, goal_limits
+from tool0.kernel.masses import refresh_masses
 from tool0.kernel.memory import (
     GRIP_FIELDS,
     FloatArray,
@@ -237,6 +238,8 @@ class Ended(IntEnum):
     """Python executes the next tick, or the steps that are left of this one."""
     CHECK = 2
     """Python checks whether the state has diverged, and then as ``EVENT``."""
+    MASSES = 3
+    """Masses of servos are due (``refresh_masses``); then it goes on."""
 
 
 _ENDED = tuple(Ended)  # an index takes a tenth of the time of Ended(...)
@@ -288,7 +291,7 @@ class TickProgram:
         struct.steps_per_tick = round(period / dt)
         struct.drives = addressof(self._drives.struct)
         self._stepper: NativeStepper | None = None
-        self._run = compiled.tool0_run
+        self._compiled = compiled
         self._done = c_int()
         self._arguments = byref(struct), byref(self._done)
 
@@ -320,15 +323,21 @@ class TickProgram:
         self._drives.load()
         self._robot.command[:] = self._hardware.command
         self._robot.effort[:] = state.effort
-        self._struct.steps = stepper.steps()
+        self._struct.steps, self._struct.steps_left = stepper.steps(), 0
         self._use(stepper)
 
     def run(self, most: int, stepper: NativeStepper) -> tuple[Ended, int]:
         """Execute up to ``most`` ticks; return how it ended, and how many were."""
         self._use(stepper)
         robot, done = self._arguments
-        result = self._run(robot, most, done)
-        return _ENDED[result], self._done.value
+        ended, executed = Ended.MASSES, 0
+        while ended is Ended.MASSES:
+            ended = _ENDED[self._compiled.tool0_run(robot, most - executed, done)]
+            executed += self._done.value
+            if ended is Ended.MASSES:
+                robots = np.array([self.robot_address], dtype=np.uintp)
+                refresh_masses(self._compiled, robots, self._hardware)
+        return ended, executed
 
     def _use(self, stepper: NativeStepper) -> None:
         if stepper is not self._stepper:

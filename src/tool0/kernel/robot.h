@@ -12,6 +12,7 @@ enum {
     RUN_DONE = 0,  /* all ticks */
     RUN_EVENT = 1, /* Python executes the next tick, or the rest of this one */
     RUN_CHECK = 2, /* Python checks the state; then as RUN_EVENT */
+    RUN_MASSES = 3, /* masses of the servos are due: masses.c; then it goes on */
 };
 
 typedef struct {
@@ -21,7 +22,7 @@ typedef struct {
     int32_t n_laws;
     int32_t n_brakes;
     int32_t steps_per_tick;
-    int32_t steps_left; /* out: of a tick that Python must finish */
+    int32_t steps_left; /* of a tick that is not finished */
     int64_t steps;      /* since the time was 0 */
     double dt, period;  /* of a step and of a tick [s] */
     void (*step)(const void *model, void *data); /* mj_step */

@@ -143,7 +143,30 @@ def test_a_gripper_action_controller() -> None:
     with Beside(2, control=control) as beside:
         beside.move_gripper([0.02, 0.06], speed=[0.1, 0.05], force=[30.0, 100.0])
         beside.command(around(beside, 0.1, 7), duration=0.2)
+        beside.run(0.05)
+        beside.check()
+        beside.move_gripper([0.06, 0.01], force=[60.0, 20.0])
+        beside.move_gripper([0.05, 0.02])
         beside.run(0.5)
+        beside.check()
+        beside.reset([1])
+        beside.move_gripper([0.04, 0.08], speed=[0.1, 0.15])
+        beside.run(0.1)
+        beside.check()
+
+
+@pytest.mark.parametrize("has_goal_ended", [False, True])
+def test_a_gripper_action_that_squeezes(has_goal_ended: bool) -> None:
+    """A goal that stalls on a block ends, and the next one squeezes on."""
+    pads = tcp(HOME)
+    control = tool0.ControlConfig(gripper_action=True)
+    with Beside(1, control=control, scene=[block_between(pads, 0.1)]) as beside:
+        beside.move_gripper([0.0], force=[30.0])
+        beside.run(1.9 if has_goal_ended else 0.6)
+        beside.check()
+        assert (beside.batch.pad_forces() > 5.0).all()
+        beside.move_gripper([0.005], force=[80.0])
+        beside.run(0.1)
         beside.check()
 
 
