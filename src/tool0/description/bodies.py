@@ -359,7 +359,7 @@ class JointDynamics:
             if parents[i] >= 0:
                 together = zip(carried[parents[i]], carried[i], strict=True)
                 carried[parents[i]] = [a + b for a, b in together]
-        return np.array(matrix)
+        return np.array(matrix).reshape(self._n, self._n)
 
     def _momentum(
         self, joint: int, frame: Frame, carried: Sequence[float]
