@@ -164,6 +164,7 @@ class RobotEnvironment:
         return Seen(
             observation={**values, **images},
             values={**values, **images},
+            kept=values,  # the recording has what images are rendered from
             names=self.names,
             surroundings=self.surroundings,
             instruction=self.instruction,

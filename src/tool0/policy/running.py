@@ -164,7 +164,7 @@ class _Run:
         if picture is not None:
             self._pictures.append(picture)
         outcome = environment.act(action)
-        self._recorder.add(seen.observation, action, outcome.reward)
+        self._recorder.add(seen.kept, action, outcome.reward)
         self._n_steps += 1
         self._reward += outcome.reward
         return outcome

@@ -23,6 +23,8 @@ class Seen:
     """As the environment gives it: an array, or a dictionary."""
     values: Mapping[str, Array]
     """The same by name; ``""`` if it is one array."""
+    kept: Mapping[str, Array]
+    """What is kept of them after the action."""
     names: Mapping[str, Sequence[str]]
     """Name of an observation → names of its numbers."""
     surroundings: frozenset[str]

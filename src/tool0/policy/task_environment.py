@@ -104,9 +104,11 @@ class TaskEnvironment:
 
     def see(self) -> Seen:
         """Return what is observed now."""
+        values = dict(flat(self._observation))
         return Seen(
             observation=self._observation,
-            values=dict(flat(self._observation)),
+            values=values,
+            kept=values,
             names=self._names,
             surroundings=self._surroundings,
             instruction=self.instruction or "",

@@ -11,6 +11,7 @@ import numpy as np
 import policies_for_tests
 import pyarrow.parquet as pq
 import pytest
+from promised import require_gl
 from raises_naming import raises_naming
 
 import tool0
@@ -50,6 +51,18 @@ def test_it_follows_the_actions_and_gives_the_arm_back(
     assert len(tool0.open_recording(folder / "recording.mcap")) > 100
     names = pq.read_table(folder / "data/episode_000000.parquet").column_names
     assert {"observation.position", "observation.velocity", "action"} <= set(names)
+
+
+def test_it_sees_images_which_only_the_recording_keeps(
+    robot: tool0.Robot, tmp_path: Path
+) -> None:
+    require_gl()
+    run, folder = RunOptions(max_steps=2), tmp_path / "run"
+    found = execute(policy("Looking"), robot, cameras=["wrist"], run=run, folder=folder)
+    assert found.episode is not None
+    assert set(found.episode.observations) == {"position", "velocity"}
+    recording = tool0.open_recording(folder / "recording.mcap")
+    assert "wrist" in {camera.name for camera in recording.bringup.cameras}
 
 
 def test_a_jump_is_refused_before_anything_moves(robot: tool0.Robot) -> None:
