@@ -16,6 +16,10 @@ def test_every_file_has_the_version_of_the_package() -> None:
     assert len(manifests) >= 2
     for path in manifests:
         assert f"<version>{version}</version>" in path.read_text(encoding="utf-8")
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {version}\n" in citation
+    plugin = ROOT / "plugins/lerobot_robot_tool0/pyproject.toml"
+    assert f'\nversion = "{version}"\n' in plugin.read_text(encoding="utf-8")
     changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     assert re.search(
         rf"^## \[{re.escape(version)}\] - \d{{4}}-\d\d-\d\d$", changelog, re.MULTILINE
