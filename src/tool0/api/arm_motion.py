@@ -275,7 +275,7 @@ class ArmMotion:
         self._channel.call(EndForceMode(arm=self._arm))
 
     def start_freedrive(self, axes: Sequence[bool] = _ALL) -> None:
-        """Let the arm be pushed around, along these ``axes`` of the base."""
+        """Start freedrive along these ``axes`` of the base."""
         request = StartFreedrive(arm=self._arm, axes=_six_flags(axes))
         self._channel.call(request)
 
@@ -284,7 +284,7 @@ class ArmMotion:
         self._channel.call(EndFreedrive(arm=self._arm))
 
     def zero_wrench(self) -> None:
-        """Let the external wrench of ``state`` be 0 now."""
+        """Tare the external wrench of ``state``."""
         self._channel.call(ZeroWrench(arm=self._arm))
 
 

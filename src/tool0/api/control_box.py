@@ -107,7 +107,7 @@ class ControlBox:
         )
 
     def clear_payload(self) -> None:
-        """Let the drives expect what the description has at the flange."""
+        """Reset the payload to what the description has at the flange."""
         self._channel.call(SetPayload(arm=self._arm))
 
     def play(self) -> None:
@@ -157,7 +157,7 @@ class ControlBox:
     def enable_motion(
         self, serial_number: str, *, accept_calibration: bool = False
     ) -> None:
-        """Let tool0 move this real arm, until the session ends or `disable_motion`.
+        """Enable motion of this real arm, until the session ends or `disable_motion`.
 
         Args:
             serial_number: Of the robot that you have in view, as its nameplate has it.

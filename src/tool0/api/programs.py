@@ -206,7 +206,7 @@ class ProgramHandle:
         return self.status
 
     def pause(self) -> None:
-        """Let the arm slow down to a standstill on its path."""
+        """Decelerate the arm to rest on its path."""
         self._channel.call(PauseRun(arm=self._last.arm))
 
     def resume(self) -> None:

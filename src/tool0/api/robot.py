@@ -241,8 +241,8 @@ class Robot(AbstractContextManager["Robot"]):
             file: A path that ends in .mcap on the simulation's machine, or a folder;
                 the user's folder of recordings if left out.
             overwrite: Whether to replace a file that exists.
-            max_size: Go on in another file from this size on [bytes].
-            max_duration: Go on in another file after this simulated time [s].
+            max_size: Start a new file at this size [bytes].
+            max_duration: Start a new file after this simulated time [s].
             max_files: Keep only so many files, the newest.
             cameras: Names of cameras whose images are recorded.
             camera_rate: Images of each per simulated second [Hz].
@@ -733,7 +733,7 @@ class Robot(AbstractContextManager["Robot"]):
     # ---- time and safety ------------------------------------------------------------
 
     def run(self, duration: float) -> None:
-        """Let simulated time pass, and return when it has.
+        """Advance simulated time, and return when it has passed.
 
         Args:
             duration: [simulated s], 0 or more.
@@ -749,7 +749,7 @@ class Robot(AbstractContextManager["Robot"]):
         self.channel.call(Pause())
 
     def resume(self) -> None:
-        """Let simulated time run."""
+        """Resume simulated time."""
         self.channel.call(Resume())
 
     def step(self, ticks: int = 1) -> None:

@@ -76,7 +76,7 @@ class BatchBackend(Protocol):
         """Return the state of each copy; ControlError if one cannot be saved."""
 
     def restore(self, rows: Indices, saved: Sequence[SavedCopy]) -> None:
-        """Let copies continue with saved states, one per row.
+        """Restore saved states of copies, one per row.
 
         Raises:
             Tool0Error: If one is of another robot, other objects or controllers.

@@ -385,8 +385,8 @@ class Batch:
     ) -> None:
         """Move joints to ``positions``, as ROS's topic ``~/command`` with one point.
 
-        The motion leaves the present setpoint; it replaces what is left of the motion
-        before it.
+        The motion starts from the present setpoint; it replaces what is left of the
+        motion before it.
 
         Args:
             positions: [rad | m], shape (n, k).  An array on the device of a GPU, such
@@ -594,7 +594,7 @@ class Batch:
         which: Which | None = None,
         source: ArrayLike | None = None,
     ) -> None:
-        """Let copies continue, bit for bit, as saved ones would have.
+        """Return copies to saved states, from which they continue bit for bit.
 
         Args:
             state: Of this batch, or of one with the same robot, controllers and

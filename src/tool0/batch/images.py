@@ -110,7 +110,7 @@ class Images:
         return tuple(self._looks)
 
     def restore(self, rows: Indices, looks: Sequence[CopyLook]) -> None:
-        """Let copies look as others did, one per row."""
+        """Restore saved looks of copies, one per row."""
         for i, look in zip(rows.tolist(), looks, strict=True):
             self._looks[i] = look
 

@@ -42,7 +42,7 @@ def collect(
     Args:
         task: The task, such as Lift, or the id of a Gymnasium environment, as
             MODULE:ID or FILE.py:ID if it has to be registered.
-        episodes: Number of episodes that the folder shall have.
+        episodes: Number of episodes that the folder should contain.
         folder: A new folder, or one to continue; if not given, the task's name.
         workers: Number of processes; if not given, one per processor.
         ray: Collect with Ray: HOST:PORT of a cluster, or `local` to start Ray on this

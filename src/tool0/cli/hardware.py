@@ -78,7 +78,7 @@ def enable(
     accept_calibration: bool = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Let tool0 move the robot, at 25 % of its speed at first.
+    """Enable motion of the robot, at 25 % of its speed at first.
 
     It asks for the serial number on the robot's nameplate, so that the right robot
     moves.
@@ -114,7 +114,7 @@ def disable(*, bringup: Bringup = DEFAULT) -> None:
 
 
 def play(*, bringup: Bringup = DEFAULT) -> None:
-    """Let the controllers hold the arm again, after it was stopped."""
+    """Start the controllers again, after the arm was stopped."""
     with bringup.connect() as robot:
         _box(robot).play()
 

@@ -104,7 +104,7 @@ class RunOptions:
     name: str = "tool0"
     """Name of this bringup for other processes: `tool0 move --name NAME`."""
     panel_folder: Path | None = None
-    """Let pages record below this folder, too; without it, only below the user's
+    """Allow pages to record below this folder, too; without it, only below the user's
     folders of recordings and of episodes."""
     remote: bool = True
     """Allow other processes of this user to drive the robot, such as `tool0 move`."""

@@ -47,12 +47,12 @@ def record(
     Args:
         file: A file that ends in .mcap.
         episodes: Record demonstrations into this folder, a file for each.
-        task: What they show, in words.
+        task: Description of the task.
         reset: Reset robot and objects before each demonstration.
         duration: End after this simulated time [s].
         overwrite: Replace a file that exists.
-        max_size: Go on in another file from this size on [MB].
-        max_duration: Go on in another file after this simulated time [s].
+        max_size: Start a new file at this size [MB].
+        max_duration: Start a new file after this simulated time [s].
         max_files: Keep only this number of files, the newest.
         cameras: Cameras whose images are recorded, too.
         camera_rate: Images of each camera per simulated second [Hz].

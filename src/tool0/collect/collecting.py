@@ -72,7 +72,7 @@ def collect(
     Args:
         task: ``Reach``, ``Lift``, …, or the id of a Gymnasium environment; with the
             module or the file that registers it, ``module:id`` or ``file.py:id``.
-        episodes: Number of episodes that the folder shall have.
+        episodes: Number of episodes that the folder should contain.
         folder: A new or empty folder, or one with a part of the same episodes.
         options: Keywords of the environment, such as ``{"arm": "ur5e"}``.
         workers: Number of processes; one per processor if left out.

@@ -54,7 +54,7 @@ class GripperLink(Protocol):
         """Return what the gripper reports; None if it has no power."""
 
     def write(self, command: CommandRegisters) -> None:
-        """Let it have a command."""
+        """Send it a command."""
 
     def close(self) -> None:
         """End the connection."""

@@ -112,7 +112,7 @@ class RtdeClient:
         return str(self._socket.getsockname()[0])
 
     def start(self) -> None:
-        """Let the controller send packages."""
+        """Start the controller's packages."""
         if not self._ask(PacketType.START, b"")[:1] == b"\x01":
             raise TransportError(f"{self.peer} refuses to start")
 

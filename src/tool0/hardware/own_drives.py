@@ -96,7 +96,7 @@ class OwnDrives(abc.ABC):
 
     @abc.abstractmethod
     def follow(self, wanted: Wanted) -> None:
-        """Let the robot move as it is wanted, before the step of a tick."""
+        """Send the robot its commands, before the step of a tick."""
 
     @property
     @abc.abstractmethod
@@ -152,7 +152,7 @@ class OwnDrives(abc.ABC):
 
     @abc.abstractmethod
     def start_freedrive(self, axes: Sequence[bool], frame: Pose6) -> None:
-        """Let the arm be moved by hand; TransportError as above."""
+        """Start freedrive; TransportError as above."""
 
     @abc.abstractmethod
     def end_freedrive(self) -> None:

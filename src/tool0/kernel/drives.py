@@ -239,7 +239,7 @@ class NativeDrives:
         self._hardware.restore(self._setup, state)
 
     def _keep_masses(self) -> None:
-        """Let the setup have the masses that were set here."""
+        """Store the masses that were set here in the setup."""
         n = self.struct.n_servos
         masses = tuple(self._masses[k * n : (k + 1) * n] for k in range(n))
         fastest = [servo.fastest for servo in self._servos[:n]]

@@ -177,7 +177,7 @@ def start_motion(
     polynomial: wp.vec4,
     end: float,
 ) -> None:
-    """Let a joint follow a polynomial and then rest at ``end``."""
+    """Make a joint follow a polynomial and then rest at ``end``."""
     last = now + duration
     until[robot, joint, 0] = last + last * JUST_AFTER  # at its end it still moves
     until[robot, joint, 1] = wp.float64(wp.inf)

@@ -62,7 +62,7 @@ class PacedProtocol(asyncio.BufferedProtocol):
         self.protocol.resume_writing()
 
     def pause(self, paused: bool) -> None:
-        """Let the protocol pause or resume reading."""
+        """Pause or resume reading of the protocol."""
         self._is_paused = paused
         self._update()
 

@@ -56,7 +56,7 @@ class ViewSource(Protocol):
         """Return the current frame: the same object while nothing changes."""
 
     def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
-        """Let frames have contacts and wrenches, or not."""
+        """Set whether frames have contacts and wrenches."""
 
     def status(self, clients: int) -> Status:
         """Return the status, with the number of pages."""
@@ -175,7 +175,7 @@ class ViewFeed:
             self._update_needs()
 
     def _update_needs(self) -> None:
-        """Let the source compute the forces that a page wants, and no others."""
+        """Request from the source the forces that a page wants, and no others."""
         wanted = self._sessions.values()
         self._source.need_forces(
             contacts=any(item.contacts for item in wanted),

@@ -52,7 +52,7 @@ SILENCE: Final = 0.5
 
 
 class TakeArm(ArmRequest[None], frozen=True):
-    """Let a program move an arm: its controllers stop, and it holds still.
+    """Take an arm for a program: its controllers stop, and it holds still.
 
     An arm that is taken already only gets the name of the program, and may move again
     after a motion that failed, or the emergency stop.
@@ -286,7 +286,7 @@ class EndForceMode(ArmRequest[None], frozen=True):
 
 
 class StartFreedrive(ArmRequest[None], frozen=True):
-    """Let the arm be moved by hand; it stays where it is left."""
+    """Start freedrive: the arm is moved by hand, and stays where it is left."""
 
     axes: Flags6 = (True,) * 6
     """Along and about which axes of the frame the tool gives way."""

@@ -39,7 +39,7 @@ class Observed(Protocol):
         """The robot's time now, which may be later than the newest state [s]."""
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
-        """Let time pass until ``is_over()``; return False on a timeout.
+        """Advance time until ``is_over()``; return False on a timeout.
 
         Args:
             is_over: Polled repeatedly.
@@ -53,7 +53,7 @@ class Observed(Protocol):
         """
 
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
-        """Let time pass until ``goal`` ends, as ``wait_until`` does."""
+        """Advance time until ``goal`` ends, as ``wait_until`` does."""
 
 
 class States(Observed, Protocol):
@@ -136,7 +136,7 @@ class Backend(Protocol):
     def post(
         self, request: Request[Any], when_failed: Callable[[Exception], None]
     ) -> None:
-        """Let the next tick carry out a request of a stream, or raise Tool0Error.
+        """Queue a request of a stream for the next tick, or raise Tool0Error.
 
         ``when_failed`` may be called in any thread.
         """

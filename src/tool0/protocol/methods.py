@@ -57,7 +57,7 @@ def contract() -> Mapping[str, type[Request[Any]]]:
 
 
 def register(request: type[Request[Any]]) -> None:
-    """Let connections take a request of another package.
+    """Register a request of another package.
 
     Raises:
         TypeError: If another request has its name.

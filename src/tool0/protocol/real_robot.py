@@ -10,7 +10,7 @@ from tool0.protocol.request import ArmRequest
 
 
 class EnableMotion(ArmRequest[None], frozen=True):
-    """Let tool0 move a real arm, until the end of the session or `disable_motion`.
+    """Enable motion of a real arm, until the end of the session or `disable_motion`.
 
     The arm must be under remote control, of the described type, with the expected
     calibration, payload and TCP; the state of the arm says what is missing

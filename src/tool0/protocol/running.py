@@ -14,7 +14,7 @@ class Pause(Request[None], frozen=True):
 
 
 class Resume(Request[None], frozen=True):
-    """Let simulated time run."""
+    """Resume simulated time."""
 
 
 class Step(Request[float], frozen=True):
@@ -24,7 +24,7 @@ class Step(Request[float], frozen=True):
 
 
 class Run(Request[None], frozen=True):
-    """Let simulated time pass; without real time, only this request advances it."""
+    """Advance simulated time; without real time, only this request does."""
 
     duration: Annotated[float, Meta(ge=0.0)]
     """[s]"""

@@ -37,7 +37,7 @@ class Repetition:
         """What could not be repeated, in words."""
 
     def advance(self, step: int) -> None:
-        """Let the ticks before a step pass; none do after a fault, until a reset.
+        """Advance to the tick of a step; after a fault not until a reset.
 
         Raises:
             Exception: Whatever the physics or a controller raised.

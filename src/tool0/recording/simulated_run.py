@@ -148,7 +148,7 @@ class _Run:
         return first
 
     def _set_sliders(self, boxes: Sequence[ControlBoxState]) -> None:
-        """Let the simulated arms have the speed sliders of the recorded ones."""
+        """Set the simulated arms' speed sliders to the recorded ones."""
         present = {box.arm: box for box in self._simulation.snapshot.control_boxes}
         for box in boxes:
             mine = present.get(box.arm)

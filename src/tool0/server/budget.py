@@ -169,7 +169,7 @@ class Account:
         await self.admit()
 
     async def give_way(self) -> None:
-        """Let the event loop look at its sockets, if it is time, amid some work."""
+        """Poll the event loop's sockets in the middle of long work, if it is time."""
         self._budget.begin_work()
         if self._budget.is_slice_used:
             await self._budget.turn()

@@ -107,7 +107,7 @@ class StateStream:
         self._task = asyncio.create_task(self._run())
 
     def add(self, session: Session) -> None:
-        """Let a session receive what is sent from now on."""
+        """Send to a session from now on."""
         self._sessions[session] = False
         if self._request.newest_only and self._last is not None:
             self._send_to(session, self._last)
@@ -186,7 +186,7 @@ class StateStream:
         self._loop.run_in_executor(None, close)
 
     def _wake(self) -> None:
-        """Let the event loop send; in the thread of the tick."""
+        """Schedule sending in the event loop; in the thread of the tick."""
         if not self._is_waking:
             self._is_waking = True
             with contextlib.suppress(RuntimeError):  # the server has ended
@@ -266,7 +266,7 @@ class StateStreams:
         self._log: LogForwarder | None = None
 
     async def add(self, session: Session, request: Subscribe) -> None:
-        """Let ``session`` receive states, in place of those it has received.
+        """Send states to ``session``, in place of those it has received.
 
         Raises:
             ControlError: If there is no arm of a requested name, or no such rate.

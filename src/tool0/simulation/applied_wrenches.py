@@ -51,7 +51,7 @@ class AppliedWrenches:
         return not self._waiting and not self._acting
 
     def add(self, wrench: AppliedWrench) -> None:
-        """Let a wrench act from the next tick on, or from its start.
+        """Apply a wrench from the next tick on, or from its start.
 
         Raises:
             EngineError: If there is no such link or object, or it cannot move.

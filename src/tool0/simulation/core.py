@@ -146,7 +146,7 @@ class Core:
         self._finish_tick(state, self._steps_per_tick)
 
     def _set_mechanics(self) -> None:
-        """Let the engine have the brakes and rotors that are engaged now."""
+        """Update the engine's brakes and rotors."""
         brakes = self.hardware.brakes
         if brakes is not self._brakes:
             self._brakes = brakes
@@ -192,7 +192,7 @@ class Core:
         return self.apply_kernel_result(*program.run(most, stepper))
 
     def program(self) -> TickProgram | None:
-        """Let the kernel execute the coming ticks; None if only Python can."""
+        """Load the coming ticks into the kernel; None if only Python can run them."""
         if (
             self._program is None
             and self.scene.wrenches.is_idle
@@ -336,7 +336,7 @@ class Core:
         self.grip_contacts.forget()
 
     def set_payload(self, arm: str | None, payload: Payload | None) -> None:
-        """Let drives and sensors expect this at an arm's flange.
+        """Set the payload that drives and sensors expect at an arm's flange.
 
         None is what the description has there.
         """

@@ -261,7 +261,7 @@ class Executor:
     # ---- arms that a program has taken ----------------------------------------------
 
     def take_arm(self, arm: str | None, by: str, *, protected: bool = False) -> None:
-        """Let a program move an arm in place of its controllers: ``Arm.take``."""
+        """Take an arm for a program, in place of its controllers: ``Arm.take``."""
         found = self.core.arms.find(arm)
         found.take(by, self.core.state, protected=protected)
         self._note_command(found.motion.spec.name)
@@ -286,7 +286,7 @@ class Executor:
         after: int | None = None,
         at: float | None = None,
     ) -> int:
-        """Let an arm follow a path, from now on or as the rest of another one.
+        """Start a path of an arm, from now on or as the rest of another one.
 
         Returns the path's number: see ``ArmMotion.execute``.
         """
@@ -348,7 +348,7 @@ class Executor:
     def comply(
         self, arm: str | None, task: ComplianceTask, controller: str | None = None
     ) -> None:
-        """Let an arm push with a force, or give way to a hand: ``Arm.comply``."""
+        """Start force mode or freedrive of an arm: ``Arm.comply``."""
         self.core.arms.find(arm).comply(task, self.core.state, controller)
         if controller is not None:
             self._note_command(controller)

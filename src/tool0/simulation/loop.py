@@ -183,7 +183,7 @@ class Loop:
         self._mailbox.put(_Operation(operation, future, publishes=False))
 
     def run(self, duration: float, until: Callable[[], bool] = lambda: False) -> None:
-        """Let ``duration`` simulated seconds pass, or fewer if ``until`` returns True.
+        """Advance ``duration`` simulated seconds, or fewer if ``until`` returns True.
 
         It is called at every snapshot, and when a goal ends: not after every tick.
 
@@ -211,7 +211,7 @@ class Loop:
         self.check()
 
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
-        """Let time pass until ``goal`` ends; return whether it has.
+        """Advance time until ``goal`` ends; return whether it has.
 
         ``timeout`` [s] is of wall time in real time, otherwise of simulated time; None
         waits without limit.

@@ -104,7 +104,7 @@ class ProgramRuns:
         return run is not None
 
     def look(self, snapshot: Snapshot) -> None:
-        """Let every program go on after a snapshot."""
+        """Advance every program after a snapshot."""
         for run in self._active:
             run.look(snapshot)
             if run.status.state in ENDED:

@@ -95,7 +95,7 @@ class PullSprings:
         }
 
     def tick(self, state: JointState) -> None:
-        """Let the forces act that are due; end the springs that are over."""
+        """Apply the forces that are due; end the springs that are over."""
         now = state.time + _ROUNDING
         for link, pull in list(self._pulls.items()):
             if pull.until <= now:

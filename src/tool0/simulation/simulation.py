@@ -184,7 +184,7 @@ class Simulation:
         return self.loop.snapshot_with_arms()
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
-        """Let time pass until ``is_over()``: see ``protocol.backend.States``."""
+        """Advance time until ``is_over()``: see ``protocol.backend.States``."""
         loop, bus = self.loop, self.bus
         limit = math.inf if timeout is None else timeout
         start, wall_start = loop.steps, time.monotonic()
@@ -206,7 +206,7 @@ class Simulation:
         return True
 
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
-        """Let time pass until ``goal`` ends, as ``wait_until`` does."""
+        """Advance time until ``goal`` ends, as ``wait_until`` does."""
         return self.loop.wait_for_goal(goal, timeout)
 
     @property

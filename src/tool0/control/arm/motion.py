@@ -399,7 +399,7 @@ class ArmMotionController:
         return compliance.efforts
 
     def start_torques(self, command: TorqueCommand, state: JointState) -> EffortLaw:
-        """Let torques move the arm, in ``state``; return the joints' law.
+        """Start torque control of the arm, in ``state``; return the joints' law.
 
         The commands do not count from then on.
 

@@ -94,7 +94,7 @@ class RobotConnection:
         return PolledGripper(connect, "gripper")
 
     def run_beside(self, name: str, *lines: str) -> None:
-        """Let the controller execute statements beside the program that runs.
+        """Execute statements on the controller beside the program that runs.
 
         Raises:
             TransportError: If the robot is not there.

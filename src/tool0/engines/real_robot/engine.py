@@ -402,7 +402,7 @@ class RealRobotEngine(OwnDrives):
     # ---- who may move it ------------------------------------------------------------
 
     def set_enabled(self, enabled: bool) -> None:
-        """Let the arm follow, or only read; in the thread of the tick."""
+        """Start or stop moving the arm; in the thread of the tick."""
         self._is_enabled, self._failure = enabled, ""
         self._has_followed = self._is_guided = False
         self._resumes_at = None

@@ -147,15 +147,15 @@ class MotionLink:
             self._send(_KNOTS, message)
 
     def brake(self, periods: int = 0) -> None:
-        """Let the arm come to rest on its path, in that many periods or its own."""
+        """Stop the arm on its path, in that many periods or its own."""
         self._send(_KNOTS, _message(MessageKind.BRAKE, periods))
 
     def end(self) -> None:
-        """Let the arm come to rest, and the program end."""
+        """Stop the arm, and end the program."""
         self._send(_KNOTS, _message(MessageKind.END))
 
     def command(self, kind: CommandKind, arguments: Sequence[float] = ()) -> int:
-        """Let the program execute a command; return its number.
+        """Send a command to the program; return its number.
 
         Raises:
             TransportError: If the program is not there.

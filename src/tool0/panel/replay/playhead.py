@@ -54,7 +54,7 @@ class Playhead:
         return self._loops
 
     def play(self) -> None:
-        """Let time pass; at the end, from the start again."""
+        """Advance the time; after the end, it starts again."""
         with self._lock:
             if self._update() >= self._end:
                 self._time = self._start
@@ -85,7 +85,7 @@ class Playhead:
             self._loops = loops
 
     def _update(self) -> float:
-        """Let the wall time since the last call pass; return the time then."""
+        """Advance by the wall time since the last call; return the new time."""
         now = self._clock()
         passed, self._since = now - self._since, now
         if self._is_playing:

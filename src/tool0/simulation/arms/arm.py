@@ -104,7 +104,7 @@ class Arm(abc.ABC):
         )
 
     def tick(self, state: JointState, period: float) -> None:
-        """Let speed scaling go on for one tick [s]; end a return that is at rest."""
+        """Advance speed scaling by one tick [s]; end a return that is at rest."""
         self.box.tick(period)
         self.mode.tick(state)
         if self.motion.has_returned(state.time):
@@ -167,7 +167,7 @@ class Arm(abc.ABC):
     # ---- the program that moves it through controllers ------------------------------
 
     def play(self, now: JointState) -> None:
-        """Let the program run: start the controllers that were stopped with it.
+        """Resume the program: start the controllers that were stopped with it.
 
         Raises:
             ControlError: If the arm may not move.
@@ -200,7 +200,7 @@ class Arm(abc.ABC):
     # ---- a program that takes it from its controllers -------------------------------
 
     def take(self, by: str, now: JointState, *, protected: bool = False) -> None:
-        """Let a program move the arm, in place of its controllers.
+        """Take the arm for a program, in place of its controllers.
 
         The arm holds still, and its controllers stop.  If the arm is taken already,
         the program's name changes, and it may move again after a failed motion.
@@ -278,7 +278,7 @@ class Arm(abc.ABC):
     def comply(
         self, task: ComplianceTask, now: JointState, controller_name: str | None = None
     ) -> None:
-        """Let an arm push with a force, or give way to a hand.
+        """Start force mode or freedrive of an arm.
 
         It does so in the name of an active controller; without one, it must be taken.
 
@@ -363,7 +363,7 @@ class Arm(abc.ABC):
 
     @abc.abstractmethod
     def zero_wrench(self) -> None:
-        """Let the wrench on the tool be that of the last sample from now on.
+        """Tare the wrench on the tool by the last sample.
 
         Raises:
             ControlError: If this arm does not do that.
@@ -389,7 +389,7 @@ class Arm(abc.ABC):
 
     @abc.abstractmethod
     def _comply(self, task: ComplianceTask, now: JointState) -> None:
-        """Let a taken arm push with a force, or give way to a hand."""
+        """Start force mode or freedrive of a taken arm."""
 
     @abc.abstractmethod
     def _stiffen(self, now: JointState) -> None:
@@ -401,7 +401,7 @@ class Arm(abc.ABC):
 
     @abc.abstractmethod
     def _forgive(self) -> None:
-        """Let the arm move again after a failure."""
+        """Clear a failure, so that the arm may move again."""
 
     @abc.abstractmethod
     def _shown_modes(self) -> Modes:
@@ -463,7 +463,7 @@ class Arm(abc.ABC):
         self._block()
 
     def _block(self) -> None:
-        """Let no controller of an arm start that may not move, or is taken."""
+        """Block the controllers of an arm that may not move, or is taken."""
         reason, taken_by = self._obstacle(), self.box.state.taken_by
         self._manager.block(self._stopped_with, reason)
         if taken_by and not reason:

@@ -89,7 +89,7 @@ class Arms:
         return all(arm.is_idle for arm in self._arms)
 
     def tick(self, state: JointState, period: float) -> None:
-        """Let speed scaling factors and returning arms go on for one tick [s]."""
+        """Advance speed scaling factors and returning arms by one tick [s]."""
         for arm in self._arms:
             if not arm.is_idle:
                 arm.tick(state, period)

@@ -176,7 +176,7 @@ class ControllerMode:
         return running
 
     def _return_joints(self, now: JointState) -> None:
-        """Let the companion move the joints again, from where they are."""
+        """Resume the companion's control of the joints, from where they are."""
         self._companion().stop_where_it_is(now, ENDED)
         self._release(now)
 

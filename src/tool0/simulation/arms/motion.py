@@ -142,7 +142,7 @@ class ArmMotion:
         after: int | None = None,
         at: float | None = None,
     ) -> int:
-        """Let the arm follow a path; return the path's number.
+        """Start a path; return its number.
 
         It starts ``now`` [s], or replaces path ``after`` from that one's time ``at``
         [s] on.
@@ -239,7 +239,7 @@ class ArmMotion:
         return None
 
     def preload_integrals(self, now: JointState) -> None:
-        """Let controllers of efforts start with those that hold the arm now.
+        """Start controllers of efforts with the efforts that hold the arm now.
 
         With an integral of 0 the arm would sag until it has built up.
         """

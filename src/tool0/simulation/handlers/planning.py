@@ -25,7 +25,7 @@ from tool0.simulation.simulation import Simulation
 
 
 class StartPlan(Request[tuple[GoalStarted, ...]], frozen=True):
-    """Let controllers follow one motion, from the same tick on.
+    """Start one motion of several controllers in the same tick.
 
     A contact that is neither there then nor with one of ``may_touch`` stops them.
     """

@@ -223,7 +223,7 @@ class ProgramSteps:
         return n_moves
 
     def _start_path(self, path: ProgramPath) -> StepCoroutine[None]:
-        """Let the arm begin a path, and wait for the next snapshot."""
+        """Start a path of the arm, and wait for the next snapshot."""
         if path.plan.duration > 0.0:
             self._path_number = self.call(path_request(self.arm.name, path.plan.path))
             yield

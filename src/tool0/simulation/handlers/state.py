@@ -128,7 +128,7 @@ def _stop_motions(simulation: Simulation, request: StopMotions) -> None:
 
 
 def stop_after_freezes(simulation: Simulation) -> None:
-    """Let every motion end when the process did not run for a while.
+    """Stop every motion when the process did not run for a while.
 
     Who moved the robot, and what it saw, may have changed meanwhile.
     """

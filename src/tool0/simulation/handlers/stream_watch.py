@@ -85,7 +85,7 @@ class StreamWatch:
                 self._changed.notify()
 
     def forget(self, arm: str) -> None:
-        """Let a new stream begin: the arm was stopped or taken, or follows a path."""
+        """Allow a new stream: the arm was stopped or taken, or follows a path."""
         with self._changed:
             self._streams.pop(arm, None)
 

@@ -134,7 +134,7 @@ def post(
     request: Request[Any],
     when_failed: Callable[[Exception], None],
 ) -> None:
-    """Let the next tick carry out a request of a stream; return at once.
+    """Queue a request of a stream for the next tick; return at once.
 
     ``when_failed`` is called with an exception of its handler, in the thread of the
     tick.

@@ -243,7 +243,7 @@ class RealRobotBackend:
             raise ControlError(f"the gripper does not move: {problem}")
 
     def _beside(self, name: str, *lines: str) -> None:
-        """Let the controller execute statements beside the program that runs."""
+        """Execute statements on the controller beside the program that runs."""
         self._engine.connection.run_beside(name, *lines)
 
 

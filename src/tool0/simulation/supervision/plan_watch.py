@@ -69,7 +69,7 @@ class PlanWatch:
         return all(goal.status.is_terminal for goal in self.goals)
 
     def fail(self, reason: str) -> None:
-        """Let the goals end as aborted, with a reason, when they are cancelled."""
+        """End cancelled goals as aborted, with a reason."""
 
         def explained(result: Result) -> Result:
             if not isinstance(result, GoalResult):

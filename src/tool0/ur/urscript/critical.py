@@ -41,7 +41,7 @@ class CriticalSection:
         self._free.clear()
 
     def leave(self, thread: object) -> None:
-        """Let the others go on, if the thread is inside."""
+        """Leave the section, if the thread is inside."""
         if self._owner is thread:
             self._owner = None
             self._free.set()

@@ -63,7 +63,7 @@ class Interpreting(Protocol):
         """Execute statements in the scope of a call, until ``end`` is called."""
 
     def end(self) -> None:
-        """Let ``run`` return."""
+        """End ``run``."""
 
     async def clear(self) -> None:
         """Forget what was interpreted."""

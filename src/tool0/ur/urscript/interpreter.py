@@ -155,7 +155,7 @@ class Interpreter:
             self._kept[key] = session
 
     def end(self) -> None:
-        """Let the interpreter mode return after the statement that is executed."""
+        """End the interpreter mode after the statement that is executed."""
         self._ends = True
         self._is_ready.set()
 

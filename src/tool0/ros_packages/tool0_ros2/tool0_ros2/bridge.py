@@ -81,7 +81,7 @@ class Rate:
     """Says when something is due in simulated time, or in wall time."""
 
     def __init__(self, rate: float) -> None:
-        """Let ``rate`` events a second be due; 0 for none."""
+        """Set the rate of events [Hz]; 0 for none."""
         self._period = 1.0 / rate if rate > 0.0 else None
         self._last = float("-inf")
 

@@ -75,7 +75,7 @@ class CamerasPart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Let the thread take the pictures that somebody subscribes to."""
+        """Request the pictures that somebody subscribes to, from the thread."""
         if not self._rate.is_due(update.time):
             return
         for camera in self._cameras:

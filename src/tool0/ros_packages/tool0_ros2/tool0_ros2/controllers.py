@@ -56,7 +56,7 @@ class Controllers:
             return [item.part for item in self._loaded.values() if item.part]
 
     def publish(self, update: Update) -> None:
-        """Let the active controllers publish; in the reader's thread."""
+        """Publish the active controllers' topics; in the reader's thread."""
         for part in self._active:
             try:
                 part.publish(update)

@@ -61,7 +61,7 @@ class WrenchPart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Let the thread publish while there are updates and subscribers."""
+        """Wake the publishing thread while there are updates and subscribers."""
         if self._publisher.get_subscription_count():
             self._last_update = time.monotonic()
             self._is_wanted.set()

@@ -112,7 +112,7 @@ async def powerdown(thread: Thread) -> None:
 def encoder_enable_set_tick_count(
     thread: Thread, encoder_index: Encoder, range_id: RangeNumber
 ) -> None:
-    """Let an encoder count the ticks that programs set, in a range."""
+    """Enable an encoder that counts the ticks set by programs, in a range."""
     thread.box.encoders[encoder_index] = ENCODER_RANGES[range_id], 0.0
 
 

@@ -77,7 +77,7 @@ async def interpreter_mode(
 
 
 def end_interpreter(thread: Thread) -> None:
-    """Let interpreter_mode() return after the statement that is executed."""
+    """End interpreter_mode() after the statement that is executed."""
     thread.execution.interpreter.end()
 
 
