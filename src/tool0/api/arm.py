@@ -63,7 +63,8 @@ class PlanOptions(TypedDict, total=False):
     timeout: float
     """Wall time after which the search ends [s]; 5, if left out."""
     seed: int
-    """Of the search: the same one finds the same plan, unless the time runs out."""
+    """Seed of the search: the same one finds the same plan, unless the time runs
+    out."""
 
 
 @final

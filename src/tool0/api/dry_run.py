@@ -41,7 +41,7 @@ class TouchReport:
     second: str
     """The touched body."""
     time: float
-    """Of the first touch, since the start of the program [s]."""
+    """Time of the first touch, since the start of the program [s]."""
     force: float
     """The largest one [N]."""
     is_of_arm: bool
@@ -58,7 +58,7 @@ class JointPeak:
     value: float
     """[rad/s] or [N·m], an absolute value."""
     share: float
-    """Of its limit."""
+    """Fraction of its limit."""
 
 
 @final
@@ -69,7 +69,7 @@ class DryRun:
     end: ProgramRun
     """How it ended, after how long."""
     touches: tuple[TouchReport, ...]
-    """In the order of their times."""
+    """Touches in the order of their times."""
     speed: JointPeak
     """The joint that was nearest to its largest velocity."""
     effort: JointPeak

@@ -27,9 +27,9 @@ class Grasp:
     """A pose of the gripper in which it can grasp an object."""
 
     pose: Transform
-    """Of the frame between the pads when they touch it, in the root."""
+    """Pose of the frame between the pads when they touch it, in the root."""
     width: float
-    """Of the object between the pads [m]."""
+    """Width of the object between the pads [m]."""
 
 
 def find_grasps(

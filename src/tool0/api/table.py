@@ -46,7 +46,7 @@ class PickTable:
     """A table with an object and a bin in front of an arm, as in ``table_and_bin``."""
 
     scale: float
-    """Of the distances on the table; the object and the bin keep their size."""
+    """Scale of the distances on the table; the object and the bin keep their size."""
     base: tuple[float, float] = (0.0, 0.0)
     """Position of the arm's base in the root [m]."""
     arm: str | None = None

@@ -32,7 +32,7 @@ class CopyLook:
     """Cameras that were moved."""
     light: Look = Look()
     colours: Mapping[str, RGBA] = field(default_factory=dict)
-    """Of objects."""
+    """Colours of objects."""
 
 
 @final

@@ -28,7 +28,7 @@ class BatchState:
     """What ``Batch.save`` returns: the state of n copies, only for ``restore``."""
 
     copies: Sequence[SavedCopy] = field(repr=False)
-    """Of no use but for ``restore``."""
+    """State of each copy, only for ``restore``."""
     looks: Sequence[CopyLook] = field(repr=False)
     """How they look in images."""
     dt: float

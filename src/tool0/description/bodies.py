@@ -80,7 +80,7 @@ class MovingBody:
     links: tuple[tuple[str, Matrix], ...]
     """Links of the body with their frames in the body's frame."""
     inertia: BodyInertia
-    """In the frame of the joint's child link."""
+    """Inertia in the frame of the joint's child link."""
 
     @property
     def tree_joint(self) -> TreeJoint:

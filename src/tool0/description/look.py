@@ -25,7 +25,7 @@ class Look:
     lamp: Vector3 = LAMP
     """Position of the lamp in the robot's root [m]; it shines on the workspace."""
     brightness: float = 1.0
-    """Of all light, relative to the usual one."""
+    """Brightness of all light, relative to the usual one."""
 
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, self.lamp)) or self.lamp[2] < 0.5:

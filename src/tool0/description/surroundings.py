@@ -27,7 +27,7 @@ class Plane(NamedTuple):
     point: Vector3
     """[m], in the robot's root."""
     normal: Vector3
-    """To where the robot is."""
+    """Unit normal that points to the robot's side."""
 
 
 @final

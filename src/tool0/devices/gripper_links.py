@@ -44,7 +44,7 @@ class GripperReading(NamedTuple):
     fault: int
     """gFLT: 0 for none."""
     current: int
-    """Of the motor [10 mA]."""
+    """Motor current [10 mA]."""
 
 
 class GripperLink(Protocol):

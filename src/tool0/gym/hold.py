@@ -16,7 +16,7 @@ class Hold(NamedTuple):
     """How the pads hold an object that stands upright, from above."""
 
     width: float
-    """Of the object between the pads [m]."""
+    """Width of the object between the pads [m]."""
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Position of the tcp in the object's frame [m]."""
     turns: int = 4

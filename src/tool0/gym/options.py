@@ -41,15 +41,15 @@ class Randomisation:
     """
 
     mass: tuple[float, float] = (0.5, 2.0)
-    """Of the task's own mass."""
+    """Range of the factor on the task's own mass."""
     friction: tuple[float, float] = (0.8, 1.25)
-    """Of the task's own friction coefficient."""
+    """Range of the factor on the task's own friction coefficient."""
     joint_noise: float = 0.03
     """Largest deviation of an arm's joint from the start pose [rad]."""
     colour: float = 0.15
     """Largest change of an object's red, green and blue, each 0 … 1; in images."""
     brightness: tuple[float, float] = (0.6, 1.2)
-    """Of the light, relative to the usual one; in images."""
+    """Range of the light's brightness, relative to the usual one; in images."""
     lamp: float = 1.0
     """Largest displacement of the lamp along each axis [m]; in images."""
     camera: float = 0.02

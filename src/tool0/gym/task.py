@@ -74,11 +74,11 @@ class Target(NamedTuple):
     """Where an expert lets tool and gripper of n copies go next."""
 
     position: Array
-    """Of the tcp in the root [m], shape (n, 3)."""
+    """Target position of the tcp in the root [m], shape (n, 3)."""
     yaw: Array
-    """Of the tcp, which looks down [rad], shape (n,)."""
+    """Target yaw of the tcp, which looks down [rad], shape (n,)."""
     opening: Array
-    """Of the gripper [m], shape (n,)."""
+    """Target opening of the gripper [m], shape (n,)."""
     speed: Array
     """Largest part of the fastest action, 0 … 1, shape (n,)."""
 
@@ -103,7 +103,7 @@ class Task(abc.ABC):
     needs_wrench: bool = False
     """Whether ``State`` and observations have the wrench on the tool."""
     worst_reward: float = -1.0
-    """Of a copy whose physics diverged."""
+    """Reward of a copy whose physics diverged."""
 
     def __init__(self, workspace: Workspace) -> None:
         """Prepare the task for an arm, a gripper, and the table that fits them."""

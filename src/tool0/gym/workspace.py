@@ -88,7 +88,7 @@ class Workspace:
         self.table = PickTable(scale=self.scale)
         edge = min(LARGEST_EDGE, FILL * self.gripper.max_opening)
         self.edge = round(edge, 4)
-        """Of each cube [m]."""
+        """Edge of each cube [m]."""
         self.chain = only_part(find_chains(model), "arm", model)
         self._inverse = InverseKinematics(self.chain)
         self.fastest = self._inverse.fastest
@@ -105,13 +105,13 @@ class Workspace:
         self._T_base_root = T_root_base.inverse().matrix
         self._T_tcp_tip = T_tip_tcp.inverse().matrix
         self.reach = finger_reach(model, self.gripper)
-        """Of the fingers beyond the tcp, when they hold a cube [m]."""
+        """Reach of the fingers beyond the tcp, when they hold a cube [m]."""
         closed = grasp_frame(model, self.gripper, 0.0, tip)
         away = closed.position[2] - T_tip_tcp.position[2]
         self.advance = max(0.0, away)
-        """Of the finger tips, from holding a cube to closed [m]."""
+        """Advance of the finger tips, from holding a cube to closed [m]."""
         self.grasp_height = self.grasp_height_of(self.edge)
-        """Of the tcp above what carries the cube, when it grasps it [m]."""
+        """Height of the tcp above what carries the cube, when it grasps it [m]."""
         cameras = {camera.name: camera for camera in default_cameras(model)}
         cameras["scene"] = self._overview()
         for name in options.cameras:

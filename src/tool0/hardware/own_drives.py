@@ -46,7 +46,7 @@ class WantedGrip(NamedTuple):
     """Where the fingers of a gripper shall be."""
 
     position: float
-    """Of the driven joint, in the end [rad | m]."""
+    """Final position of the driven joint [rad | m]."""
     limits: DriveLimits | None
     """Speed and force; those of the gripper, if left out."""
 
@@ -60,7 +60,7 @@ class Wanted(NamedTuple):
     arm: WantedMotion | None
     """None if nothing moves or holds it: it comes to rest."""
     grips: Mapping[str, WantedGrip]
-    """By gripper; those that no controller commands are left alone."""
+    """Wanted grips by gripper; those that no controller commands are left alone."""
 
 
 @final
@@ -71,7 +71,8 @@ class RobotReport(Struct, frozen=True, kw_only=True):
     robot_mode: RobotMode
     safety_mode: SafetyMode
     program: ProgramState
-    """Of tool0's program on the controller: without it, nothing can move the arm."""
+    """State of tool0's program on the controller: without it, nothing can move the
+    arm."""
     motion_failure: str = ""
     """Why the arm came to rest by itself; empty if it did not."""
     speed_slider: float
@@ -87,7 +88,7 @@ class RobotReport(Struct, frozen=True, kw_only=True):
     payload_mass: float
     """[kg]"""
     payload_center: tuple[float, float, float]
-    """In the flange [m]."""
+    """Center of gravity of the payload in the flange [m]."""
     tcp: Pose6
 
 

@@ -46,10 +46,10 @@ class GripperInfo(Struct, frozen=True, kw_only=True):
     """[m]"""
     min_speed: float
     max_speed: float
-    """Of the pads towards each other [m/s]."""
+    """Largest speed of the pads towards each other [m/s]."""
     min_force: float
     max_force: float
-    """At each pad [N]."""
+    """Largest force at each pad [N]."""
     pad_offset: float
     pad_cos: float
     pad_sin: float
@@ -88,7 +88,7 @@ class RobotInfo(Struct, frozen=True, kw_only=True):
     ground: float | None
     """Height of the ground [m]; null for none."""
     joints: list[JointInfo]
-    """In the order of every array of a ``state``."""
+    """Joints in the order of every array of a ``state``."""
     grippers: list[GripperInfo]
     robots: list[RobotPartsInfo]
     """The arms; one, unless it is a cell."""
@@ -128,7 +128,7 @@ class ShapeInfo(Struct, frozen=True, kw_only=True):
     file: str | None = None
     """The file of a mesh on the simulation's machine, as ``add_object`` takes it."""
     parts: list[PartInfo] | None = None
-    """Of a compound: several shapes that are one rigid body."""
+    """Shapes of a compound, which are one rigid body."""
 
 
 class ViewObject(Struct, frozen=True, kw_only=True):
@@ -206,7 +206,7 @@ class PoseInfo(Struct, frozen=True, kw_only=True):
     is_gripper: bool
     """Whether it is one of grippers only; the others do not move grippers."""
     positions: dict[str, float]
-    """Of the joints that a move to it moves [rad | m]."""
+    """Positions of the joints that a move to it moves [rad | m]."""
 
 
 # ---- from the server ----------------------------------------------------------------
@@ -224,7 +224,7 @@ class Notice(Struct, frozen=True, kw_only=True, tag="notice"):
     severity: Severity
     code: NoticeCode
     text: str
-    """In English."""
+    """Text in English."""
 
 
 class RecordingInfo(Struct, frozen=True, kw_only=True):
@@ -236,7 +236,7 @@ class RecordingInfo(Struct, frozen=True, kw_only=True):
     seconds: int
     """Simulated time recorded [s]."""
     size: int
-    """Of all its files, in steps of 10 kB [bytes]."""
+    """Size of all its files, in steps of 10 kB [bytes]."""
     dropped: int
     """Snapshots that are missing, because the disk was too slow."""
     error: str | None
@@ -265,7 +265,8 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     targets: dict[str, float]
     """Joint → target of its controller's motion; the page draws it as a ghost."""
     control_boxes: list[ControlBoxState]
-    """Of each arm: modes, program, pins, speed slider; empty without physics."""
+    """Control box of each arm: modes, program, pins, speed slider; empty without
+    physics."""
     programs: list[ProgramRun]
     """The last program of each arm that ran one."""
     recording: RecordingInfo | None = None

@@ -48,7 +48,7 @@ class UprightTool(NamedTuple):
 
     link: str
     axis: tuple[float, float, float]
-    """In the link."""
+    """Axis in the link's frame, a unit vector."""
     tilt: float
     """Largest angle between the axis and where it points at the start [rad]."""
 

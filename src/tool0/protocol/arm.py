@@ -36,7 +36,7 @@ class ArmInfo(Struct, frozen=True, kw_only=True):
     tip: str
     """The link at its end."""
     joint_names: tuple[str, ...]
-    """From base to tip."""
+    """The six joints, from base to tip."""
     rated_payload: float | None = None
     """Largest payload of its data sheet, gripper and load together [kg]; None if the
     catalogue does not have it."""
@@ -96,9 +96,10 @@ class MoveLinear(_OfTool[GoalStarted], frozen=True, kw_only=True):
 
     pose: AnyPose
     speed: Rate = 0.25
-    """Of the tool [m/s]; this and the acceleration are the defaults of UR's movel."""
+    """Speed of the tool [m/s]; this and the acceleration are the defaults of UR's
+    movel."""
     acceleration: Rate = 1.2
-    """Of the tool [m/s²]; the rotation ramps over the same duration."""
+    """Acceleration of the tool [m/s²]; the rotation ramps over the same duration."""
     angular_speed: Rate = 1.0
-    """Of the tool [rad/s]."""
+    """Angular speed of the tool [rad/s]."""
     collision: CollisionRule = "ignore"

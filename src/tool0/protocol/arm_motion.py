@@ -93,7 +93,7 @@ class ExecutePath(ArmRequest[int], frozen=True):
     after: PathNumber | None = None
     """The number of the path that it replaces; none, if left out."""
     at: PathTime | None = None
-    """From which time of that path on [s]."""
+    """Time of that path from which this one replaces it [s]."""
 
 
 class SampledPath(Protocol):
@@ -186,9 +186,9 @@ class SpeedJoints(ArmRequest[None], frozen=True):
     velocities: Row6
     """[rad/s]"""
     acceleration: Acceleration = 1.4
-    """Of the leading joint [rad/s²]."""
+    """Acceleration of the leading joint [rad/s²]."""
     duration: Duration | None = None
-    """After this time the arm ramps to rest [s]; never, if left out or 0."""
+    """Time after which the arm ramps to rest [s]; never, if left out or 0."""
     timeout: Timeout | None = None
     """As for ``servo_joints``; 0.5 s without a ``duration``, otherwise none."""
 
@@ -202,11 +202,11 @@ class SpeedTool(ArmRequest[None], frozen=True):
     is_streamed = True
 
     twist: Row6
-    """Of the TCP, linear and angular, in the axes of the base [m/s, rad/s]."""
+    """Velocity of the TCP, linear and angular, in the axes of the base [m/s, rad/s]."""
     acceleration: Acceleration = 1.2
     """[m/s²], and the same number in [rad/s²]."""
     duration: Duration | None = None
-    """After this time the arm ramps to rest [s]; never, if left out or 0."""
+    """Time after which the arm ramps to rest [s]; never, if left out or 0."""
     timeout: Timeout | None = None
     """As for ``servo_joints``; 0.5 s without a ``duration``, otherwise none."""
     tcp: Row6 = ZERO_POSE
@@ -256,7 +256,7 @@ class StartForceMode(ArmRequest[None], frozen=True):
     """
 
     frame: Row6
-    """In the base, with a rotation vector [m, rad]."""
+    """Frame of the task in the base, with a rotation vector [m, rad]."""
     selection: Flags6
     """Which axes of the frame give way: x, y, z, and about them."""
     wrench: Row6
@@ -291,7 +291,7 @@ class StartFreedrive(ArmRequest[None], frozen=True):
     axes: Flags6 = (True,) * 6
     """Along and about which axes of the frame the tool gives way."""
     frame: Row6 = ZERO_POSE
-    """In the base, with a rotation vector [m, rad]."""
+    """Frame of the task in the base, with a rotation vector [m, rad]."""
     controller: Name | None = None
     """The active FreedriveModeController of UR's driver for ROS 2 in whose name the arm
     gives way, if it does not so far; without one, the arm must be taken."""

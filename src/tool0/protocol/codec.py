@@ -62,11 +62,11 @@ class ErrorInfo(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A class of tool0's error tree, such as ``ClaimError``."""
     message: str
     code: int | None = None
-    """Of a GoalRejectedError."""
+    """Error code of a GoalRejectedError."""
     joint: str | None = None
-    """Of a DivergenceError."""
+    """Joint of a DivergenceError."""
     time: float | None = None
-    """Of a DivergenceError [s]."""
+    """Simulated time of a DivergenceError [s]."""
 
 
 class Outcome(Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -145,9 +145,9 @@ class Hello(Struct, frozen=True, kw_only=True, tag="hello"):
 
     protocol: int
     version: str
-    """Of tool0."""
+    """Version of tool0."""
     name: str
-    """Of the bring-up."""
+    """Name of the bring-up."""
     pid: int
     mode: Mode
     """``hardware`` is a real robot, ``view`` one without physics and controllers,

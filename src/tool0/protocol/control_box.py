@@ -48,7 +48,7 @@ class SetIO(ArmRequest[None], frozen=True):
     digital_inputs: dict[DigitalPin, bool] = field(default_factory=dict)
     """What the inputs measure, by pin: for tests, in place of wires."""
     tool_voltage: Literal[0, 12, 24] | None = None
-    """At the tool's connector [V]."""
+    """Voltage at the tool's connector [V]."""
 
 
 class SetAnalogOutput(ArmRequest[None], frozen=True):
@@ -77,7 +77,7 @@ class SetSpeedSlider(ArmRequest[None], frozen=True):
     """Slow down the trajectories of scaled controllers, smoothly, from now on."""
 
     fraction: Fraction
-    """Of the programmed speed."""
+    """Fraction of the programmed speed."""
 
 
 class SetPayload(ArmRequest[None], frozen=True):
@@ -90,7 +90,7 @@ class SetPayload(ArmRequest[None], frozen=True):
     mass: Mass | None = None
     """[kg]; what the description has, if left out."""
     center_of_gravity: Place = (0.0, 0.0, 0.0)
-    """In the frame of the flange, ``tool0`` [m]."""
+    """Center of gravity in the frame of the flange, ``tool0`` [m]."""
 
 
 class PlayProgram(ArmRequest[None], frozen=True):
@@ -155,7 +155,7 @@ class SetTcp(ArmRequest[None], frozen=True):
     """Set the tool centre point, for clients; nothing in the simulation uses it."""
 
     pose: Pose6
-    """In the frame of the flange: position [m] and rotation vector [rad]."""
+    """Pose in the frame of the flange: position [m] and rotation vector [rad]."""
 
 
 class SetSafetyLimits(ArmRequest[None], frozen=True):
@@ -164,7 +164,7 @@ class SetSafetyLimits(ArmRequest[None], frozen=True):
     enabled: bool | None = None
     """Whether anything does: a path error, the force of a contact, a joint's limit."""
     force: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
-    """Of contacts with the tool or a link but the base [N]."""
+    """Largest force of contacts with the tool or a link but the base [N]."""
 
 
 class ReportUr(ArmRequest[None], frozen=True):

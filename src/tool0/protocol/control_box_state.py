@@ -129,11 +129,11 @@ class RobotLink(Struct, frozen=True, kw_only=True):
     """The connection to a real robot, and whether tool0 may move it."""
 
     address: str
-    """Of the robot's controller."""
+    """Address of the robot's controller."""
     model: str = ""
     """As the robot names its type: ``UR5``; empty until it is known."""
     serial_number: str = ""
-    """Of the robot; empty until it is known."""
+    """Serial number of the robot; empty until it is known."""
     software: str = ""
     """Version of PolyScope."""
     is_connected: bool = True

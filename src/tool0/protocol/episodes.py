@@ -29,7 +29,7 @@ class EpisodesStatus(Struct, frozen=True, kw_only=True):
     episodes: int
     """Episodes in the folder."""
     succeeded: int
-    """Of these, with the outcome ``success``."""
+    """Number of these with the outcome ``success``."""
     error: str | None = None
     """Why an episode ended by itself: a full disk."""
 

@@ -59,7 +59,7 @@ class Grip(Request[GoalStarted], frozen=True):
     position: float | None = None
     """Instead of an opening: position of the driven joint [rad | m]."""
     speed: float | None = None
-    """Of the pads relative to each other [m/s]; the fastest, if left out."""
+    """Speed of the pads relative to each other [m/s]; the fastest, if left out."""
     force: float | None = None
     """Largest force at each pad [N]; the strongest, if left out."""
     effort: Annotated[float, Meta(gt=0.0)] | None = None

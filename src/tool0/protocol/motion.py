@@ -22,9 +22,9 @@ class GripLimits(Struct, frozen=True, kw_only=True):
     gripper: Name | None = None
     """The robot's only one, if left out."""
     speed: float | None = None
-    """Of the pads relative to each other [m/s]."""
+    """Speed of the pads relative to each other [m/s]."""
     force: float | None = None
-    """At each pad [N]."""
+    """Force at each pad [N]."""
     effort: float | None = None
     """Instead of a force: of the driven joint [N·m | N]."""
 
@@ -80,4 +80,4 @@ class CommandJoints(Request[None], frozen=True):
 
     controller: Name
     values: tuple[float, ...]
-    """In the order of the controller's joints; the unit is its interface's."""
+    """Values in the order of the controller's joints; the unit is its interface's."""

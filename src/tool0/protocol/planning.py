@@ -65,7 +65,7 @@ class Upright(Struct, frozen=True, kw_only=True):
     tilt: Annotated[float, Meta(ge=0.01, le=3.2)]
     """Largest angle [rad]."""
     axis: Vector3 = (0.0, 0.0, 1.0)
-    """Of the tool."""
+    """Axis of the tool that is to stay upright."""
     tip: str | None = None
     """The link whose axis it is; the arm's flange, if left out."""
 
@@ -90,11 +90,11 @@ class Plan(Struct, frozen=True, kw_only=True):
     """
 
     number: int
-    """By which it is executed."""
+    """Number by which it is executed."""
     joint_names: tuple[str, ...]
-    """Of each arm, from base to tip."""
+    """Joints of each arm, from base to tip."""
     times: tuple[float, ...]
-    """Of the knots [s]; the first is 0."""
+    """Times of the knots [s]; the first is 0."""
     positions: Rows
     """[rad]"""
     velocities: Rows
@@ -141,7 +141,8 @@ class PlanMotion(Request[Plan], frozen=True):
     timeout: Annotated[float, Meta(gt=0.0, le=600.0)] = 5.0
     """Wall time after which the search ends [s]."""
     seed: Annotated[int, Meta(ge=0, le=2**31)] = 0
-    """Of the search: the same one finds the same plan, unless the time runs out."""
+    """Seed of the search: the same one finds the same plan, unless the time runs
+    out."""
 
 
 class CancelPlanning(Request[None], frozen=True):

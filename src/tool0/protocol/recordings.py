@@ -20,7 +20,7 @@ class RecordingStatus(Struct, frozen=True, kw_only=True):
     duration: float
     """Simulated time recorded, in all files [s]."""
     size: int
-    """Of all its files [bytes]."""
+    """Size of all its files [bytes]."""
     files: int = 1
     """How many there are: the recording rotates."""
     dropped: int = 0

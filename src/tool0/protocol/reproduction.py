@@ -17,20 +17,20 @@ class MeshFile(Struct, frozen=True, kw_only=True):
     path: str
     """Where it was."""
     sha256: str
-    """Of its content."""
+    """SHA-256 of its content."""
 
 
 class Reproduction(Struct, frozen=True, kw_only=True):
     """All that a bring-up depends on, as plain data."""
 
     versions: dict[str, str]
-    """Of ``tool0``, ``python`` and the engine's package."""
+    """Versions of ``tool0``, ``python`` and the engine's package."""
     platform: str
     """Operating system and processor."""
     kernel: bool
     """Whether compiled code executed the ticks; the results are the same."""
     name: str
-    """Of the robot's model."""
+    """Name of the robot's model."""
     source: str
     """The xacro or URDF file it was read from."""
     urdf: str

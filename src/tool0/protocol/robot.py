@@ -26,9 +26,9 @@ class LimitsInfo(Struct, frozen=True, kw_only=True):
     velocity: float | None
     effort: float | None
     acceleration: float | None
-    """Of planned motions."""
+    """Largest acceleration of planned motions [rad/s² | m/s²]."""
     jerk: float | None
-    """Of planned motions."""
+    """Largest jerk of planned motions [rad/s³ | m/s³]."""
 
     @staticmethod
     def of(limits: JointLimits) -> LimitsInfo:

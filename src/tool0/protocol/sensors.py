@@ -86,7 +86,7 @@ class WrenchReading:
     raw_torque: Vector3
     """[N·m]"""
     dropped: int = 0
-    """In ``samples()``: samples before this one that were no longer kept."""
+    """Number of samples before this one that were no longer kept; in ``samples()``."""
 
 
 class ListCameras(Request[tuple[Camera, ...]], frozen=True):
@@ -113,7 +113,7 @@ class StartForceTorque(WrenchSensorRequest[float], frozen=True):
     """Samples per simulated second [Hz], 50 … 1000 and a divisor of the control rate;
     125 or the next divisor below, if left out."""
     cutoff: float = DEFAULT_CUTOFF
-    """Of the low-pass filter [Hz]."""
+    """Cutoff frequency of the low-pass filter [Hz]."""
 
 
 class StopForceTorque(WrenchSensorRequest[None], frozen=True):

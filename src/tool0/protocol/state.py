@@ -38,9 +38,9 @@ class JointSetpoint(NamedTuple):
     """A controller's setpoint for one joint."""
 
     position: float
-    """At this instant [rad | m]."""
+    """Position at this instant [rad | m]."""
     velocity: float
-    """At this instant [rad/s | m/s]."""
+    """Velocity at this instant [rad/s | m/s]."""
     target: float
     """The end of the motion [rad | m]."""
 
@@ -97,9 +97,9 @@ class ArmSample(Struct, frozen=True):
     """Why the motion failed: the arm rests where it was, and accepts no motion until it
     is taken again.  Empty if it did not."""
     joint_names: tuple[str, ...] | UnsetType = UNSET
-    """From base to flange; only in the process of the simulation."""
+    """Joints from base to flange; only in the process of the simulation."""
     currents: tuple[float, ...] = ()
-    """Of the motors of a real arm [A], base to flange; empty for a simulated one."""
+    """Motor currents of a real arm [A], base to flange; empty for a simulated one."""
 
 
 @final

@@ -44,7 +44,7 @@ class EpisodeRow(Struct, frozen=True, kw_only=True):
     """A line of the index."""
 
     episode: int
-    """From 0 on."""
+    """Number of the episode, from 0 on."""
     file: str
     """Name of the recording in the same folder."""
     outcome: Outcome

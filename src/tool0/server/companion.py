@@ -55,9 +55,9 @@ class Companion:
     """
 
     title: ClassVar[str]
-    """Of the interface, for messages: ``ROS 2``."""
+    """Name of the interface, for messages: ``ROS 2``."""
     kind: ClassVar[str]
-    """Of the program, for messages: ``node``."""
+    """Kind of the program, for messages: ``node``."""
     unavailable: ClassVar[type[Tool0Error]]
     """The error if the program does not start."""
 

@@ -54,7 +54,7 @@ class _Pace(NamedTuple):
     """How a stream learns of new states."""
 
     rate: float
-    """Of its subscription to the bus [Hz]."""
+    """Rate of its subscription to the bus [Hz]."""
     interval: float
     """Wall time between two looks at the bus [s]."""
     is_woken: bool = False

@@ -30,9 +30,9 @@ class PullSpring:
 
     link: str
     point: Vector3
-    """In the link's frame [m]."""
+    """Point in the link's frame [m]."""
     target: Vector3
-    """In the robot's root [m]."""
+    """Target in the robot's root [m]."""
     stiffness: float
     """[N/m]"""
     damping: float

@@ -73,6 +73,6 @@ class UrArm:
     address: str
     """With the ports of a UR, and its gripper's socket on 63352."""
     modbus_port: int | None = None
-    """Of its gripper at this address; None without one."""
+    """Modbus port of its gripper at this address; None without one."""
     serial_port: str | None = None
     """File of the serial port with the gripper's Modbus RTU; None without one."""

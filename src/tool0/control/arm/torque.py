@@ -51,7 +51,7 @@ class TorqueCommand:
     """Torques of an arm's joints, from base to flange, and how long they act."""
 
     torques: Sequence[float]
-    """In addition to gravity [N·m]."""
+    """Torques in addition to gravity [N·m]."""
     viscous_scale: Sequence[float]
     """Compensated part of the viscous friction of each joint, 0 … 1."""
     coulomb_scale: Sequence[float]

@@ -19,7 +19,7 @@ class RealRobotOptions:
     """The options of the engine ``hardware``."""
 
     address: str = ""
-    """Of the robot's controller: a name or an IPv4 address."""
+    """Address of the robot's controller: a name or an IPv4 address."""
     port_base: int = 0
     """Added to the port numbers of a real robot: for a simulated controller."""
     callback_host: str = ""
