@@ -111,7 +111,7 @@ test: $(DEV) $(PAGE) $(KERNEL) $(BROWSER) $(GAZEBO) $(ROS1) $(ROS2) $(GL) $(ZSH)
 
 # LeRobot with its PyTorch takes 7 GB and another Python, so it is no part of `make test`.
 test-lerobot: $(LEROBOT) $(KERNEL)
-	$(dir $(LEROBOT))bin/python -m pytest tests/lerobot $(ARGS)
+	$(dir $(LEROBOT))bin/python -m pytest tests/with_lerobot $(ARGS)
 
 bench: $(DEV) $(KERNEL)
 	$(BIN)/python benchmarks/run.py $(ARGS)

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("lerobot")
+pytest.importorskip("lerobot.policies")
 
 import tool0
 from tool0.collect import collect
