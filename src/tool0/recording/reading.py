@@ -141,7 +141,7 @@ class RecordingFile:
 
     @cached_property
     def step(self) -> NDArray[np.int64]:
-        """Control periods since the bring-up, shape (n,): no reset sets them back."""
+        """Control periods since the bring-up, shape (n,); no reset sets them back."""
         return np.array(self._stream(JOINT_STATES).sequence, dtype=np.int64)
 
     @cached_property
