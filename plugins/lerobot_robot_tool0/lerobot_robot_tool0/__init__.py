@@ -1,7 +1,7 @@
 """Robots of tool0 for LeRobot's own programs: ``--robot.type=tool0``.
 
-``lerobot-record``, ``lerobot-rollout``, ``lerobot-teleoperate`` and LeRobot's
-asynchronous client drive a bring-up with them, simulated or real; LeRobot finds the
+``lerobot-record``, ``lerobot-rollout`` and LeRobot's asynchronous client drive a
+bring-up with them, simulated or real; LeRobot finds the
 package by its name.
 """
 

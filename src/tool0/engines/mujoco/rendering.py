@@ -159,7 +159,7 @@ class Renderer:
         """Take the scene and its state."""
         self._context.make_current()
         if objects is not self._objects:
-            if self._objects is None or not _differ_in_colour(objects, self._objects):
+            if self._objects is None or not _have_same_shapes(objects, self._objects):
                 self._compile(objects)
             self._colour(objects)
         self._pose(position, states)
@@ -303,10 +303,10 @@ def _furnish(spec: Any, width: int, height: int) -> None:
     spec.worldbody.add_light(cutoff=80.0, exponent=1.0)  # Renderer._light has the rest
 
 
-def _differ_in_colour(
+def _have_same_shapes(
     some: tuple[SceneObject, ...], others: tuple[SceneObject, ...]
 ) -> bool:
-    """Return whether scenes have the same shapes, so that colour is all that differs.
+    """Return whether scenes have the same shapes, so that only colours may differ.
 
     Mass and friction are not visible, and poses are states.
     """
