@@ -20,11 +20,11 @@ class CallablePolicy:
             ConfigError: If there is none, or its file raises an error.
         """
         self.digest: str | None = None
+        self._name = name_of(policy)
         if isinstance(policy, str):
             self._name, self.digest = located(policy)
             self._policy = loaded(self._name, self.digest)
         else:
-            self._name = getattr(policy, "__qualname__", repr(policy))
             self._policy = policy
         self._act: Act | None = None
 
@@ -54,6 +54,13 @@ class CallablePolicy:
             place = _place(error)
             reason = f"{type(error).__name__}: {error}"
             raise PolicyError(f"policy '{self._name}': {place}{reason}") from error
+
+
+def name_of(policy: str | Policy) -> str:
+    """Return the name of a policy, for messages and reports."""
+    if isinstance(policy, str):
+        return policy
+    return str(getattr(policy, "__qualname__", type(policy).__qualname__))
 
 
 def _place(error: Exception) -> str:

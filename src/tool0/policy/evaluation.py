@@ -13,6 +13,7 @@ from tool0.collect.encoding import encoded
 from tool0.collect.policy import Policy
 from tool0.collect.settings import programs, require_extra
 from tool0.errors import ConfigError
+from tool0.policy.callables import name_of
 from tool0.policy.report import Report, report_of
 from tool0.policy.robot_environment import RobotEnvironment
 from tool0.policy.running import EpisodeRun, RunOptions, run_episode
@@ -89,7 +90,7 @@ def evaluate(
     report = report_of(runs)
     if place is not None:
         about = {
-            "policy": policy if isinstance(policy, str) else repr(policy),
+            "policy": name_of(policy),
             "policy_sha256": source.digest,
             "task": environment.task,
             "task_sha256": environment.digest,
@@ -157,7 +158,7 @@ def execute(
             robot.stop_recording()
         place.add(0, found, environment)
         about = {
-            "policy": policy if isinstance(policy, str) else repr(policy),
+            "policy": name_of(policy),
             "policy_sha256": source.digest,
             "robot": robot.description.model.name,
             "rate": rate,

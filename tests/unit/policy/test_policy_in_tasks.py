@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from policies_for_tests import Reach
 from raises_naming import raises_naming
 
 from tool0.cli import FAILED, OK, main
@@ -34,6 +35,12 @@ def test_a_policy_that_works_succeeds() -> None:
     assert report.success_rate == 1.0
     assert report.interval == (pytest.approx(0.5101, abs=1e-4), 1.0)
     assert report.policy_time[0] > 0.0
+
+
+def test_a_function_itself_is_a_policy_and_has_a_name(tmp_path: Path) -> None:
+    found = evaluate(Reach, "Reach", [0], folder=tmp_path / "run")
+    assert found.n_succeeded == 1
+    assert json.loads((tmp_path / "run/report.json").read_text())["policy"] == "Reach"
 
 
 def test_the_same_seed_is_the_same_episode() -> None:
