@@ -2,7 +2,7 @@
 
 For each task and seed: collect episodes of the expert, train with LeRobot's own
 program, evaluate the checkpoints.  It needs an environment with LeRobot
-(docs/policies.md) and prints one JSON object per checkpoint::
+(docs/how-to/policies.md) and prints one JSON object per checkpoint::
 
     python -m benchmarks.baselines --tasks Lift Push --seeds 0 1 2 --folder baselines
 """

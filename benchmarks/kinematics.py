@@ -1,6 +1,6 @@
 """Inverse kinematics of the built-in arms: random poses, solved and checked.
 
-``python benchmarks/kinematics.py`` writes the table of docs/robots.md.
+``python benchmarks/kinematics.py`` writes the table of docs/reference/robots.md.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Collision-free motions: how many problems are solved, how fast, how short, how safe.
 
-``python benchmarks/planning.py [N]`` prints the table of docs/performance.md, with N
-problems of each set; ``--ompl`` runs OMPL's RRTConnect on the same problems, too.
+``python benchmarks/planning.py [N]`` prints the table of
+docs/explanation/performance.md, with N problems of each set; ``--ompl`` runs OMPL's
+RRTConnect on the same problems, too.
 """
 
 from __future__ import annotations

@@ -70,9 +70,9 @@ def test_the_table_names_every_command() -> None:
     "page",
     [
         "README.md",
-        "docs/conventions.md",
-        "docs/gazebo.md",
-        "docs/ros1.md",
+        "docs/reference/conventions.md",
+        "docs/how-to/gazebo.md",
+        "docs/how-to/ros1.md",
         "CHANGELOG.md",
     ],
 )
@@ -84,11 +84,11 @@ def test_links_lead_somewhere(page: str) -> None:
 
 
 def test_the_formula_of_the_conventions_is_the_gripper_s() -> None:
-    """docs/conventions.md writes numbers that live in the gripper's YAML."""
+    """docs/reference/conventions.md writes numbers that live in the gripper's YAML."""
     from tool0.description.loading import assemble
     from tool0.description.model import RotaryOpening
 
-    text = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/reference/conventions.md").read_text(encoding="utf-8")
     (gripper,) = assemble().model.grippers
     law = gripper.law
     assert isinstance(law, RotaryOpening)

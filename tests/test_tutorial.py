@@ -20,7 +20,7 @@ from ros import free_port
 from ros2_domain import Domain
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / "docs/tutorial.md", ROOT / "docs/tutorial.zh-CN.md"]
+PAGES = [ROOT / "docs/tutorials/ros1.md", ROOT / "docs/tutorials/ros1.zh-CN.md"]
 READMES = [ROOT / "README.md", ROOT / "README.zh-CN.md"]
 BLOCKS = blocks(PAGES[0])
 LANGUAGES = {"sh", "text", "xml", "yaml"}

@@ -1,4 +1,4 @@
-"""Render all built-in arms side by side, at one scale: the picture of docs/robots.md.
+"""Render all built-in arms side by side, at one scale, for docs/reference/robots.md.
 
 python tools/render_arms.py OUTPUT.png; MUJOCO_GL=egl or osmesa without a display.
 """

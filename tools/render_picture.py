@@ -1,6 +1,6 @@
 """Render the picture of the README: python tools/render_picture.py OUTPUT.png [POSE].
 
-By its robot's own camera: see docs/camera.md for what that needs.
+By its robot's own camera: see docs/how-to/cameras.md for what that needs.
 """
 
 from __future__ import annotations

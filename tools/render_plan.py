@@ -1,7 +1,7 @@
-"""Render the picture of docs/planning.md: python tools/render_plan.py OUTPUT.webp.
+"""Render docs/images/plan.webp: python tools/render_plan.py OUTPUT.webp.
 
 An arm carries a cube from a shelf over a wall: its poses along one planned motion, over
-each other.  By its robot's own camera: see docs/camera.md for what that needs.
+each other.  By its robot's own camera: see docs/how-to/cameras.md for what that needs.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Write ``docs/requests.md``: every request of the contract."""
+"""Write ``docs/reference/requests.md``: every request of the contract."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import msgspec
 from tool0.protocol.methods import contract
 from tool0.protocol.request import Request, method_name, response_type
 
-DOCUMENT = Path(__file__).parent.parent / "docs" / "requests.md"
+DOCUMENT = Path(__file__).parent.parent / "docs/reference/requests.md"
 TITLES = {
     "robot": "State and description",
     "running": "Time and safety",

@@ -44,7 +44,7 @@ STOP_TIMEOUT: Final = 3.0
 MAX_EXCESS: Final = 0.02
 """Of a joint beyond its range [rad]."""
 MAX_SPEED: Final = 1.25
-"""Of a joint, as a part of what the data sheet gives: docs/ur.md says what exceeds."""
+"""Largest speed of a joint, as a part of that in the data sheet (docs/how-to/ur.md)."""
 ROUNDING: Final = 1e-3
 PUSHED: Final = 0.1
 """How long a contact counts [s]."""

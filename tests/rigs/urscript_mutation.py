@@ -70,7 +70,7 @@ def corpus() -> tuple[str, ...]:
     """Return whole programs: those of the tests, of the docs and of this fuzzing."""
     own = (DATA / "urscript_fuzz" / "programs.txt").read_text().split("---\n")
     tested = [p.read_text() for p in sorted((DATA / "urscript").glob("*.script"))]
-    docs = (DATA.parents[1] / "docs" / "urscript.md").read_text()
+    docs = (DATA.parents[1] / "docs/how-to/urscript.md").read_text()
     shown = re.findall(r"(?m)^def (?:.*\n)*?end$", docs)
     return (*own, *tested, *shown)
 

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/how-to/extending.md").read_text(encoding="utf-8")
 
 
 def test_every_named_file_exists() -> None:

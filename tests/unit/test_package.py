@@ -24,7 +24,7 @@ def test_every_file_has_the_version_of_the_package() -> None:
     assert re.search(
         rf"^## \[{re.escape(version)}\] - \d{{4}}-\d\d-\d\d$", changelog, re.MULTILINE
     )
-    protocol = (ROOT / "docs/panel-protocol.md").read_text(encoding="utf-8")
+    protocol = (ROOT / "docs/reference/panel-protocol.md").read_text(encoding="utf-8")
     assert f'"version": "{version}"' in protocol
 
 

@@ -71,12 +71,14 @@ def bringup(
         gripper: The gripper on tool0; 2f85 if not given, None or "none" for a bare arm.
         prefix: Prefix of all link and joint names.
         robot: Your own URDF or xacro file, instead of an arm and a gripper.
-        cell: Several robots and a scene: a value, or a YAML file (docs/cells.md).
+        cell: Several robots and a scene: a value, or a YAML file
+            (docs/how-to/cells.md).
         args: xacro arguments of that file, or further ones of the built-in file.
         ros2_control: Whether the catalogue's robots have `<ros2_control>` tags, and
-            with them the controllers of ROS 2 (docs/ros2.md).
-        engine: The physics engine: "mujoco", or "gazebo" (docs/gazebo.md).
-        hardware: The address of a real robot, instead of an engine (docs/hardware.md).
+            with them the controllers of ROS 2 (docs/how-to/ros2.md).
+        engine: The physics engine: "mujoco", or "gazebo" (docs/how-to/gazebo.md).
+        hardware: The address of a real robot, instead of an engine
+            (docs/how-to/hardware.md).
         scene: The objects around the robot: a value, a YAML file, or a built-in scene
             (``table_and_bin``, ``table_and_cubes``, ``shelf``).
         controllers_file: YAML of ros_control or ros2_control, one file or several;
@@ -88,7 +90,7 @@ def bringup(
         speed: Simulated seconds per wall second in real time.
         paused: Whether to start paused.
         record: An MCAP file to record to, from the start until the robot is closed
-            (docs/recording.md).
+            (docs/how-to/recordings.md).
         description: Which robot.
         control: Its controllers and its initial pose.
         simulation: The physics, the objects around the robot, and time.

@@ -105,7 +105,7 @@ def _real_robot(robot: Robot, name: str) -> str:
         f"REAL ROBOT: {name} at {link.address} ({who}); tool0 only reads its state",
         "UR's safety system is the only safety function: keep the pendant's emergency "
         "stop in reach.",
-        "tool0 has not been run on real hardware yet (docs/hardware.md).",
+        "tool0 has not been run on real hardware yet (docs/how-to/hardware.md).",
         *(f"  before it may move: {text}" for text in link.obstacles),
         *([f"  gripper: {link.gripper_problem}"] if link.gripper_problem else ()),
         "  tool0 hardware enable   lets it move",

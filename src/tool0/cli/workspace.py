@@ -53,7 +53,8 @@ def workspace(
         arm: The arm that the launch files bring up: its name, or a folder of your own;
             ur5 if not given.
         gripper: The gripper, or none; 2f85 if not given.
-        cell: Several robots, a YAML file (docs/cells.md); only with --moveit or --ros2.
+        cell: Several robots, a YAML file (docs/how-to/cells.md); only with --moveit or
+            --ros2.
         robots: Several robots, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0; only
             with --moveit or --ros2.
         ros2: Write packages for ROS 2 and colcon, with Python launch files.

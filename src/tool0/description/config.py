@@ -77,7 +77,7 @@ class DescriptionConfig:
     robot: File | None = None
     """Your own URDF or xacro file, instead of an arm and a gripper."""
     cell: Cell | File | None = None
-    """Several robots and a scene: a YAML file (docs/cells.md)."""
+    """Several robots and a scene: a YAML file (docs/how-to/cells.md)."""
     robots: Sequence[str] | None = None
     """Several robots, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0: name, arm,
     gripper if any, position of the base and, if given, roll, pitch, yaw [m, rad]."""

@@ -97,9 +97,9 @@ class EnvOptions:
     gripper: str = "2f85"
     """A gripper of the catalogue."""
     action: ActionMode = "cartesian"
-    """What an action moves (docs/gym.md)."""
+    """What an action moves (docs/how-to/gym.md)."""
     observation: ObservationMode = "state"
-    """What an observation is (docs/gym.md)."""
+    """What an observation is (docs/how-to/gym.md)."""
     reward: RewardMode = "dense"
     """Reward in each step, or for success alone."""
     control_rate: float = 20.0

@@ -48,7 +48,7 @@ def evaluate(
 
     Args:
         policy: ``module:name``, ``file.py:name``, ``lerobot:FOLDER`` or
-            ``ws://HOST:PORT`` (docs/policies.md); or a function or class itself.
+            ``ws://HOST:PORT`` (docs/how-to/policies.md); or a function or class itself.
         task: As for ``tool0.collect.collect``: ``Lift``, or an environment's id.
         seeds: One for each episode.
         options: Keywords of the environment.

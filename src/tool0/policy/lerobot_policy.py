@@ -40,7 +40,7 @@ class LeRobotPolicy:
         except ImportError as error:
             raise ConfigError(
                 f"a LeRobot policy needs lerobot in this environment: {error}; see "
-                "docs/policies.md"
+                "docs/how-to/policies.md"
             ) from None
         path = Path(folder)
         if not (path / "config.json").is_file():

@@ -48,7 +48,7 @@ class SimulationConfig:
     """Physics engine: mujoco, or gazebo (`tool0 gazebo install`)."""
     hardware: str | None = None
     """Address of a real robot's controller, instead of an engine; tool0 only reads its
-    state until its motion is enabled (docs/hardware.md)."""
+    state until its motion is enabled (docs/how-to/hardware.md)."""
     engine_options: Mapping[str, object] = field(default_factory=dict)
     """Options of the engine by name; Gazebo has ``world`` (a world file instead of an
     empty world with ground) and ``gui`` (True opens gzclient)."""
@@ -61,7 +61,8 @@ class SimulationConfig:
     """The objects around the robot: a YAML file, or a built-in scene (table_and_bin,
     table_and_cubes, shelf)."""
     cameras: tuple[Camera, ...] = ()
-    """Further cameras; one with the name of another replaces it (docs/camera.md)."""
+    """Further cameras; one with the name of another replaces it
+    (docs/how-to/cameras.md)."""
     grasp_assist: bool = False
     """Attach a gripped object to the gripper until it opens, regardless of friction
     and force."""
@@ -77,6 +78,6 @@ class SimulationConfig:
     """Start paused; `tool0 resume` continues."""
     record: File | None = None
     """MCAP file to record to, from the start until the robot is closed
-    (docs/recording.md)."""
+    (docs/how-to/recordings.md)."""
     overwrite: bool = False
     """Replace the file of ``record`` if it exists."""

@@ -1,4 +1,4 @@
-"""docs/robots.md lists the ratings of every built-in arm."""
+"""docs/reference/robots.md lists the ratings of every built-in arm."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 from tool0.description.catalogue import arms, find_part
 
-PAGE = Path(__file__).parents[3] / "docs" / "robots.md"
+PAGE = Path(__file__).parents[3] / "docs/reference/robots.md"
 
 
 @pytest.mark.parametrize("name", arms())

@@ -18,7 +18,7 @@ from tool0.errors import DescriptionError, LimitsError, ModelError, Tool0Error
 MASSES = {"2f85": 0.92086, "2f140": 1.025, "hande": 0.93995}
 """[kg]"""
 LINKAGES = ("2f85", "2f140")
-PAGE = Path(__file__).parents[3] / "docs" / "robots.md"
+PAGE = Path(__file__).parents[3] / "docs/reference/robots.md"
 
 
 @pytest.fixture

@@ -78,7 +78,7 @@ def test_another_robot_changes_defaults_and_controllers_alone(default: Files) ->
 def test_the_default_robots_controllers_in_gazebo_are_the_measured_ones(
     default: Files,
 ) -> None:
-    """The values of docs/workspace.md; the arm's are the program's."""
+    """The values of docs/how-to/workspace.md; the arm's are the program's."""
     expected = yaml.safe_load(controllers_yaml(assemble()))
     found = yaml.safe_load(default[PurePosixPath(DEFAULT_CONTROLLERS)])
     gripper = found.pop("gripper_controller")

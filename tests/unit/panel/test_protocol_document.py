@@ -1,4 +1,4 @@
-"""``docs/panel-protocol.md`` names every field, and its examples are messages."""
+"""The page of the panel's protocol names every field, and its examples are messages."""
 
 import json
 import re
@@ -12,7 +12,8 @@ from tool0.panel import protocol
 from tool0.protocol.codec import Hello, Reply, decode_request
 from tool0.protocol.state_message import StateMessage
 
-TEXT = (Path(__file__).parents[3] / "docs" / "panel-protocol.md").read_text("utf-8")
+PAGE = Path(__file__).parents[3] / "docs/reference/panel-protocol.md"
+TEXT = PAGE.read_text(encoding="utf-8")
 MESSAGES = {
     str(struct.__struct_config__.tag): struct
     for struct in (*get_args(protocol.ViewMessage), Hello, Reply)

@@ -24,11 +24,11 @@ https://bugs.launchpad.net/ubuntu/+source/ros-catkin/+bug/2063103
 """
 _NOT_PACKAGED: Final = (
     "use RoboStack, which runs on any Linux, or a container or machine with Debian 12 "
-    "or 13 over ROS_MASTER_URI (docs/ros1.md)"
+    "or 13 over ROS_MASTER_URI (docs/how-to/ros1.md)"
 )
 _ON_FOCAL: Final = (
     "On Ubuntu 20.04, ROS 1 is Noetic: install it from its own packages and "
-    "`source /opt/ros/noetic/setup.bash` (docs/ros1.md)"
+    "`source /opt/ros/noetic/setup.bash` (docs/how-to/ros1.md)"
 )
 
 _APT: Final = (

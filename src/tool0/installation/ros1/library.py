@@ -16,7 +16,7 @@ DEBIAN = Path("/usr/lib/python3/dist-packages")
 DEFAULT_MASTER = "http://localhost:11311"
 SET_UP = (
     "`tool0 ros1 install` installs it on Debian and Ubuntu; on a machine with Noetic, "
-    "`source /opt/ros/noetic/setup.bash` first (docs/ros1.md)"
+    "`source /opt/ros/noetic/setup.bash` first (docs/how-to/ros1.md)"
 )
 
 

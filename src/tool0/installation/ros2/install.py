@@ -143,7 +143,9 @@ def _select(prefix: Path) -> None:
 def why_not_installable() -> str | None:
     """Return why there are no wheels for this machine, or None if there are."""
     version = sys.version_info[:2]
-    advice = "install ROS 2 another way, and source its setup file (docs/ros2.md)"
+    advice = (
+        "install ROS 2 another way, and source its setup file (docs/how-to/ros2.md)"
+    )
     if (sys.platform, platform.machine()) != ("linux", "x86_64"):
         return (
             "PyPI has wheels of ROS 2 for Linux on x86-64, not for "

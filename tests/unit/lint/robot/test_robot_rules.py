@@ -34,7 +34,8 @@ def test_the_projects_own_robots_are_no_false_alarm(
 ) -> None:
     robot = assemble(arm, gripper, prefix=prefix, safety_limits=safety)
     found = list(robot_findings(root_of(parse_text(robot.urdf))))
-    # True of fingers that slide: plain Gazebo cannot couple them (docs/workspace.md).
+    # True of fingers that slide: plain Gazebo cannot couple them
+    # (docs/how-to/workspace.md).
     loose = [
         joint.name
         for joint in robot.model.joints

@@ -1,4 +1,4 @@
-"""docs/requests.md is what tools/request_docs.py makes of the contract."""
+"""docs/reference/requests.md is what tools/request_docs.py makes of the contract."""
 
 import pytest
 from tools.request_docs import DOCUMENT, document

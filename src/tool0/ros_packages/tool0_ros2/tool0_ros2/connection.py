@@ -1,6 +1,6 @@
 """The connection to a bring-up: requests, replies and messages as lines of JSON.
 
-``docs/requests.md`` describes the protocol.
+``docs/reference/requests.md`` describes the protocol.
 """
 
 import itertools
