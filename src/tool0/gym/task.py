@@ -1,8 +1,8 @@
 """What a task is: functions of the state of n copies, with arrays over all of them.
 
 Subclass ``Task`` for a task of your own (docs/how-to/gym.md), and register it by
-``tool0.gym.register``.  A *goal* is an array of shape (n, g); ``achieved`` and ``desired`` have the same
-meaning, column by column.
+``tool0.gym.register``.  A *goal* is an array of shape (n, g); ``achieved`` and
+``desired`` have the same meaning, column by column.
 """
 
 from __future__ import annotations
