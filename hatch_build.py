@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import re
 import sys
 import sysconfig
 from pathlib import Path
@@ -19,6 +20,8 @@ import web
 _ROOT = Path(__file__).resolve().parent
 SKIP_PAGE = "TOOL0_SKIP_PANEL"
 """Set to 1, no page is made: the package has the one that is there, or none."""
+LICENCES_OF_PAGE = "src/tool0/panel/static/licenses.md"
+"""Texts of the licences of the packages that the page bundles; made with the page."""
 SKIP_KERNEL = "TOOL0_SKIP_KERNEL"
 """Set to 1, no kernel is compiled: the control tick runs in Python, more slowly."""
 
@@ -33,8 +36,15 @@ class PackageHook(BuildHookInterface):  # type: ignore[type-arg]  # any build's 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Make the page and the kernel."""
         _make_page()
+        self._add_licences_of_page()
         if self.target_name == "wheel":
             _compile_kernel(build_data, is_editable=version == "editable")
+
+    def _add_licences_of_page(self) -> None:
+        """Name them in the metadata, which was read before the page was made."""
+        files = self.metadata.core.license_files
+        if (_ROOT / LICENCES_OF_PAGE).is_file() and LICENCES_OF_PAGE not in files:
+            files.append(LICENCES_OF_PAGE)
 
 
 # --- the panel's page: in wheels, editable installs and sdists ---
@@ -97,8 +107,21 @@ def _compile_kernel(build_data: dict[str, Any], *, is_editable: bool) -> None:
         return
     build_data["artifacts"].append(f"/{library.relative_to(_ROOT).as_posix()}")
     build_data["pure_python"] = False
-    platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    build_data["tag"] = f"py3-none-{platform}"
+    build_data["tag"] = f"py3-none-{platform_tag(library)}"
+
+
+def platform_tag(library: Path) -> str:
+    """Return the platform of a wheel with this library.
+
+    On Linux it names the oldest glibc that has all symbols which the library needs
+    (PEP 600: ``manylinux_2_34_x86_64``); the kernel needs nothing but libc and libm.
+    """
+    platform = re.sub(r"[-.]", "_", sysconfig.get_platform())
+    needed = re.findall(rb"GLIBC_(\d+)\.(\d+)", library.read_bytes())
+    if not platform.startswith("linux_") or not needed:
+        return platform
+    major, minor = max((int(major), int(minor)) for major, minor in needed)
+    return f"many{platform.replace('linux_', f'linux_{major}_{minor}_', 1)}"
 
 
 def _kernel_build() -> ModuleType:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -66,6 +67,8 @@ def test_a_wheel_has_the_kernel_for_every_python(project: Path, tmp_path: Path) 
     assert "cannot compile" not in said
     assert "-py3-none-" in wheel.name
     assert not wheel.stem.endswith("-any")
+    if sys.platform == "linux":
+        assert re.search(r"-py3-none-manylinux_2_\d+_\w+\.whl$", wheel.name)
     pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index"]
     target = tmp_path / "installed"
     subprocess.run([*pip, "--target", str(target), str(wheel)], check=True)
@@ -94,6 +97,50 @@ def test_without_a_kernel_the_wheel_is_of_any_machine(
     if not skip:
         assert "no licence" in said
         assert "everything works without it, more slowly" in said
+
+
+@pytest.mark.parametrize(
+    ("platform", "symbols", "tag"),
+    [
+        (
+            "linux-x86_64",
+            b"GLIBC_2.2.5\0GLIBC_2.34\0GLIBC_2.4",
+            "manylinux_2_34_x86_64",
+        ),
+        ("linux-aarch64", b"GLIBC_2.17\0", "manylinux_2_17_aarch64"),
+        ("linux-x86_64", b"musl has no versions", "linux_x86_64"),
+        ("macosx-11.0-arm64", b"", "macosx_11_0_arm64"),
+    ],
+)
+def test_a_wheel_names_the_glibc_that_it_needs(
+    platform: str,
+    symbols: bytes,
+    tag: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("sysconfig.get_platform", lambda: platform)
+    library = tmp_path / "_kernel.so"
+    library.write_bytes(symbols)
+    assert hatch_build.platform_tag(library) == tag
+
+
+def test_the_metadata_has_the_licences_of_the_page(
+    project: Path, tmp_path: Path
+) -> None:
+    texts = project / hatch_build.LICENCES_OF_PAGE
+    texts.parent.mkdir(parents=True)
+    texts.write_text("# Licenses\n", encoding="utf-8")
+    variables = {"TOOL0_SKIP_KERNEL": "1"}
+    wheel, _ = make(project, "wheel", tmp_path / "dist", **variables)
+    with zipfile.ZipFile(wheel) as file:
+        (name,) = (name for name in file.namelist() if name.endswith("/METADATA"))
+        metadata = file.read(name).decode()
+        folder = name.removesuffix("METADATA")
+        assert f"{folder}licenses/{hatch_build.LICENCES_OF_PAGE}" in file.namelist()
+    assert f"License-File: {hatch_build.LICENCES_OF_PAGE}\n" in metadata
+    assert "License-Expression: Apache-2.0 AND MIT\n" in metadata
+    shutil.rmtree(texts.parent)
 
 
 def test_an_sdist_has_the_sources_only(project: Path, tmp_path: Path) -> None:
