@@ -1,0 +1,231 @@
+"""Film the panel while a person works with it: jogging, teaching, planning.
+
+usage: python tools/film_panel.py {jog,teach,plan} docs/images/jog.webp
+
+The film is an animated WebP in real time.  A dot shows where the pointer is.  Needs
+Chromium (tools/setup-browser).  On a machine without a GPU, leave it alone meanwhile.
+"""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import io
+import math
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import av
+from playwright.sync_api import CDPSession, Locator, Page, sync_playwright
+
+import tool0
+from tool0.panel.server import Panel
+from tool0.scene import Box
+
+ROOT = Path(__file__).resolve().parent.parent
+WIDTH, HEIGHT = 1280, 800
+SCALE = 0.75
+"""Size of the film, as a part of that of the page."""
+FRAME_RATE = 8  # [Hz]
+ENCODER = {"quality": "55", "compression_level": "6"}
+_SLOW = 40_000
+"""Longest wait for software GL [ms]."""
+_POINTER = """() => {
+    const dot = document.createElement("div");
+    dot.style.cssText = "position:fixed;z-index:9999;width:18px;height:18px;" +
+        "border-radius:50%;background:#e6450088;border:2px solid #e64500;" +
+        "pointer-events:none;transform:translate(-50%,-50%);left:50%;top:50%";
+    document.body.append(dot);
+    window.addEventListener("pointermove", event => {
+        dot.style.left = `${event.clientX}px`;
+        dot.style.top = `${event.clientY}px`;
+    }, true);
+    window.addEventListener("pointerdown", () => {
+        dot.style.background = "#e64500";
+    }, true);
+    window.addEventListener("pointerup", () => {
+        dot.style.background = "#e6450088";
+    }, true);
+}"""
+
+
+class Film:
+    """The pictures that a page draws, each with its time."""
+
+    def __init__(self, page: Page) -> None:
+        self._session: CDPSession = page.context.new_cdp_session(page)
+        self._session.on("Page.screencastFrame", self._keep)
+        self.frames: list[tuple[float, bytes]] = []
+        """Time [s] and JPEG."""
+
+    def start(self) -> None:
+        settings = {"format": "jpeg", "quality": 90, "everyNthFrame": 1}
+        self._session.send("Page.startScreencast", settings)
+
+    def stop(self) -> None:
+        self._session.send("Page.stopScreencast")
+
+    def _keep(self, event: dict[str, Any]) -> None:
+        picture = base64.b64decode(event["data"])
+        self.frames.append((event["metadata"]["timestamp"], picture))
+        self._session.send("Page.screencastFrameAck", {"sessionId": event["sessionId"]})
+
+    def write(self, path: Path) -> None:
+        """Write it at a constant rate, repeated for ever."""
+        width, height = round(WIDTH * SCALE), round(HEIGHT * SCALE)
+        start, end = self.frames[0][0], self.frames[-1][0]
+        with av.open(str(path), "w", format="webp", options={"loop": "0"}) as container:
+            stream: Any = container.add_stream(
+                "libwebp_anim", FRAME_RATE, options=ENCODER
+            )
+            stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+            index = 0
+            for tick in range(math.floor((end - start) * FRAME_RATE) + 1):
+                while (
+                    index + 1 < len(self.frames)
+                    and self.frames[index + 1][0] <= start + tick / FRAME_RATE
+                ):
+                    index += 1
+                picture = _decoded(self.frames[index][1])
+                small = picture.reformat(width, height, "yuv420p", interpolation="AREA")
+                container.mux(stream.encode(small))
+            container.mux(stream.encode(None))
+
+
+def _decoded(jpeg: bytes) -> Any:
+    with av.open(io.BytesIO(jpeg), format="mjpeg") as picture:
+        return next(picture.decode(video=0))
+
+
+class Person:
+    """Uses the page as a person does: moves the pointer, holds, clicks, waits."""
+
+    def __init__(self, page: Page, robot: tool0.Robot) -> None:
+        self.page, self.robot = page, robot
+
+    def get(self, test_id: str) -> Locator:
+        return self.page.get_by_test_id(test_id)
+
+    def waits(self, duration: float) -> None:
+        self.page.wait_for_timeout(1000.0 * duration)
+
+    def points(self, test_id: str) -> None:
+        place = self.get(test_id)
+        place.scroll_into_view_if_needed()
+        box = place.bounding_box()
+        assert box is not None
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        self.page.mouse.move(x, y, steps=12)
+        self.waits(0.2)
+
+    def clicks(self, test_id: str) -> None:
+        self.points(test_id)
+        self.get(test_id).click()
+        self.waits(0.4)
+
+    def holds(self, test_id: str, duration: float) -> None:
+        self.points(test_id)
+        self.page.mouse.down()
+        self.waits(duration)
+        self.page.mouse.up()
+        self.waits(0.4)
+
+    def types(self, test_id: str, text: str) -> None:
+        self.points(test_id)
+        self.get(test_id).fill(text)
+        self.get(test_id).press("Enter")
+        self.waits(0.5)
+
+
+def jog(person: Person) -> None:
+    """Move the tool by buttons, then the gripper."""
+    person.clicks("enable-toggle")
+    person.clicks("tool-toggle")
+    for button in ("jog-z-minus", "jog-y-plus", "jog-x-minus", "jog-z-plus"):
+        person.holds(button, 1.4)
+    person.waits(0.6)
+
+
+def teach(person: Person) -> None:
+    """Add waypoints where the arm is, and run the program."""
+    person.clicks("enable-toggle")
+    for lift in (-1.2, -0.9, -1.57):
+        person.clicks("tab-motion")
+        person.types("joint-field-shoulder_lift_joint", str(lift))
+        person.waits(1.0)
+        person.clicks("tab-program")
+        person.clicks("program-add-move_joint")
+    person.clicks("program-run")
+    person.page.locator("[data-testid=program-stop][disabled]").wait_for()
+    person.waits(1.0)
+
+
+def plan(person: Person) -> None:
+    """Send the tool behind a wall: the page shows the way around before it moves."""
+    person.clicks("enable-toggle")
+    person.clicks("tool-toggle")
+    person.clicks("tool-frame-world")
+    person.types("tool-1", "-350")
+    person.get("tool-posture").wait_for()
+    person.clicks("tool-go")
+    person.page.locator("[data-testid=plan][data-state=found]").wait_for()
+    person.waits(2.0)
+    person.clicks("plan-move")
+    person.get("tool-forget").wait_for(state="detached")
+    person.waits(1.0)
+
+
+def _cubes() -> tool0.Robot:
+    return tool0.bringup(scene="table_and_cubes")
+
+
+def _walled() -> tool0.Robot:
+    robot = tool0.bringup(initial_pose="ready")
+    wall = Box(size=(0.5, 0.04, 0.45))
+    robot.scene.add("wall", wall, xyz=(0.55, -0.12, 0.225), rgba=(0.75, 0.6, 0.4, 1.0))
+    return robot
+
+
+FILMS: Final[dict[str, tuple[Callable[[], tool0.Robot], Callable[[Person], None]]]] = {
+    "jog": (_cubes, jog),
+    "teach": (_cubes, teach),
+    "plan": (_walled, plan),
+}
+
+
+def main() -> None:
+    """Make the film that the arguments name."""
+    sys.path.insert(0, str(ROOT / "tests/rigs"))
+    from browser import find_chromium, launch  # noqa: PLC0415  # beside the tests
+
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("film", choices=FILMS)
+    parser.add_argument("output", type=Path)
+    parser.add_argument("--quality", choices=("low", "high"), default="low")
+    options = parser.parse_args()
+    chromium = find_chromium()
+    if chromium is None:
+        sys.exit("there is no Chromium here; run tools/setup-browser")
+    bring_up, act = FILMS[options.film]
+    with bring_up() as robot, Panel(robot) as panel, sync_playwright() as playwright:
+        browser = launch(playwright, chromium)
+        context = browser.new_context(
+            viewport={"width": WIDTH, "height": HEIGHT}, locale="en-US"
+        )
+        context.set_default_timeout(_SLOW)
+        page = context.new_page()
+        page.goto(f"{panel.url}?quality={options.quality}")
+        page.locator("[data-testid=scene][data-ready=true]").wait_for()
+        page.evaluate(_POINTER)
+        film = Film(page)
+        film.start()
+        act(Person(page, robot))
+        film.stop()
+        browser.close()
+    film.write(options.output)
+
+
+if __name__ == "__main__":
+    main()
