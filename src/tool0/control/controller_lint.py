@@ -143,7 +143,7 @@ class ControllerLint:
             return entry.finding(
                 "misplaced-key",
                 f"{self.kind} does not read it; read by {' and '.join(others)} only",
-                "remove it, or take that controller",
+                "remove it, or use that controller",
                 "warning",
             )
         if first in ("gains", "velocity_ff", "pid") and "/" not in path:

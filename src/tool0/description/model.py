@@ -116,7 +116,7 @@ def check_inertia(
         )
     if not low + middle >= high * (1 - _ROUNDING):
         raise ModelError(
-            f"no body has the inertia of link '{link}' ({moments}): the largest "
+            f"physically impossible inertia of link '{link}' ({moments}): the largest "
             "must not exceed the sum of the others (triangle inequality); "
             "check the units and the axes",
             location,

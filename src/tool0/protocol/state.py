@@ -233,8 +233,9 @@ class Stall(NamedTuple):
     """Distance from its setpoint [rad | m]; None if it pushes with its effort limit."""
 
     def __str__(self) -> str:
-        touching = contacts_text(self.contacts) or "no contact: its stop, or the load"
-        does = f"pushes with its limit of {abs(self.effort):.4g}"
+        touching = contacts_text(self.contacts)
+        touching = touching or "no contact: a joint stop, or the load"
+        does = f"is at its effort limit of {abs(self.effort):.4g}"
         if self.lag is not None:
             does = f"is {self.lag:.3f} from its setpoint"
         return f"joint '{self.joint}' {does} and does not move ({touching})"

@@ -91,7 +91,7 @@ def test_integration_needs_something_to_integrate() -> None:
         ({"joints": "[hip, hop, wheel]"}, 4, "'hop'"),
         ({"joints": "[hip, hip, wheel]"}, 4, "names joint 'hip' twice"),
         ({"joints": "[]"}, 4, "must be a list of names"),
-        ({"command_interfaces": "[torque]"}, 5, "no kind of interface"),
+        ({"command_interfaces": "[torque]"}, 5, "not an interface type"),
         ({"command_interfaces": "[position, position]"}, 5, "'position' twice"),
         ({"command_interfaces": "[velocity, effort]"}, 5, r"cannot be \[velocity, ef"),
         ({"command_interfaces": "[acceleration]"}, 5, r"cannot be \[acceleration\]"),

@@ -165,7 +165,7 @@ MISTAKES: dict[str, tuple[str, str, str, type[Tool0Error], str]] = {
     ),
     "an inertia that no body has": (
         "physical_parameters", "ixx: 1.5784e-05", "ixx: 1.5784e-03",
-        ModelError, "no body has the inertia of link 'finger'",
+        ModelError, "physically impossible inertia of link 'finger'",
     ),
     "no inertia": (
         "physical_parameters", "ixx: 1.5784e-05", "ix: 1.5784e-05",

@@ -61,7 +61,7 @@ def _lint_other(
     elif name in {*gain_parameters(), *JOINT_MAPPINGS, "joints", "joint", "type"}:
         yield entry.finding(
             "flat-yaml",
-            "nothing reads it here; it belongs into a controller",
+            "nothing reads it here; it belongs in a controller",
             "indent it",
         )
     elif name != "gazebo_ros_control":

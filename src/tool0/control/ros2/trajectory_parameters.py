@@ -127,7 +127,7 @@ def _choices(parameters: Namespace, path: str, valid: Sequence[str]) -> tuple[st
     for kind, item in zip(kinds, entry.items if entry else (), strict=True):
         if kind not in valid:
             raise ConfigError(
-                f"'{item.key}' is '{kind}', which is no kind of interface"
+                f"'{item.key}' is '{kind}', which is not an interface type"
                 + did_you_mean(kind, valid),
                 item.location,
             )

@@ -74,7 +74,7 @@ def gpu(examined: Machine) -> list[ProbeResult]:
         found = "nvidia-smi does not answer: NVIDIA's driver hangs"
         return [ProbeResult("gpu", "unknown", found)]
     if not cards:
-        found = "none, and none is needed: physics and browsers can use the CPU"
+        found = "not present (optional): physics and browsers can use the CPU"
         return [ProbeResult("gpu", "missing", found)]
     found, remedy = ", ".join(cards), ""
     if not all(os.access(node, os.R_OK) for node in nodes.values()):

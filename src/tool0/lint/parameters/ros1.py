@@ -299,7 +299,9 @@ def unknown_joints(
         known = set(usual_joints())
         if sum(name in known for name in names) < _ENOUGH * len(names):
             return
-        reason = "a UR with a 2F-85, whose joints are beside it, has no such joint"
+        reason = (
+            "a UR with a 2F-85, like the one these joints belong to, has no such joint"
+        )
     hand = known.difference(CATALOGUE_JOINTS)
     is_of_hand = len(hand.intersection(names)) >= _OF_HAND
     for name, entry in entries:

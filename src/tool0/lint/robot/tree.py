@@ -80,7 +80,7 @@ def _two_parents(facts: RobotFacts) -> Iterator[Finding]:
         if first is not joint and joint.child in facts.links:
             yield joint.at.error(
                 "two-parents",
-                f"link '{short(joint.child)}' hangs on two joints, "
+                f"link '{short(joint.child)}' has two parent joints, "
                 f"'{short(first.name)}' at {first.at.location} and "
                 f"'{short(joint.name)}', {_REFUSED}: URDF is a tree",
                 "remove one of the joints, or swap <parent> and <child> of the "
