@@ -6,7 +6,6 @@ import contextlib
 import math
 import threading
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, final
@@ -20,6 +19,7 @@ from tool0.batch.backend import (
     BatchBackend,
     DeviceArrays,
     ObjectField,
+    changed_object,
     checked_device,
     needs_cpu,
 )
@@ -44,6 +44,7 @@ from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.description.parts import find_arms, find_grippers
 from tool0.description.scene import Scene
 from tool0.description.scene_state import ObjectState
+from tool0.description.shapes import Box, Compound, Cylinder, Sphere, sizes
 from tool0.description.transform_arrays import Frames, from_quats
 from tool0.errors import (
     ConfigError,
@@ -95,7 +96,8 @@ class Batch:
             description: Which robot.
             control: Its controllers and its initial pose.
             scene: The objects around the robot: for all copies, or one scene per copy.
-                Those of the copies differ in mass, friction, pose and colour only.
+                Those of the copies differ in mass, friction, pose, colour, and in the
+                size of boxes, cylinders and spheres only.
             dt: Length of a physics step [s].
             threads: Threads that step the copies; as many as there are processors, or
                 copies if these are fewer, if not given.  A GPU needs none.
@@ -139,6 +141,8 @@ class Batch:
         self._joints: tuple[Array, Array, Array] | None = None
         self._object_arrays: ObjectArrays | None = None
         """Arrays read since the state last changed, like ``_joints``."""
+        self._sizes: dict[str, Array] = {}
+        """Sizes of objects that were read since they last changed, by name."""
         self._is_closed = False
         self._user = threading.RLock()
         """Held by the thread that reads or changes the state."""
@@ -577,8 +581,8 @@ class Batch:
     def save(self) -> BatchState:
         """Return the state of all copies; it does not change.
 
-        It has all that their future depends on: joints, objects with their masses and
-        frictions, warm start and contacts of the physics, motions, integrals of the
+        It has all that their future depends on: joints, objects with their sizes,
+        masses and frictions, warm start and contacts of the physics, motions, integrals of the
         controllers, grippers, and time; and how the copies look in images.
 
         Raises:
@@ -598,7 +602,7 @@ class Batch:
 
         Args:
             state: Of this batch, or of one with the same robot, controllers and
-                objects.
+                objects, whose sizes may differ.
             which: The copies.
             source: Number of the saved copy for each, shape (n,); its own, if left out.
 
@@ -625,6 +629,7 @@ class Batch:
         with self._changing():
             self._copies.restore(rows, [state.copies[int(k)] for k in sources])
             self._images.restore(rows, [state.looks[int(k)] for k in sources])
+            self._sizes.clear()
 
     # ---- the scene ------------------------------------------------------------------
 
@@ -688,6 +693,40 @@ class Batch:
                 has changed.
         """
         self._change_objects("set_friction", name, "friction", friction, which)
+
+    def set_size(self, name: str, size: ArrayLike, which: Which | None = None) -> None:
+        """Give a box, a cylinder or a sphere another size; it keeps its mass.
+
+        Its origin stays where it is, in its middle: place it so that it overlaps
+        nothing.  A reset keeps the size.
+
+        Args:
+            name: The object.
+            size: Edges of a box along x, y, z [m], shape (n, 3); radius and length of a
+                cylinder, (n, 2); radius of a sphere, (n,).
+            which: The copies.
+
+        Raises:
+            ControlError: If there is no such object, it has another shape, a number is
+                not above 0, or this is a GPU; nothing has changed.
+        """
+        width = self._size_width("set_size", name)
+        self._change_objects("set_size", name, "size", size, which, width)
+
+    def object_size(self, name: str) -> Array:
+        """Return the size of a box, cylinder or sphere [m], shaped as in ``set_size``.
+
+        Raises:
+            ControlError: If there is no such object, or it has another shape.
+        """
+        width = self._size_width("object_size", name)
+        if name not in self._sizes:
+            k = self.object_names.index(name)
+            cores = self._cores if self._device == CPU else self._cores * self._n
+            shapes = (core.scene.objects[k].geometry for core in cores)
+            found = [sizes(each) for each in shapes if not isinstance(each, Compound)]
+            self._sizes[name] = _frozen(np.array(found).reshape(self._n, *width))
+        return self._sizes[name]
 
     # ---- pictures, and the end ------------------------------------------------------
 
@@ -900,25 +939,41 @@ class Batch:
         field: ObjectField,
         values: ArrayLike,
         which: Which | None,
+        shape: tuple[int, ...] = (),
     ) -> None:
         """Change a field of an object, as if each copy had been made with it."""
         check = Arguments(self._n, method)
         rows = check.which(which)
-        numbers = check.rows(field, values, (), rows)[rows]
         self._object(name)
-        (item,) = (x for x in self._cores[0].scene.objects if x.name == name)
+        numbers = check.rows(field, values, shape, rows)[rows]
+        item = self._cores[0].scene.objects[self.object_names.index(name)]
         if field == "mass" and item.mass is None:
             raise ControlError(
                 f"Batch.{method}: object '{name}' is fixed: it has no mass"
             )
         for i, number in zip(rows.tolist(), numbers.tolist(), strict=True):
             try:
-                changes: dict[str, Any] = {field: number}
-                replace(item, **changes)
+                changed_object(item, field, number)
             except ConfigError as error:
                 raise ControlError(f"Batch.{method}: copy {i}: {error}") from None
         with self._changing():
             self._copies.change(rows, name, field, numbers)
+            self._sizes.pop(name, None)
+
+    def _size_width(self, method: str, name: str) -> tuple[int, ...]:
+        """Return the shape of an object's size; ControlError if it has none."""
+        self._object(name)
+        item = self._cores[0].scene.objects[self.object_names.index(name)]
+        match item.geometry:
+            case Box() | Cylinder():
+                return (len(sizes(item.geometry)),)
+            case Sphere():
+                return ()
+        kind = type(item.geometry).__name__.lower()
+        raise ControlError(
+            f"Batch.{method}: object '{name}' is a {kind}; only boxes, cylinders and "
+            "spheres have a size"
+        )
 
     def _object(self, name: str) -> None:
         if name not in self.object_names:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Any, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
-from tool0.batch.backend import DeviceArrays, ObjectField, needs_gpu
+from tool0.batch.backend import (
+    DeviceArrays,
+    ObjectField,
+    changed_object,
+    needs_gpu,
+)
 from tool0.batch.saved import SavedCopy
 from tool0.control.ros1.goal_check import INSTANT
 from tool0.description.drive_limits import DriveLimits
@@ -201,8 +205,7 @@ class Copies:
         for i, value in zip(rows.tolist(), values.tolist(), strict=True):
             scene = self._cores[i].scene
             (item,) = (item for item in scene.objects if item.name == name)
-            changes: dict[str, Any] = {field: value}
-            item = replace(item, **changes)
+            item = changed_object(item, field, value)
             self._engines[i].world.change(item)
             scene.changed(item)
 

@@ -152,7 +152,13 @@ class DeviceCopies:
     def change(
         self, rows: Indices, name: str, field: ObjectField, values: Array
     ) -> None:
-        """Give an object other values of a field: ``BatchBackend.change``."""
+        """Give an object other values of a field: ``BatchBackend.change``.
+
+        Raises:
+            ControlError: If it is the size: all copies have the same shapes here.
+        """
+        if field == "size":
+            raise needs_cpu("Batch.set_size", self._device)
         if field == "mass":
             self._worlds.set_mass(name, rows, values)
         else:

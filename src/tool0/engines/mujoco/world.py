@@ -16,12 +16,13 @@ from tool0.description.flat_frames import rotate
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.scene_state import Contact, ObjectState
+from tool0.description.shapes import kind_of
 from tool0.description.transform import Quaternion, Vector3
 from tool0.engines.mujoco.model import MIMIC_SOLIMP, MIMIC_SOLREF
 from tool0.engines.mujoco.objects import (
     ObjectStates,
+    change_body,
     change_friction,
-    change_mass,
     compile_with_scene,
     free_joint_name,
 )
@@ -47,7 +48,7 @@ class SavedWorld:
     """The state of a world that is not in ``MjData``."""
 
     objects: Mapping[str, SceneObject]
-    """With their masses and frictions, by name."""
+    """With their sizes, masses and frictions, by name."""
     static: Mapping[str, ObjectState]
     contacts: tuple[float, tuple[Contact, ...]]
 
@@ -123,15 +124,17 @@ class MujocoWorld:
         self.states.place(state)
 
     def change(self, item: SceneObject) -> None:
-        """Give an object the mass and friction of ``item``, which is equal otherwise.
+        """Give an object the size, mass and friction of ``item``.
+
+        It is equal otherwise, and of the same kind of shape.
 
         The model is then, bit for bit, as if it had been compiled with it.
         """
         old = find_object(self._objects, item.name)
         self._objects[item.name] = item
         scene = Scene(tuple(self._objects.values()), self._scene.locations)
-        if item.mass != old.mass:
-            change_mass(self._model, item, scene, self._mesh_files)
+        if (item.mass, item.geometry) != (old.mass, old.geometry):
+            change_body(self._model, item, scene, self._mesh_files)
         if item.friction != old.friction:
             change_friction(self._model, self._robot, item, scene)
         self._scene = scene
@@ -151,7 +154,7 @@ class MujocoWorld:
     def check_saved(self, saved: SavedWorld, data: Any) -> None:
         """Raise EngineError if a state is of another robot or of other objects."""
         shapes = [
-            {name: item.geometry for name, item in objects.items()}
+            {name: kind_of(item.geometry) for name, item in objects.items()}
             for objects in (saved.objects, self._objects)
         ]
         if shapes[0] != shapes[1] or self._data.qpos.shape != data.qpos.shape:
