@@ -20,11 +20,15 @@ from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
     from tool0.batch.saved import SavedCopy
+    from tool0.engines.mujoco.contact_arrays import ContactArrays
     from tool0.engines.mujoco.copies import ObjectArrays
     from tool0.simulation.executor import Executor
 
 ObjectField = Literal["mass", "friction", "size"]
 """What differs between copies of a ``SceneObject``; sizes are those of its geometry."""
+
+Names = frozenset[str]
+"""Links, objects or the ground."""
 
 CPU = "cpu"
 _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")
@@ -102,6 +106,16 @@ class BatchBackend(Protocol):
 
         They act at the origin of the link ``at``, in its axes, in the last step.
         """
+
+    def contacts(self, first: Names | None, second: Names | None) -> ContactArrays:
+        """Return the contacts of ``first`` with ``second``; None is everything.
+
+        Raises:
+            ControlError: If this is a GPU.
+        """
+
+    def are_touching(self, first: Names, second: Names | None) -> NDArray[np.bool_]:
+        """Return whether there is such a contact in each copy."""
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object, at rest; ControlError if that is impossible."""

@@ -24,6 +24,7 @@ from tool0.batch.backend import (
     needs_cpu,
 )
 from tool0.batch.commands import Commands
+from tool0.batch.contacts import Bodies, Contacts, checked_bodies
 from tool0.batch.frames import GripperFrames
 from tool0.batch.images import Images
 from tool0.batch.making import (
@@ -193,6 +194,19 @@ class Batch:
         return tuple(item.name for item in self._cores[0].scene.objects)
 
     @cached_property
+    def link_names(self) -> tuple[str, ...]:
+        """The links of the robot, also those that are fixed to others."""
+        return tuple(self._model.link_by_name)
+
+    def pad_names(self, gripper: str | None = None) -> tuple[str, str]:
+        """Return the links that are the two pads, in the order of ``pad_forces``.
+
+        Raises:
+            ControlError: If there is no such gripper, or it has no two pads.
+        """
+        return pad_links(self._model, self._gripper(gripper))
+
+    @cached_property
     def grippers(self) -> Mapping[str, ParallelGripper]:
         """The grippers by name."""
         return find_grippers(self._model)
@@ -340,8 +354,7 @@ class Batch:
         Raises:
             ControlError: If there is no such gripper, or it has no two pads.
         """
-        geometry = self._gripper(gripper)
-        pads = pad_links(self._model, geometry)
+        pads = self.pad_names(gripper)
         with self._alone():
             return _frozen(self._copies.pad_forces(pads))
 
@@ -375,6 +388,53 @@ class Batch:
         links = frozenset(self._model.links_from(flange))
         with self._alone():
             return _frozen(self._copies.wrenches(links, flange))
+
+    def contacts(
+        self,
+        first: Bodies | None = None,
+        second: Bodies | None = None,
+        which: Which | None = None,
+    ) -> Contacts:
+        """Return the contacts in the last step, one row per pair that touches.
+
+        They are computed when asked, as those of ``Robot.contacts``, whose words these
+        are.  A contact has a normal force: what only is near is none.
+
+        Args:
+            first: A link, an object, or ``ground``, by name, or several of them: it is
+                ``first`` in each row; anything, if left out.
+            second: What it touches; anything, if left out.
+            which: The copies.
+
+        Raises:
+            ControlError: If there is no such link or object, or this is a GPU.
+        """
+        bodies = self._bodies("contacts", first), self._bodies("contacts", second)
+        rows = Arguments(self._n, "contacts").which(which)
+        with self._alone():
+            found = self._copies.contacts(*bodies)
+        is_chosen = np.isin(found.world, rows)
+        copy, *rest = (values[is_chosen] for values in found)
+        return Contacts(copy=copy, **dict(zip(found._fields[1:], rest, strict=True)))
+
+    def in_contact(
+        self, first: Bodies, second: Bodies | None = None
+    ) -> NDArray[np.bool_]:
+        """Return whether bodies touch in the last step, shape (n,).
+
+        Less is computed than by ``contacts``.
+
+        Args:
+            first: A link, an object, or ``ground``, by name, or any of several.
+            second: What it touches; anything, if left out.
+
+        Raises:
+            ControlError: If there is no such link or object.
+        """
+        bodies = self._bodies("in_contact", first), self._bodies("in_contact", second)
+        assert bodies[0] is not None
+        with self._alone():
+            return _frozen(self._copies.are_touching(bodies[0], bodies[1]))
 
     # ---- commands -------------------------------------------------------------------
 
@@ -974,6 +1034,10 @@ class Batch:
             f"Batch.{method}: object '{name}' is a {kind}; only boxes, cylinders and "
             "spheres have a size"
         )
+
+    def _bodies(self, method: str, given: Bodies | None) -> frozenset[str] | None:
+        names = self.object_names
+        return checked_bodies(f"Batch.{method}", given, self._model, names)
 
     def _object(self, name: str) -> None:
         if name not in self.object_names:

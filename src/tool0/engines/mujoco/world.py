@@ -91,6 +91,16 @@ class MujocoWorld:
         x, y, z = map(float, self._model.opt.gravity)
         return x, y, z
 
+    @property
+    def data(self) -> Any:
+        """The ``MjData`` of robot and scene, until the next compilation."""
+        return self._data
+
+    @property
+    def has_no_contact(self) -> bool:
+        """Whether nothing touches for sure: so it is from a reset to the next step."""
+        return self._contacts == (self._data.time, ())
+
     def reset(self, position: Sequence[float], time: float) -> None:
         """Put joints at ``position`` [rad | m] and objects where they started."""
         if self._attached:
@@ -190,7 +200,7 @@ class MujocoWorld:
         They act at the origin of the link ``at``, in its axes, in the last step.
         """
         data, contacts = self._data, self._data.contact
-        is_inside = self._are_of(links)[contacts.geom]
+        is_inside = self.are_of(links)[contacts.geom]
         rows = np.flatnonzero(is_inside[:, 0] != is_inside[:, 1])
         if not rows.size:
             return (0.0,) * 6
@@ -212,12 +222,12 @@ class MujocoWorld:
 
     def _is_of(self, link: str) -> NDArray[np.bool_]:
         """Return for each geom whether it is of ``link``."""
-        return self._are_of(frozenset((link,)))
+        return self.are_of(frozenset((link,)))
 
-    def _are_of(self, links: frozenset[str]) -> NDArray[np.bool_]:
-        """Return for each geom whether it is of one of ``links``."""
+    def are_of(self, links: frozenset[str]) -> NDArray[np.bool_]:
+        """Return for each geom whether it is of one of ``links``: links or objects."""
         if links not in self._masks:
-            owners = self._geom_owners
+            owners = self.geom_owners
             self._masks[links] = np.array([owner in links for owner in owners])
         return self._masks[links]
 
@@ -225,7 +235,7 @@ class MujocoWorld:
         model, data = self._model, self._data
         if self._contacts[0] != data.time:
             points = itertools.chain(
-                contact_points(model, data, self._geom_owners),
+                contact_points(model, data, self.geom_owners),
                 attachment_points(model, data, self._attached),
             )
             self._contacts = (data.time, merge_by_pair(points))
@@ -237,7 +247,7 @@ class MujocoWorld:
             item.link in links for item in self._attached.values()
         ):
             return True
-        return bool(data.ncon) and bool(self._are_of(links)[data.contact.geom].any())
+        return bool(data.ncon) and bool(self.are_of(links)[data.contact.geom].any())
 
     def center_of_mass(self, name: str) -> Vector3:
         body = self._body(name)
@@ -292,7 +302,8 @@ class MujocoWorld:
             item.name: item for item in scene.objects
         }
         self._attached = attached
-        self._geom_owners = geom_owners(model)
+        self.geom_owners = geom_owners(model)
+        """The link or object of each geom, by the geom's number."""
         self._masks: dict[frozenset[str], NDArray[np.bool_]] = {}
         self.states = ObjectStates(model, self._data, scene)
         self._on_compiled(model, self._data)
@@ -314,7 +325,7 @@ class MujocoWorld:
             # The moving body is named first, the static one second.
             geoms = [self._model.geom(int(geom)) for geom in contact.geom]
             geoms.sort(key=self._mobility, reverse=True)
-            first, second = (self._geom_owners[geom.id] for geom in geoms)
+            first, second = (self.geom_owners[geom.id] for geom in geoms)
             depth = max(-contact.dist, deepest.get((first, second), 0.0))
             deepest[first, second] = depth
         for (first, second), depth in deepest.items():
