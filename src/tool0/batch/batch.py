@@ -413,9 +413,17 @@ class Batch:
         rows = Arguments(self._n, "contacts").which(which)
         with self._alone():
             found = self._copies.contacts(*bodies)
-        is_chosen = np.isin(found.world, rows)
-        copy, *rest = (values[is_chosen] for values in found)
-        return Contacts(copy=copy, **dict(zip(found._fields[1:], rest, strict=True)))
+        chosen = np.isin(found.world, rows)
+        return Contacts(
+            copy=found.world[chosen],
+            first=found.first[chosen],
+            second=found.second[chosen],
+            point=found.point[chosen],
+            normal=found.normal[chosen],
+            distance=found.distance[chosen],
+            force=found.force[chosen],
+            torque=found.torque[chosen],
+        )
 
     def in_contact(
         self, first: Bodies, second: Bodies | None = None
@@ -671,6 +679,8 @@ class Batch:
                 controllers differ, or this is a GPU.
             EngineError: If the objects differ.
         """
+        if self._device != CPU:
+            raise needs_cpu("Batch.restore", self._device)
         check = Arguments(self._n, "restore")
         rows = check.which(which)
         given = np.arange(self._n) if source is None else source
