@@ -650,8 +650,8 @@ class Batch:
         """Return the state of all copies; it does not change.
 
         It has all that their future depends on: joints, objects with their sizes,
-        masses and frictions, warm start and contacts of the physics, motions, integrals of the
-        controllers, grippers, and time; and how the copies look in images.
+        masses and frictions, warm start and contacts of the physics, motions, integrals
+        of the controllers, grippers, and time; and how the copies look in images.
 
         Raises:
             ControlError: If a goal of a GripperActionController is active in a copy, or
@@ -780,8 +780,8 @@ class Batch:
             ControlError: If there is no such object, it has another shape, a number is
                 not above 0, or this is a GPU; nothing has changed.
         """
-        width = self._size_width("set_size", name)
-        self._change_objects("set_size", name, "size", size, which, width)
+        shape = self._size_shape("set_size", name)
+        self._change_objects("set_size", name, "size", size, which, shape=shape)
 
     def object_size(self, name: str) -> Array:
         """Return the size of a box, cylinder or sphere [m], shaped as in ``set_size``.
@@ -789,13 +789,13 @@ class Batch:
         Raises:
             ControlError: If there is no such object, or it has another shape.
         """
-        width = self._size_width("object_size", name)
+        shape = self._size_shape("object_size", name)
         if name not in self._sizes:
             k = self.object_names.index(name)
             cores = self._cores if self._device == CPU else self._cores * self._n
             shapes = (core.scene.objects[k].geometry for core in cores)
             found = [sizes(each) for each in shapes if not isinstance(each, Compound)]
-            self._sizes[name] = _frozen(np.array(found).reshape(self._n, *width))
+            self._sizes[name] = _frozen(np.array(found).reshape(self._n, *shape))
         return self._sizes[name]
 
     # ---- pictures, and the end ------------------------------------------------------
@@ -1009,6 +1009,7 @@ class Batch:
         field: ObjectField,
         values: ArrayLike,
         which: Which | None,
+        *,
         shape: tuple[int, ...] = (),
     ) -> None:
         """Change a field of an object, as if each copy had been made with it."""
@@ -1030,7 +1031,7 @@ class Batch:
             self._copies.change(rows, name, field, numbers)
             self._sizes.pop(name, None)
 
-    def _size_width(self, method: str, name: str) -> tuple[int, ...]:
+    def _size_shape(self, method: str, name: str) -> tuple[int, ...]:
         """Return the shape of an object's size; ControlError if it has none."""
         self._object(name)
         item = self._cores[0].scene.objects[self.object_names.index(name)]

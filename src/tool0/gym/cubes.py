@@ -119,7 +119,7 @@ class PickPlace(Task):
         x, y, z = workspace.bin_centre
         self._goal = np.array([x, y, z + DEFAULT_WALL + workspace.edge / 2.0, 1.0])
         self._room = BIN_HALF_WIDTH - DEFAULT_WALL - 0.4 * workspace.edges[0]
-        """Largest offset of the smallest cube in the bin from its middle, in x and y [m]."""
+        """Largest offset of a cube in the bin from its middle, in x and y [m]."""
 
     def scene(self) -> Scene:
         return self.workspace.scene(self.objects, with_bin=True)

@@ -143,7 +143,7 @@ class Workspace:
             ]
             z = np.array([frame.position[2] for frame in frames])
             self._aheads = z - T_tip_tcp.position[2]
-            """Distances from the tcp ahead to the middle of the pads, by opening [m]."""
+            """Distance from the tcp ahead to the middle of the pads, by opening [m]."""
 
     def _overview(self) -> Camera:
         """Return a camera that sees table, gripper and bin from the front."""

@@ -81,11 +81,13 @@ def test_they_are_those_of_bring_ups() -> None:
 def test_they_carry_the_weight(resting: tool0.Batch) -> None:
     found = resting.contacts("shelf", "block")
     assert found.copy.tolist() == [0, 1]
-    assert set(found.first) == {"shelf"} and set(found.second) == {"block"}
+    assert set(found.first) == {"shelf"}
+    assert set(found.second) == {"block"}
     np.testing.assert_allclose(found.force[:, 2], np.multiply(G, MASSES), rtol=1e-3)
     np.testing.assert_allclose(found.normal, [[0.0, 0.0, 1.0]] * 2, atol=1e-3)
     np.testing.assert_allclose(found.point, [[0.5, 0.3, FLOOR + 0.04]] * 2, atol=1e-3)
-    assert (-1e-4 < found.distance).all() and (found.distance < 0.0).all()
+    assert (found.distance > -1e-4).all()
+    assert (found.distance < 0.0).all()
     below = resting.contacts("ground", ["shelf", "can"])
     carried = [(2.0 + mass) * G for mass in MASSES]
     assert below.copy.tolist() == [0, 0, 1, 1]

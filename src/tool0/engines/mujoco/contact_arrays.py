@@ -160,7 +160,7 @@ def _points(world: MujocoWorld, first: Names | None, second: Names | None) -> _P
     contacts, forces = world.data.contact, world.data.efc_force
     # The cone is elliptic: rows of constraints are the normal force, those along the
     # other axes of the frame, and the torques about its axes, as many as ``dim`` says.
-    is_there = AXES < contacts.dim[rows, None]
+    is_there = contacts.dim[rows, None] > AXES
     places = np.where(is_there, contacts.efc_address[rows, None] + AXES, 0)
     return _Points(
         contacts.geom[rows],

@@ -197,8 +197,8 @@ def find_touching(
 ) -> None:
     """Set 1 for each world in which a geom of one side presses on one of the other.
 
-    ``side`` is 1 where a geom, by row, is of a side, by column.  A world has no contacts
-    before its first step.
+    ``side`` is 1 where a geom, by row, is of a side, by column.  A world has no
+    contacts before its first step.
     """
     contact = wp.tid()
     if contact >= n_contacts[0] or rows[contact, 0] < 0:
