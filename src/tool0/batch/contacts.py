@@ -19,7 +19,7 @@ Bodies = str | Sequence[str]
 
 
 @final
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Contacts:
     """Contacts of all copies in the last step: m rows, in the order of the copies.
 

@@ -76,7 +76,6 @@ class Lift(Task):
     instruction = "Lift the cube."
     objects = (CUBE,)
     goal_names = ("height",)
-
     resizable = objects
 
     def scene(self) -> Scene:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 from typing import Any
 
 import gymnasium
@@ -13,9 +14,12 @@ from raises_naming import raises_naming
 
 import tool0.gym
 from tool0.api.table import TABLE_TOP
+from tool0.description.shapes import extents, sizes
 from tool0.errors import ConfigError
+from tool0.gym.copies import Copies
 from tool0.gym.options import EnvOptions
 from tool0.gym.workspace import Workspace
+from tool0.scene import Cylinder, Scene, Sphere
 
 pytestmark = pytest.mark.slow
 
@@ -155,6 +159,33 @@ class _Resized(tool0.gym.Task):
 
 
 @pytest.mark.parametrize(
+    "shape", [Sphere(radius=0.02), Cylinder(radius=0.02, length=0.05)]
+)
+def test_other_shapes_in_tasks_of_ones_own(shape: Sphere | Cylinder) -> None:
+    class Rounded(_Resized):
+        resizable = ("cube",)
+
+        def scene(self) -> Scene:
+            *others, cube = super().scene().objects
+            return Scene((*others, replace(cube, geometry=shape)))
+
+    copies = Copies(Rounded, 2, EnvOptions(randomise=RANGES))
+    generators = [np.random.default_rng(k) for k in range(2)]
+    copies.reset(np.array([True, True]), generators)
+    size = copies.batch.object_size("cube").reshape(2, -1)
+    factor = size[:, 0] / 0.02
+    assert (np.diff(factor) != 0.0).all()
+    assert RANGES.size[0] <= factor.min() <= factor.max() <= RANGES.size[1]
+    np.testing.assert_allclose(size, np.outer(factor, sizes(shape)))
+    extent = np.outer(factor, extents(shape))
+    np.testing.assert_allclose(copies.state.object_size[:, 0], extent)
+    first = copies.state.object_size
+    copies.reset(np.array([False, True]), generators)
+    again = copies.state.object_size
+    assert (again == first).all(axis=(1, 2)).tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
     ("attributes", "shown"),
     [
         ({"resizable": ("box",)}, ("'box'", "no box, cylinder or sphere")),
@@ -167,8 +198,6 @@ class _Resized(tool0.gym.Task):
 def test_what_cannot_be_resizable(
     attributes: dict[str, Any], shown: tuple[str, ...]
 ) -> None:
-    from tool0.gym.copies import Copies
-
     task = type("Odd", (_Resized,), attributes)
     with raises_naming(ConfigError, "Odd", *shown):
         Copies(task, 1, EnvOptions(randomise=RANGES))
