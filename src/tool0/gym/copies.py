@@ -76,13 +76,13 @@ class Copies:
         self.actions = Actions(workspace, options)
         scene = self.task.scene()
         self._items = check_objects(self.task, scene)
+        self._sizes = Sizes(self.task, self._items, workspace, options, n)
         self._scene = scene
         self.batch = self._make_batch(n, options.threads, options.device)
         names, gripper = self.batch.joint_names, workspace.gripper
         self._arm = [names.index(joint) for joint in workspace.chain.joint_names]
         self._drive = names.index(gripper.joint)
         self._objects = [self.batch.object_names.index(x) for x in self.task.objects]
-        self._sizes = Sizes(self.task, self._items, workspace, options, n)
         self._start = self.batch.position[0].copy()
         self._start[self._arm] = workspace.start
         self._start[self._drive] = gripper.position(gripper.max_opening)

@@ -138,6 +138,12 @@ def test_wrong_ranges_are_refused() -> None:
         make_vec("Lift", 1, randomise=tool0.gym.Randomisation(size=(5.0, 6.0)))
 
 
+def test_they_need_the_cpu() -> None:
+    pytest.importorskip("mujoco_warp")
+    with raises_naming(ConfigError, "randomise.size", "device='cpu'", "'warp:cpu'"):
+        make_vec("Lift", 1, device="warp:cpu")
+
+
 class _Resized(tool0.gym.Task):
     """A task whose objects are to have random sizes."""
 

@@ -35,7 +35,8 @@ class ContactArrays(NamedTuple):
     torque: Array
     """Torque of ``first`` on ``second`` about ``point`` [N·m], shape (m, 3)."""
     normal: Array
-    """Mean normal from ``first`` to ``second``, of length 1, weighted alike, (m, 3)."""
+    """Mean normal from ``first`` to ``second``, weighted alike, of length 1, or 0 if
+    normals cancel, shape (m, 3)."""
     distance: Array
     """Least distance of the surfaces, negative if they overlap [m], shape (m,)."""
 
@@ -75,6 +76,7 @@ def contact_arrays(
     point = total(weight[:, None] * places) / total(weight)[:, None]
     torques += np.cross(places - point[group], forces)
     normal = total(weight[:, None] * normals)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
     distance = np.full(len(begins), np.inf)
     np.minimum.at(distance, group, distances)
     labels = np.array(owners)
@@ -85,7 +87,7 @@ def contact_arrays(
         point=point,
         force=total(forces),
         torque=total(torques),
-        normal=normal / np.linalg.norm(normal, axis=1, keepdims=True),
+        normal=normal / np.where(length > 0.0, length, 1.0),
         distance=distance,
     )
 
