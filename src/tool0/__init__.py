@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from tool0.api.scene import SceneHandle
     from tool0.api.sensors import CameraHandle, ForceTorque
     from tool0.batch.batch import Batch
+    from tool0.batch.contacts import Contacts
     from tool0.batch.saved import BatchState
     from tool0.cli.demos.hand import PickOptions
     from tool0.cli.demos.picker import pick_and_place
@@ -159,6 +160,7 @@ __all__ = [
     "CommentStep",
     "ConfigError",
     "Contact",
+    "Contacts",
     "ControlBox",
     "ControlBoxState",
     "ControlConfig",
@@ -308,6 +310,7 @@ _HOMES = {
     "CommentStep": "tool0.protocol.program",
     "ConfigError": "tool0.errors",
     "Contact": "tool0.description.scene_state",
+    "Contacts": "tool0.batch.contacts",
     "ControlBox": "tool0.api.control_box",
     "ControlBoxState": "tool0.protocol.control_box_state",
     "ControlConfig": "tool0.simulation.config",

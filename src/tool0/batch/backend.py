@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -11,17 +12,23 @@ from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
 from tool0.description.drive_limits import DriveLimits
+from tool0.description.scene import SceneObject
+from tool0.description.shapes import resized
 from tool0.errors import ConfigError, ControlError, EngineUnavailableError
 from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
     from tool0.batch.saved import SavedCopy
+    from tool0.engines.mujoco.contact_arrays import ContactArrays
     from tool0.engines.mujoco.copies import ObjectArrays
     from tool0.simulation.executor import Executor
 
-ObjectField = Literal["mass", "friction"]
-"""Fields of a ``SceneObject`` that differ between copies."""
+ObjectField = Literal["mass", "friction", "size"]
+"""What differs between copies of a ``SceneObject``; sizes are those of its geometry."""
+
+Names = frozenset[str]
+"""Links, objects or the ground."""
 
 CPU = "cpu"
 _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")
@@ -100,13 +107,33 @@ class BatchBackend(Protocol):
         They act at the origin of the link ``at``, in its axes, in the last step.
         """
 
+    def contacts(self, first: Names | None, second: Names | None) -> ContactArrays:
+        """Return the contacts of ``first`` with ``second``; None is everything.
+
+        Raises:
+            ControlError: If this is a GPU.
+        """
+
+    def are_touching(self, first: Names, second: Names | None) -> NDArray[np.bool_]:
+        """Return whether there is such a contact in each copy."""
+
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object, at rest; ControlError if that is impossible."""
 
     def change(
         self, rows: Indices, name: str, field: ObjectField, values: Array
     ) -> None:
-        """Give an object other values of a field, as if it had been made with them."""
+        """Give an object other values of a field, as if it had been made with them.
+
+        Args:
+            rows: The copies.
+            name: The object.
+            field: The field.
+            values: Shape (len(rows),); or (len(rows), k), of k sizes.
+
+        Raises:
+            ControlError: If a GPU cannot change that field.
+        """
 
     def executor(self, i: int) -> Executor:
         """Return what moves one copy, whose core is up to date.
@@ -201,6 +228,19 @@ class BatchBackend(Protocol):
             effort: Of its joint at most [N·m | N]; None for the controller's own.
             limits: Of speed and force, one per row.
         """
+
+
+def changed_object(item: SceneObject, field: ObjectField, value: Any) -> SceneObject:
+    """Return an object with another number in a field, or numbers for the size.
+
+    Raises:
+        ConfigError: If it cannot have that.
+    """
+    if field == "size":
+        numbers = (value,) if isinstance(value, float) else value
+        return replace(item, geometry=resized(item.geometry, numbers))
+    changes: dict[str, Any] = {field: value}
+    return replace(item, **changes)
 
 
 def needs_cpu(what: str, device: str) -> ControlError:

@@ -6,7 +6,6 @@ import contextlib
 import math
 import threading
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, final
@@ -20,10 +19,12 @@ from tool0.batch.backend import (
     BatchBackend,
     DeviceArrays,
     ObjectField,
+    changed_object,
     checked_device,
     needs_cpu,
 )
 from tool0.batch.commands import Commands
+from tool0.batch.contacts import Bodies, Contacts, checked_bodies
 from tool0.batch.frames import GripperFrames
 from tool0.batch.images import Images
 from tool0.batch.making import (
@@ -44,6 +45,7 @@ from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.description.parts import find_arms, find_grippers
 from tool0.description.scene import Scene
 from tool0.description.scene_state import ObjectState
+from tool0.description.shapes import Box, Compound, Cylinder, Sphere, sizes
 from tool0.description.transform_arrays import Frames, from_quats
 from tool0.errors import (
     ConfigError,
@@ -95,7 +97,8 @@ class Batch:
             description: Which robot.
             control: Its controllers and its initial pose.
             scene: The objects around the robot: for all copies, or one scene per copy.
-                Those of the copies differ in mass, friction, pose and colour only.
+                Those of the copies differ in mass, friction, pose, colour, and in the
+                size of boxes, cylinders and spheres only.
             dt: Length of a physics step [s].
             threads: Threads that step the copies; as many as there are processors, or
                 copies if these are fewer, if not given.  A GPU needs none.
@@ -139,6 +142,8 @@ class Batch:
         self._joints: tuple[Array, Array, Array] | None = None
         self._object_arrays: ObjectArrays | None = None
         """Arrays read since the state last changed, like ``_joints``."""
+        self._sizes: dict[str, Array] = {}
+        """Sizes of objects that were read since they last changed, by name."""
         self._is_closed = False
         self._user = threading.RLock()
         """Held by the thread that reads or changes the state."""
@@ -187,6 +192,19 @@ class Batch:
     def object_names(self) -> tuple[str, ...]:
         """The objects of the scene, in the order of their poses."""
         return tuple(item.name for item in self._cores[0].scene.objects)
+
+    @cached_property
+    def link_names(self) -> tuple[str, ...]:
+        """The links of the robot, also those that are fixed to others."""
+        return tuple(self._model.link_by_name)
+
+    def pad_names(self, gripper: str | None = None) -> tuple[str, str]:
+        """Return the links that are the two pads, in the order of ``pad_forces``.
+
+        Raises:
+            ControlError: If there is no such gripper, or it has no two pads.
+        """
+        return pad_links(self._model, self._gripper(gripper))
 
     @cached_property
     def grippers(self) -> Mapping[str, ParallelGripper]:
@@ -336,8 +354,7 @@ class Batch:
         Raises:
             ControlError: If there is no such gripper, or it has no two pads.
         """
-        geometry = self._gripper(gripper)
-        pads = pad_links(self._model, geometry)
+        pads = self.pad_names(gripper)
         with self._alone():
             return _frozen(self._copies.pad_forces(pads))
 
@@ -371,6 +388,61 @@ class Batch:
         links = frozenset(self._model.links_from(flange))
         with self._alone():
             return _frozen(self._copies.wrenches(links, flange))
+
+    def contacts(
+        self,
+        first: Bodies | None = None,
+        second: Bodies | None = None,
+        which: Which | None = None,
+    ) -> Contacts:
+        """Return the contacts in the last step, one row per pair that touches.
+
+        They are computed when asked, as those of ``Robot.contacts``, whose words these
+        are.  A contact has a normal force: what only is near is none.
+
+        Args:
+            first: A link, an object, or ``ground``, by name, or several of them: it is
+                ``first`` in each row; anything, if left out.
+            second: What it touches; anything, if left out.
+            which: The copies.
+
+        Raises:
+            ControlError: If there is no such link or object, or this is a GPU.
+        """
+        bodies = self._bodies("contacts", first), self._bodies("contacts", second)
+        rows = Arguments(self._n, "contacts").which(which)
+        with self._alone():
+            found = self._copies.contacts(*bodies)
+        chosen = np.isin(found.world, rows)
+        return Contacts(
+            copy=found.world[chosen],
+            first=found.first[chosen],
+            second=found.second[chosen],
+            point=found.point[chosen],
+            normal=found.normal[chosen],
+            distance=found.distance[chosen],
+            force=found.force[chosen],
+            torque=found.torque[chosen],
+        )
+
+    def in_contact(
+        self, first: Bodies, second: Bodies | None = None
+    ) -> NDArray[np.bool_]:
+        """Return whether bodies touch in the last step, shape (n,).
+
+        Less is computed than by ``contacts``.
+
+        Args:
+            first: A link, an object, or ``ground``, by name, or any of several.
+            second: What it touches; anything, if left out.
+
+        Raises:
+            ControlError: If there is no such link or object.
+        """
+        bodies = self._bodies("in_contact", first), self._bodies("in_contact", second)
+        assert bodies[0] is not None
+        with self._alone():
+            return _frozen(self._copies.are_touching(bodies[0], bodies[1]))
 
     # ---- commands -------------------------------------------------------------------
 
@@ -577,9 +649,9 @@ class Batch:
     def save(self) -> BatchState:
         """Return the state of all copies; it does not change.
 
-        It has all that their future depends on: joints, objects with their masses and
-        frictions, warm start and contacts of the physics, motions, integrals of the
-        controllers, grippers, and time; and how the copies look in images.
+        It has all that their future depends on: joints, objects with their sizes,
+        masses and frictions, warm start and contacts of the physics, motions, integrals
+        of the controllers, grippers, and time; and how the copies look in images.
 
         Raises:
             ControlError: If a goal of a GripperActionController is active in a copy, or
@@ -598,7 +670,7 @@ class Batch:
 
         Args:
             state: Of this batch, or of one with the same robot, controllers and
-                objects.
+                objects, whose sizes may differ.
             which: The copies.
             source: Number of the saved copy for each, shape (n,); its own, if left out.
 
@@ -607,6 +679,8 @@ class Batch:
                 controllers differ, or this is a GPU.
             EngineError: If the objects differ.
         """
+        if self._device != CPU:
+            raise needs_cpu("Batch.restore", self._device)
         check = Arguments(self._n, "restore")
         rows = check.which(which)
         given = np.arange(self._n) if source is None else source
@@ -625,6 +699,7 @@ class Batch:
         with self._changing():
             self._copies.restore(rows, [state.copies[int(k)] for k in sources])
             self._images.restore(rows, [state.looks[int(k)] for k in sources])
+            self._sizes.clear()
 
     # ---- the scene ------------------------------------------------------------------
 
@@ -688,6 +763,40 @@ class Batch:
                 has changed.
         """
         self._change_objects("set_friction", name, "friction", friction, which)
+
+    def set_size(self, name: str, size: ArrayLike, which: Which | None = None) -> None:
+        """Give a box, a cylinder or a sphere another size; it keeps its mass.
+
+        Its origin stays where it is, in its middle: place it so that it overlaps
+        nothing.  A reset keeps the size.
+
+        Args:
+            name: The object.
+            size: Edges of a box along x, y, z [m], shape (n, 3); radius and length of a
+                cylinder, (n, 2); radius of a sphere, (n,).
+            which: The copies.
+
+        Raises:
+            ControlError: If there is no such object, it has another shape, a number is
+                not above 0, or this is a GPU; nothing has changed.
+        """
+        shape = self._size_shape("set_size", name)
+        self._change_objects("set_size", name, "size", size, which, shape=shape)
+
+    def object_size(self, name: str) -> Array:
+        """Return the size of a box, cylinder or sphere [m], shaped as in ``set_size``.
+
+        Raises:
+            ControlError: If there is no such object, or it has another shape.
+        """
+        shape = self._size_shape("object_size", name)
+        if name not in self._sizes:
+            k = self.object_names.index(name)
+            cores = self._cores if self._device == CPU else self._cores * self._n
+            shapes = (core.scene.objects[k].geometry for core in cores)
+            found = [sizes(each) for each in shapes if not isinstance(each, Compound)]
+            self._sizes[name] = _frozen(np.array(found).reshape(self._n, *shape))
+        return self._sizes[name]
 
     # ---- pictures, and the end ------------------------------------------------------
 
@@ -900,25 +1009,46 @@ class Batch:
         field: ObjectField,
         values: ArrayLike,
         which: Which | None,
+        *,
+        shape: tuple[int, ...] = (),
     ) -> None:
         """Change a field of an object, as if each copy had been made with it."""
         check = Arguments(self._n, method)
         rows = check.which(which)
-        numbers = check.rows(field, values, (), rows)[rows]
         self._object(name)
-        (item,) = (x for x in self._cores[0].scene.objects if x.name == name)
+        numbers = check.rows(field, values, shape, rows)[rows]
+        item = self._cores[0].scene.objects[self.object_names.index(name)]
         if field == "mass" and item.mass is None:
             raise ControlError(
                 f"Batch.{method}: object '{name}' is fixed: it has no mass"
             )
         for i, number in zip(rows.tolist(), numbers.tolist(), strict=True):
             try:
-                changes: dict[str, Any] = {field: number}
-                replace(item, **changes)
+                changed_object(item, field, number)
             except ConfigError as error:
                 raise ControlError(f"Batch.{method}: copy {i}: {error}") from None
         with self._changing():
             self._copies.change(rows, name, field, numbers)
+            self._sizes.pop(name, None)
+
+    def _size_shape(self, method: str, name: str) -> tuple[int, ...]:
+        """Return the shape of an object's size; ControlError if it has none."""
+        self._object(name)
+        item = self._cores[0].scene.objects[self.object_names.index(name)]
+        match item.geometry:
+            case Box() | Cylinder():
+                return (len(sizes(item.geometry)),)
+            case Sphere():
+                return ()
+        kind = type(item.geometry).__name__.lower()
+        raise ControlError(
+            f"Batch.{method}: object '{name}' is a {kind}; only boxes, cylinders and "
+            "spheres have a size"
+        )
+
+    def _bodies(self, method: str, given: Bodies | None) -> frozenset[str] | None:
+        names = self.object_names
+        return checked_bodies(f"Batch.{method}", given, self._model, names)
 
     def _object(self, name: str) -> None:
         if name not in self.object_names:

@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Any, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
-from tool0.batch.backend import DeviceArrays, ObjectField, needs_gpu
+from tool0.batch.backend import (
+    DeviceArrays,
+    Names,
+    ObjectField,
+    changed_object,
+    needs_gpu,
+)
 from tool0.batch.saved import SavedCopy
 from tool0.control.ros1.goal_check import INSTANT
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.scene_state import ObjectState
+from tool0.engines.mujoco.contact_arrays import (
+    ContactArrays,
+    are_touching,
+    contact_arrays,
+)
 from tool0.engines.mujoco.copies import (
     ObjectArrays,
     joint_views,
@@ -201,8 +211,7 @@ class Copies:
         for i, value in zip(rows.tolist(), values.tolist(), strict=True):
             scene = self._cores[i].scene
             (item,) = (item for item in scene.objects if item.name == name)
-            changes: dict[str, Any] = {field: value}
-            item = replace(item, **changes)
+            item = changed_object(item, field, value)
             self._engines[i].world.change(item)
             scene.changed(item)
 
@@ -240,6 +249,14 @@ class Copies:
     def wrenches(self, links: frozenset[str], at: str) -> Array:
         """Return the wrench of contacts on ``links``, as ``BatchBackend.wrenches``."""
         return np.array([engine.world.wrench_on(links, at) for engine in self._engines])
+
+    def contacts(self, first: Names | None, second: Names | None) -> ContactArrays:
+        """Return the contacts, as ``BatchBackend.contacts``."""
+        return contact_arrays([each.world for each in self._engines], first, second)
+
+    def are_touching(self, first: Names, second: Names | None) -> NDArray[np.bool_]:
+        """Return where bodies touch, as ``BatchBackend.are_touching``."""
+        return are_touching([each.world for each in self._engines], first, second)
 
     # ---- commands to copies that are loaded ----------------------------------------
 

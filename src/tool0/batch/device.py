@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
-from tool0.batch.backend import DeviceArrays, ObjectField, needs_cpu
+from tool0.batch.backend import DeviceArrays, Names, ObjectField, needs_cpu
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.forward_kinematics import joint_position
 from tool0.description.model import RobotModel
@@ -141,6 +141,14 @@ class DeviceCopies:
         """Raise ControlError: contacts on a device have no torques here."""
         raise needs_cpu("Batch.tool_wrench", self._device)
 
+    def contacts(self, first: Names | None, second: Names | None) -> NoReturn:
+        """Raise ControlError: contacts on a device have no torques here."""
+        raise needs_cpu("Batch.contacts", self._device)
+
+    def are_touching(self, first: Names, second: Names | None) -> NDArray[np.bool_]:
+        """Return where bodies touch, as ``BatchBackend.are_touching``."""
+        return self._worlds.are_touching(first, second)
+
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4).
 
@@ -152,7 +160,13 @@ class DeviceCopies:
     def change(
         self, rows: Indices, name: str, field: ObjectField, values: Array
     ) -> None:
-        """Give an object other values of a field: ``BatchBackend.change``."""
+        """Give an object other values of a field: ``BatchBackend.change``.
+
+        Raises:
+            ControlError: If it is the size: all copies have the same shapes here.
+        """
+        if field == "size":
+            raise needs_cpu("Batch.set_size", self._device)
         if field == "mass":
             self._worlds.set_mass(name, rows, values)
         else:

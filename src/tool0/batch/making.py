@@ -12,6 +12,7 @@ import numpy as np
 from tool0.description.config import File
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
+from tool0.description.shapes import kind_of
 from tool0.engines.registry import batch_engine
 from tool0.errors import ConfigError
 from tool0.simulation.config import ControlConfig, SimulationConfig
@@ -83,13 +84,14 @@ def _checked_scenes(scenes: list[Scene], n: int) -> list[Scene]:
             )
         for item, other in zip(scene.objects, first.objects, strict=True):
             what = None
-            if item.geometry != other.geometry:
+            if kind_of(item.geometry) != kind_of(other.geometry):
                 what = "another shape"
             elif (item.mass is None) != (other.mass is None):
                 what = "no mass" if item.mass is None else "a mass"
             if what is not None:
                 raise ConfigError(
                     f"object '{item.name}' of scene {i} has {what}, unlike that of the "
-                    "first; copies differ in mass, friction, pose and colour only"
+                    "first; copies differ in mass, friction, pose, colour, and in the "
+                    "size of boxes, cylinders and spheres only"
                 )
     return scenes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from numbers import Real
 from pathlib import Path
@@ -155,6 +155,51 @@ def sizes(geometry: Geometry) -> tuple[float, ...]:
             return scale
 
 
+def kind_of(solid: Solid) -> Solid | type[Geometry]:
+    """Return the kind of a box, cylinder or sphere; another shape as it is.
+
+    Two objects of the same kind differ in their ``sizes`` only.
+    """
+    return type(solid) if isinstance(solid, Box | Cylinder | Sphere) else solid
+
+
+def resized(geometry: Solid, values: Sequence[float]) -> Geometry:
+    """Return a box, cylinder or sphere of other ``sizes`` [m].
+
+    Raises:
+        ConfigError: If it is a mesh or a compound, or has not so many sizes.
+    """
+    match geometry, tuple(values):
+        case Box(), (x, y, z):
+            return Box(size=(x, y, z))
+        case Cylinder(), (radius, length):
+            return Cylinder(radius=radius, length=length)
+        case Sphere(), (radius,):
+            return Sphere(radius=radius)
+    kind = type(geometry).__name__.lower()
+    raise ConfigError(
+        f"a {kind} cannot get {len(values)} sizes; a box has 3 (x, y, z), a cylinder 2 "
+        "(radius, length), a sphere 1 (radius), and other shapes have none"
+    )
+
+
+def extents(geometry: Geometry) -> Vector3:
+    """Return the edges of the box around a box, cylinder or sphere [m], in its axes.
+
+    Raises:
+        ConfigError: If it is a mesh, whose file says how large it is.
+    """
+    match geometry:
+        case Box(size=size):
+            return size
+        case Cylinder(radius=radius, length=length):
+            return 2.0 * radius, 2.0 * radius, length
+        case Sphere(radius=radius):
+            return 2.0 * radius, 2.0 * radius, 2.0 * radius
+        case Mesh(uri=uri):
+            raise ConfigError(f"the extents of the mesh '{uri}' are those of its file")
+
+
 def check_solid(solid: Solid, of: str, *, is_fixed: bool) -> None:
     """Raise ConfigError unless sizes and poses are valid; ``of`` names the owner."""
     if not isinstance(solid, Compound):
@@ -198,15 +243,9 @@ def check_geometry(geometry: Geometry, of: str) -> None:
 
 def _check_scale(geometry: Geometry, of: str, *, is_fixed: bool) -> None:
     """Raise ConfigError if the sizes must be in another unit."""
-    match geometry:
-        case Box(size=edges):
-            pass
-        case Cylinder(radius=radius, length=length):
-            edges = (2.0 * radius, 2.0 * radius, length)
-        case Sphere(radius=radius):
-            edges = (2.0 * radius,) * 3
-        case Mesh():  # in any unit: its scale says which
-            return
+    if isinstance(geometry, Mesh):  # in any unit: its scale says which
+        return
+    edges = extents(geometry)
     what = f"the {type(geometry).__name__.lower()} {of}"
     require_plausible_size(edges, what, is_fixed=is_fixed)
 

@@ -18,6 +18,7 @@ from tool0.gym.checks import check_functions, check_objects, check_start
 from tool0.gym.held import grasped
 from tool0.gym.looks import Looks
 from tool0.gym.options import EnvOptions
+from tool0.gym.sizes import Sizes
 from tool0.gym.task import Mask, State, Task
 from tool0.gym.tasks import task_class
 from tool0.gym.workspace import Workspace
@@ -75,6 +76,7 @@ class Copies:
         self.actions = Actions(workspace, options)
         scene = self.task.scene()
         self._items = check_objects(self.task, scene)
+        self._sizes = Sizes(self.task, self._items, workspace, options, n)
         self._scene = scene
         self.batch = self._make_batch(n, options.threads, options.device)
         names, gripper = self.batch.joint_names, workspace.gripper
@@ -112,6 +114,7 @@ class Copies:
         """Return other copies in the same state."""
         twin = Copies(self._task_class, self.n, self.options)
         twin.batch.restore(self.batch.save())
+        twin._sizes.extents = self._sizes.extents.copy()
         twin.target = self.target.copy()
         twin._opening_target = self._opening_target.copy()
         twin._last_opening = self._last_opening.copy()
@@ -129,7 +132,7 @@ class Copies:
         n, count = self.n, len(self.task.objects)
         q = np.tile(self.workspace.start, (n, 1))
         places, yaws = np.zeros((n, count, 3)), np.zeros((n, count))
-        mass, friction = np.ones((n, count)), np.ones((n, count))
+        mass, friction, factor = np.ones((3, n, count))
         is_held = np.zeros(n, dtype=bool)
         for i in np.flatnonzero(which).tolist():
             rng = generators[i]
@@ -137,6 +140,7 @@ class Copies:
             if self.options.ranges is not None:
                 mass[i], friction[i], noise = self._disturbances(rng)
                 q[i] += noise
+                factor[i] = self._sizes.draw(rng)
         batch = self.batch
         self._put_arms(which & ~is_held, q)
         if is_held.any():
@@ -144,6 +148,8 @@ class Copies:
         if self._looks is not None:
             for i in np.flatnonzero(which).tolist():
                 self._looks.draw(i, generators[i])
+        self._sizes.apply(batch, factor, which)
+        places = self._sizes.risen(places)
         quat = np.zeros((n, count, 4))
         quat[..., 0], quat[..., 3] = np.cos(yaws / 2.0), np.sin(yaws / 2.0)
         for k, item in enumerate(self._items):
@@ -250,6 +256,7 @@ class Copies:
             object_position=_finite(batch.object_position[:, self._objects]),
             object_quat=_finite(batch.object_quat[:, self._objects]),
             object_velocity=_finite(batch.object_linear[:, self._objects]),
+            object_size=self._sizes.extents,
             goal=self._goal.copy(),
             wrench=self._wrench(),
         )
@@ -280,6 +287,8 @@ class Copies:
                 state.object_velocity[:, k],
                 position - state.tcp_position,
             ]
+            if self.task.objects[k] in self._sizes.names:
+                values.append(state.object_size[:, k])
         goal = self.task.desired(state)
         values += [goal, goal - self.task.achieved(state)]
         for given in self.task.observe(state).values():
@@ -328,6 +337,10 @@ class Copies:
                 _symmetric(f"{name}_velocity", _of(name, _SPEED), FASTEST_OBJECT),
                 _symmetric(away, _of(away, _XYZ), FARTHEST),
             ]
+            if name in self._sizes.names:
+                zeros, most = np.zeros(3), np.full(3, FARTHEST)
+                columns = _of(f"{name}_size", _XYZ)
+                around.append(ObservationPart(f"{name}_size", columns, zeros, most))
         for name in ("goal", "to_goal"):
             around.append(_symmetric(name, _of(name, task.goal_names), FARTHEST))
         for name, given in task.observe(self.state).items():

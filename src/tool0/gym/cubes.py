@@ -10,7 +10,7 @@ import numpy as np
 from tool0.api.table import BIN_HALF_WIDTH, TABLE_TOP
 from tool0.description.scene import DEFAULT_WALL, Scene
 from tool0.description.transform_arrays import Frames
-from tool0.gym.hold import Hold
+from tool0.gym.hold import Cube
 from tool0.gym.task import Mask, Start, State, Target, Task, length, nearness
 from tool0.gym.ways import is_holding, lift, place, push, reach
 from tool0.gym.workspace import Workspace
@@ -24,7 +24,7 @@ LIFTED = 0.08
 PUSHED = 0.03
 """Largest distance of a cube that is pushed to its goal [m]."""
 ON_LOWER = 0.4
-"""Largest offset of a cube that stands on another, part of its edge."""
+"""Largest offset of a cube that stands on another, part of the smallest edge."""
 LEVEL = 0.006
 """Largest error of the height of a cube at rest [m]."""
 RELEASED = 0.006
@@ -76,10 +76,7 @@ class Lift(Task):
     instruction = "Lift the cube."
     objects = (CUBE,)
     goal_names = ("height",)
-
-    def __init__(self, workspace: Workspace) -> None:
-        super().__init__(workspace)
-        self._rest = TABLE_TOP + workspace.edge / 2.0
+    resizable = objects
 
     def scene(self) -> Scene:
         return self.workspace.scene(self.objects)
@@ -89,7 +86,9 @@ class Lift(Task):
         return Start(places, _yaws(rng, 1), np.array([LIFTED]))
 
     def achieved(self, state: State) -> Array:
-        return state.object_position[:, 0, 2:] - self._rest
+        edge, _ = Cube.of(self.workspace, state.object_size)
+        rest = np.reshape(TABLE_TOP + edge / 2.0, (-1, 1))
+        return np.asarray(state.object_position[:, 0, 2:] - rest)
 
     def is_success(self, achieved: Array, desired: Array) -> Mask:
         return self.distance(achieved, desired) <= 0.0
@@ -112,12 +111,13 @@ class PickPlace(Task):
     instruction = "Put the cube into the bin."
     objects = (CUBE,)
     goal_names = ("x", "y", "z", "released")
+    resizable = objects
 
     def __init__(self, workspace: Workspace) -> None:
         super().__init__(workspace)
         x, y, z = workspace.bin_centre
         self._goal = np.array([x, y, z + DEFAULT_WALL + workspace.edge / 2.0, 1.0])
-        self._room = BIN_HALF_WIDTH - DEFAULT_WALL - 0.4 * workspace.edge
+        self._room = BIN_HALF_WIDTH - DEFAULT_WALL - 0.4 * workspace.edges[0]
         """Largest offset of a cube in the bin from its middle, in x and y [m]."""
 
     def scene(self) -> Scene:
@@ -128,20 +128,23 @@ class PickPlace(Task):
         return Start(places, _yaws(rng, 1), self._goal)
 
     def achieved(self, state: State) -> Array:
-        return _place_and_release(state, self.workspace.edge)
+        return _place_and_release(state, self.workspace)
+
+    def desired(self, state: State) -> Array:
+        return _raised(state, self.workspace)
 
     def is_success(self, achieved: Array, desired: Array) -> Mask:
         offset = np.abs(achieved - desired)
         is_inside = (offset[..., :2] < self._room).all(axis=-1)
         # A cube that leans on a wall is in the bin, too.
-        is_down = achieved[..., 2] - desired[..., 2] < self.workspace.edge / 2.0
+        is_down = achieved[..., 2] - desired[..., 2] < self.workspace.edges[1] / 2.0
         return is_inside & is_down & _same(achieved, desired)
 
     def distance(self, achieved: Array, desired: Array) -> Array:
         return _distance(achieved[..., :3], desired[..., :3])
 
     def progress(self, state: State) -> Array:
-        return _carrying(state, self.workspace, state.goal)
+        return _carrying(state, self.workspace, self.desired(state))
 
     def expert(self, state: State, commanded: Frames) -> Target:
         return place(self.workspace, state, commanded, self.desired(state))
@@ -154,29 +157,34 @@ class Stack(Task):
     instruction = "Stack the cube on the other cube."
     objects = (CUBE, LOWER)
     goal_names = ("x", "y", "z", "released")
+    resizable = objects
 
     def scene(self) -> Scene:
         return self.workspace.scene(self.objects)
 
     def draw(self, rng: np.random.Generator) -> Start:
-        def are_apart(places: Array) -> bool:
-            return math.dist(*places) >= APART
+        space = self.workspace
+        least = APART + 0.71 * (space.edges[1] - space.edge)
 
-        places = self.workspace.draw_on_table(rng, 2, are_apart)
+        def are_apart(places: Array) -> bool:
+            return math.dist(*places) >= least
+
+        places = space.draw_on_table(rng, 2, are_apart)
         return Start(places, _yaws(rng, 2), np.empty(0))
 
     def achieved(self, state: State) -> Array:
-        return _place_and_release(state, self.workspace.edge)
+        return _place_and_release(state, self.workspace)
 
     def desired(self, state: State) -> Array:
+        edge, lower = (Cube.of(self.workspace, state.object_size, k)[0] for k in (0, 1))
         goal = np.ones((len(state.q), 4))
         goal[:, :3] = state.object_position[:, 1]
-        goal[:, 2] += self.workspace.edge
+        goal[:, 2] += (edge + lower) / 2.0
         return goal
 
     def is_success(self, achieved: Array, desired: Array) -> Mask:
         offset = achieved - desired
-        is_above = length(offset[..., :2]) < ON_LOWER * self.workspace.edge
+        is_above = length(offset[..., :2]) < ON_LOWER * self.workspace.edges[0]
         is_level = np.abs(offset[..., 2]) < LEVEL
         return is_above & is_level & _same(achieved, desired)
 
@@ -197,6 +205,7 @@ class Push(Task):
     instruction = "Push the cube to the goal."
     objects = (CUBE,)
     goal_names = ("x", "y", "z")
+    resizable = objects
 
     def scene(self) -> Scene:
         return self.workspace.scene(self.objects, friction=SLIDING)
@@ -221,6 +230,9 @@ class Push(Task):
     def achieved(self, state: State) -> Array:
         return state.object_position[:, 0]
 
+    def desired(self, state: State) -> Array:
+        return _raised(state, self.workspace)
+
     def is_success(self, achieved: Array, desired: Array) -> Mask:
         return self.distance(achieved, desired) < PUSHED
 
@@ -241,8 +253,18 @@ def _distance(first: Array, second: Array) -> Array:
     return length(first - second)
 
 
-def _place_and_release(state: State, edge: float) -> Array:
+def _raised(state: State, space: Workspace) -> Array:
+    """Return the goals that were drawn, for the height of a cube of the usual size."""
+    if not space.has_sizes:
+        return state.goal
+    goal = state.goal.copy()
+    goal[:, 2] += (state.object_size[:, 0, 2] - space.edge) / 2.0
+    return goal
+
+
+def _place_and_release(state: State, space: Workspace) -> Array:
     """Return where the first object is, and 1 if the pads are wider, (n, 4)."""
+    edge, _ = Cube.of(space, state.object_size)
     released = state.opening > edge + RELEASED
     return np.concatenate([state.object_position[:, 0], released[:, None]], axis=1)
 
@@ -255,17 +277,18 @@ def _same(achieved: Array, desired: Array) -> Mask:
 def _grasping(state: State, space: Workspace, near: float, held: float) -> Array:
     """Return the part of the progress up to a grasp."""
     away = _distance(state.tcp_position, state.object_position[:, 0])
-    is_held = is_holding(state, Hold.of_cube(space))
+    is_held = is_holding(state, Cube.of(space, state.object_size).hold)
     return np.asarray(near * nearness(away, 5.0) + held * is_held)
 
 
 def _carrying(state: State, workspace: Workspace, goal: Array) -> Array:
     """Return the progress of carrying the first object to a goal."""
+    edge, _ = Cube.of(workspace, state.object_size)
     position = state.object_position[:, 0]
     beside = length(position[:, :2] - goal[:, :2])
-    height = position[:, 2] - TABLE_TOP - workspace.edge / 2.0
+    height = position[:, 2] - TABLE_TOP - edge / 2.0
     raised = np.clip(height / LIFTED, 0.0, 1.0)
-    raised[beside < workspace.edge] = 1.0
+    raised[beside < edge] = 1.0
     return np.asarray(
         _grasping(state, workspace, 0.2, 0.2)
         + 0.2 * raised

@@ -55,7 +55,7 @@ def grasped(
     batch.run(RISING + SETTLING)
     slip = float(np.linalg.norm(_offset(batch, name) - before))
     width = float(batch.opening()[0])
-    if slip > SLIP or abs(width - hold.width) > 0.2 * hold.width:
+    if slip > SLIP or not np.isclose(width, hold.width, rtol=0.2):
         raise ConfigError(
             f"the gripper cannot hold '{name}': it slipped by {1000.0 * slip:.1f} mm, "
             f"and the pads are {width:.4f} m apart; Task.hold.width is {hold.width} m"

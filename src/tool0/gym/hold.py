@@ -15,10 +15,10 @@ from tool0.kinematics.chain import Array
 class Hold(NamedTuple):
     """How the pads hold an object that stands upright, from above."""
 
-    width: float
-    """Width of the object between the pads [m]."""
-    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Position of the tcp in the object's frame [m]."""
+    width: float | Array
+    """Width of the object between the pads [m]; shape (n,) if copies differ."""
+    point: tuple[float, float, float | Array] = (0.0, 0.0, 0.0)
+    """Position of the tcp in the object's frame [m]; z as ``width``."""
     turns: int = 4
     """Yaws at which the pads fit, in a full turn: 4 for a cube, 2 for a bar along x."""
     hover: float | None = None
@@ -26,11 +26,6 @@ class Hold(NamedTuple):
     cubes, if left out."""
     opening: float | None = None
     """Opening of the gripper around the object [m]; the largest, if left out."""
-
-    @staticmethod
-    def of_cube(space: Workspace) -> Hold:
-        """Return how the workspace's cubes are held."""
-        return Hold(space.edge, (0.0, 0.0, space.grasp_height - space.edge / 2.0))
 
     def places(self, position: Array, quat: Array) -> Array:
         """Return the positions of the tcp in the root [m], shape (n, 3).
@@ -51,6 +46,29 @@ class Hold(NamedTuple):
         ``quat`` is the object's, w, x, y, z, shape (n, 4).
         """
         return folded(yaws_of_quats(quat) - yaw, self.turns)
+
+
+@final
+class Cube(NamedTuple):
+    """A cube of each copy.  The numbers are arrays, (n,), if sizes are random."""
+
+    edge: float | Array
+    """[m]"""
+    grasp_height: float | Array
+    """Height of the tcp above what carries the cube, when it grasps it [m]."""
+
+    @staticmethod
+    def of(space: Workspace, object_size: Array, k: int = 0) -> Cube:
+        """Return object ``k``; ``object_size`` is that of the ``State``."""
+        if not space.has_sizes:
+            return Cube(space.edge, space.grasp_height)
+        edge = np.nan_to_num(object_size[:, k, 0], nan=space.edge)
+        return Cube(edge, space.grasp_heights(edge))
+
+    @property
+    def hold(self) -> Hold:
+        """How it is held."""
+        return Hold(self.edge, (0.0, 0.0, self.grasp_height - self.edge / 2.0))
 
 
 def folded(angle: Array, turns: int) -> Array:

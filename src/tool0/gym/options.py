@@ -44,6 +44,9 @@ class Randomisation:
     """Range of the factor on the task's own mass."""
     friction: tuple[float, float] = (0.8, 1.25)
     """Range of the factor on the task's own friction coefficient."""
+    size: tuple[float, float] = (1.0, 1.0)
+    """Range of the factor on the size of each object of ``Task.resizable``, cut to what
+    the gripper can grasp; constant, if left out."""
     joint_noise: float = 0.03
     """Largest deviation of an arm's joint from the start pose [rad]."""
     colour: float = 0.15
@@ -58,7 +61,7 @@ class Randomisation:
     """Largest turn of a camera about each axis [rad]; in images."""
 
     def __post_init__(self) -> None:
-        for name in ("mass", "friction", "brightness"):
+        for name in ("mass", "friction", "size", "brightness"):
             given = getattr(self, name)
             low, high = _pair(given, f"randomise.{name}")
             if not 0.0 < low <= high < math.inf:

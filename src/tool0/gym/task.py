@@ -49,6 +49,9 @@ class State(NamedTuple):
     """w, x, y, z, shape (n, k, 4)."""
     object_velocity: Array
     """[m/s], shape (n, k, 3)."""
+    object_size: Array
+    """Edges of the box around each object, in its axes [m], shape (n, k, 3); NaN for
+    meshes and compounds."""
     goal: Array
     """What was drawn at the start of the episode, as wide as ``Start.goal``."""
     wrench: Array
@@ -100,6 +103,10 @@ class Task(abc.ABC):
     hold: Hold | None = None
     """How a start's gripper holds the first object; a task without such starts needs
     none."""
+    resizable: tuple[str, ...] = ()
+    """Objects whose size ``Randomisation.size`` may change: boxes, cylinders or spheres
+    with a mass.  Starts are drawn for the size in the scene; an object of another size
+    has its bottom where that one would.  The functions find it in the state."""
     needs_wrench: bool = False
     """Whether ``State`` and observations have the wrench on the tool."""
     worst_reward: float = -1.0

@@ -12,7 +12,7 @@ import numpy as np
 
 from tool0.api.table import TABLE_TOP
 from tool0.description.transform_arrays import Frames, yaw_of
-from tool0.gym.hold import Hold
+from tool0.gym.hold import Cube, Hold
 from tool0.gym.task import Mask, State, Target, length
 from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
@@ -79,10 +79,11 @@ def grasp(
         space: Arm and gripper.
         state: What is measured.
         commanded: The tcp's target now.
-        hold: How the object is held; as a cube of the workspace, if left out.
+        hold: How the object is held; as a cube, if left out.
         yaw: Of the tcp [rad], shape (n,); the nearest that fits, if left out.
     """
-    hold = hold or Hold.of_cube(space)
+    cube = Cube.of(space, state.object_size)
+    hold = hold or cube.hold
     if yaw is None:
         yaw = yaw_of(state.tcp_rotation)
         yaw = yaw + hold.turn(yaw, state.object_quat[:, 0])
@@ -92,11 +93,11 @@ def grasp(
     # Commanded, not measured: a step that waits for the arm to settle would oscillate.
     beside = length(commanded.position[:, :2] - middle[:, :2])
     twist = np.abs(wrapped(yaw - commanded.yaw))
-    is_low = commanded.position[:, 2] < middle[:, 2] + space.edge
+    is_low = commanded.position[:, 2] < middle[:, 2] + cube.edge
     slack = np.where(is_low, NEAR, 1.0)
     aligned = (beside < slack * ALIGNED) & (twist < slack * PARALLEL)
     hover = TABLE_TOP + space.hover_height if hold.hover is None else hold.hover
-    over = hover + np.maximum(0.0, middle[:, 2] - TABLE_TOP - space.edge)
+    over = hover + np.maximum(0.0, middle[:, 2] - TABLE_TOP - cube.edge)
     aim = middle.copy()
     aim[:, 2] = np.where(aligned, middle[:, 2], over)
     # Straight up first, if the fingers are beside something.
@@ -160,17 +161,18 @@ def lift(
     """Return the way to grasp the first object, as ``grasp``, and to lift it."""
     target, held = grasp(space, state, commanded, hold, yaw)
     up = commanded.position.copy()
-    up[:, 2] = TABLE_TOP + space.grasp_height + space.lift
+    cube = Cube.of(space, state.object_size)
+    up[:, 2] = TABLE_TOP + cube.grasp_height + space.lift
     return target._replace(position=np.where(held[:, None], up, target.position))
 
 
 def place(space: Workspace, state: State, commanded: Frames, goal: Array) -> Target:
     """Return the way to carry the first object to its goal, and to release it."""
-    edge = space.edge
+    edge, grasp_height = Cube.of(space, state.object_size)
     target, held = grasp(space, state, commanded)
     cube = state.object_position[:, 0]
     in_hand = cube - state.tcp_position
-    carry = TABLE_TOP + space.grasp_height + space.lift
+    carry = TABLE_TOP + grasp_height + space.lift
     # The cube goes up, across, and down.
     high = commanded.position[:, 2] > carry - 0.03
     off = length(commanded.position[:, :2] + in_hand[:, :2] - goal[:, :2])
@@ -196,7 +198,7 @@ def place(space: Workspace, state: State, commanded: Frames, goal: Array) -> Tar
 
 def push(space: Workspace, state: State, commanded: Frames) -> Target:
     """Return the way to push the first object to the goal, a point on the table."""
-    edge = space.edge
+    edge, _ = Cube.of(space, state.object_size)
     cube, tcp = state.object_position[:, 0], state.tcp_position
     way = state.goal[:, :2] - cube[:, :2]
     along = way / np.maximum(length(way), 1e-6)[:, None]

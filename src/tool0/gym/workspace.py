@@ -44,6 +44,11 @@ LARGEST_EDGE = 0.045
 """Of a cube [m]."""
 FILL = 0.8
 """Largest part of the gripper's opening that a cube takes."""
+HIGHEST = 0.6
+"""Largest part of the height at which cubes are carried that a cube is high."""
+OPENINGS = 33
+"""Of the gripper, between which the place of the pads is interpolated linearly: within
+0.02 mm for the grippers of the catalogue."""
 CUBE_MASS, CUBE_FRICTION = 0.1, 1.0
 """[kg], coefficient; unless they are randomised."""
 HOVER = 0.02
@@ -88,7 +93,7 @@ class Workspace:
         self.table = PickTable(scale=self.scale)
         edge = min(LARGEST_EDGE, FILL * self.gripper.max_opening)
         self.edge = round(edge, 4)
-        """Edge of each cube [m]."""
+        """Edge of each cube [m]; with random sizes, of the usual one."""
         self.chain = only_part(find_chains(model), "arm", model)
         self._inverse = InverseKinematics(self.chain)
         self.fastest = self._inverse.fastest
@@ -124,6 +129,21 @@ class Workspace:
         )
         """The cameras of images."""
         self._ready = named_poses(robot)["ready"]
+        self._size_range = (1.0, 1.0) if options.ranges is None else options.ranges.size
+        self.has_sizes = tuple(self._size_range) != (1.0, 1.0)
+        """Whether objects have random sizes."""
+        low, high = self.size_factors(np.full(3, self.edge))
+        self.edges = (low * self.edge, high * self.edge)
+        """Edges of the smallest and the largest cube [m]."""
+        if self.has_sizes:
+            self._openings = np.linspace(0.0, self.gripper.max_opening, OPENINGS)
+            frames = [
+                grasp_frame(model, self.gripper, opening, tip)
+                for opening in self._openings.tolist()
+            ]
+            z = np.array([frame.position[2] for frame in frames])
+            self._aheads = z - T_tip_tcp.position[2]
+            """Distance from the tcp ahead to the middle of the pads, by opening [m]."""
 
     def _overview(self) -> Camera:
         """Return a camera that sees table, gripper and bin from the front."""
@@ -140,6 +160,39 @@ class Workspace:
         """
         return max(height / 2.0, height - self.reach, self.reach + CLEARANCE)
 
+    def grasp_heights(self, edge: Array) -> Array:
+        """Return heights of the tcp above what carries cubes, when it grasps them [m].
+
+        As ``grasp_height_of`` by the cubes' edges [m], shape (n,).  The middle of the
+        pads is not where it is around the usual cube, since fingers turn as they open.
+        """
+        height = np.maximum(edge / 2.0, edge - self.reach)
+        height = np.maximum(height, self.reach + CLEARANCE)
+        return np.asarray(height + np.interp(edge, self._openings, self._aheads))
+
+    def size_factors(self, extents: Array) -> tuple[float, float]:
+        """Return the range of random factors on the size of an object.
+
+        It is that of ``Randomisation.size``, as far as the pads' middle is beside the
+        object, the gripper opens far enough, and a cube is carried above another one;
+        an object that is beyond that itself does not get farther.  ``extents`` [m],
+        shape (3,), are those of the object.
+
+        Raises:
+            ConfigError: If nothing is left of the range.
+        """
+        smallest = self.reach + CLEARANCE
+        largest = min(FILL * self.gripper.max_opening, HIGHEST * self.lift)
+        least = min(1.0, smallest / float(extents[2]))
+        most = max(1.0, largest / float(extents[:2].min()))
+        low, high = max(self._size_range[0], least), min(self._size_range[1], most)
+        if low > high:
+            raise ConfigError(
+                f"randomise.size is {tuple(self._size_range)}, but the gripper grasps "
+                f"objects of {least:.3g} … {most:.3g} times the usual size"
+            )
+        return low, high
+
     # ---- places on the table --------------------------------------------------------
 
     @property
@@ -150,12 +203,12 @@ class Workspace:
     @property
     def hover_height(self) -> float:
         """Height of the tcp above the table where fingers pass over cubes [m]."""
-        return max(self.grasp_height, self.reach) + self.edge + HOVER
+        return max(self.grasp_height, self.reach) + self.edges[1] + HOVER
 
     @property
     def run_up(self) -> float:
         """Distance from a cube's middle at which a tool goes down to push it [m]."""
-        return 0.71 * self.edge + RUN_UP
+        return 0.71 * self.edges[1] + RUN_UP
 
     @property
     def lift(self) -> float:

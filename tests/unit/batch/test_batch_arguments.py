@@ -15,7 +15,7 @@ from batch_rig import block_between
 from raises_naming import raises_naming
 
 import tool0
-from tool0.scene import Box, Scene, SceneObject
+from tool0.scene import Box, Scene, SceneObject, Sphere
 
 SCENE = Scene(
     (
@@ -91,7 +91,7 @@ MADE_WRONG: list[tuple[dict[str, object], tuple[str, ...]]] = [
     ({"n": 2, "scene": [SCENE]}, ("2", "got 1")),
     ({"n": 2, "scene": [SCENE, changed(name="box")]}, ("scene 1", "box", "cube")),
     (
-        {"n": 2, "scene": [SCENE, changed(geometry=Box(size=(0.1, 0.1, 0.1)))]},
+        {"n": 2, "scene": [SCENE, changed(geometry=Sphere(radius=0.02))]},
         ("'cube'", "scene 1", "another shape"),
     ),
     ({"n": 2, "scene": [SCENE, changed(mass=None)]}, ("'cube'", "scene 1", "no mass")),

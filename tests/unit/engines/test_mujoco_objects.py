@@ -7,6 +7,7 @@ import logging
 import math
 import pickle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -222,3 +223,55 @@ def test_an_object_that_diverges_is_named(skew_model: RobotModel) -> None:
     assert (error.value.joint, error.value.time) == ("other", 0.001)
     engine.reset(REST)
     engine.read()
+
+
+def test_a_changed_object_is_as_if_compiled(skew_model: RobotModel) -> None:
+    """To the bit, in all that MuJoCo's steps read."""
+
+    def objects(factor: float) -> list[SceneObject]:
+        shapes = (
+            Box(size=(0.1 * factor, 0.2, 0.05 / factor)),
+            Cylinder(radius=0.1 * factor, length=0.2),
+            Sphere(radius=0.1 * factor),
+        )
+        return [
+            item(
+                f"{kind}{k}",
+                shape,
+                0.3 * k,
+                x=x,
+                mass=None if kind == "fixed" else 0.3 / factor,
+                rpy=(0.2, 0.1, k),
+            )
+            for kind, x in (("free", 5.0), ("fixed", 6.0))
+            for k, shape in enumerate(shapes)
+        ]
+
+    changed = engine_with(skew_model, *objects(1.0))
+    compiled = engine_with(skew_model, *objects(1.3)).model
+    before = _numbers(changed.model)
+    for each in objects(1.3):
+        changed.world.change(each)
+    now = _numbers(changed.model)
+    differ = {name for name in now if not np.array_equal(now[name], before[name])}
+    assert differ >= {"geom_size", "geom_rbound", "geom_aabb", "body_inertia"}
+    for name, values in _numbers(compiled).items():
+        np.testing.assert_array_equal(now[name], values, err_msg=name)
+    for each in objects(1.0):
+        changed.world.change(each)
+    for name, values in _numbers(changed.model).items():
+        np.testing.assert_array_equal(before[name], values, err_msg=name)
+
+
+def _numbers(model: Any) -> dict[str, np.ndarray]:
+    """Return all numbers of a model, and the mean inertia among its statistics.
+
+    The other statistics are for viewers.
+    """
+    arrays = ((name, getattr(model, name)) for name in dir(model))
+    found = {
+        name: values.copy()
+        for name, values in arrays
+        if isinstance(values, np.ndarray) and values.dtype.kind in "biuf"
+    }
+    return {**found, "meaninertia": np.array(model.stat.meaninertia)}

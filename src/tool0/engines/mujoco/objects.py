@@ -94,14 +94,33 @@ def _compile_alone(
         ) from error
 
 
-def change_mass(
+def change_body(
     model: Any, item: SceneObject, scene: Scene, known_files: Mapping[str, bytes]
 ) -> None:
-    """Give an object of a compiled model the mass of ``item``, one of ``scene``."""
-    alone = _compile_alone(item, scene, known_files).body(item.name)
-    body = model.body(item.name)
-    body.mass[:], body.inertia[:] = alone.mass, alone.inertia
+    """Give an object of a compiled model the mass and size of ``item``, in ``scene``.
+
+    Its shapes are of the same kinds.
+    """
+    alone = _compile_alone(item, scene, known_files)
+    source, target = alone.body(item.name), model.body(item.name)
+    for name in ("mass", "inertia"):
+        getattr(target, name)[:] = getattr(source, name)
+    for geom, _ in _geoms(item):
+        i, k = model.geom(geom).id, alone.geom(geom).id
+        for values, given in (
+            (model.geom_size, alone.geom_size),
+            (model.geom_rbound, alone.geom_rbound),
+            (model.geom_aabb, alone.geom_aabb),
+        ):
+            values[i] = given[k]
+    ours, its = model.body_bvhadr[target.id], alone.body_bvhadr[source.id]
+    if (count := alone.body_bvhnum[source.id]) > 0:
+        model.bvh_aabb[ours : ours + count] = alone.bvh_aabb[its : its + count]
     mujoco.mj_setConst(model, mujoco.MjData(model))
+    # MuJoCo computes this mean only in a compilation, adding up in this order; the
+    # tolerance of its solvers is relative to it.
+    if model.nv:
+        model.stat.meaninertia = np.cumsum(model.dof_M0)[-1] / model.nv
 
 
 def change_friction(

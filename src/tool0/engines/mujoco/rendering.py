@@ -21,11 +21,15 @@ from tool0.description.look import LIT, Look
 from tool0.description.model import Link, RobotModel, Visual
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.scene_state import ObjectState
-from tool0.description.shapes import Mesh
+from tool0.description.shapes import Mesh, kind_of
 from tool0.description.transform import Transform, from_arrays
 from tool0.engines.mujoco.gl import make_context
 from tool0.engines.mujoco.model import MESH_SUFFIXES, build_spec
-from tool0.engines.mujoco.objects import compile_with_scene, free_joint_name
+from tool0.engines.mujoco.objects import (
+    change_body,
+    compile_with_scene,
+    free_joint_name,
+)
 
 logger = logging.getLogger(__name__)
 
@@ -159,10 +163,17 @@ class Renderer:
         """Take the scene and its state."""
         self._context.make_current()
         if objects is not self._objects:
-            if self._objects is None or not _have_same_shapes(objects, self._objects):
+            if self._objects is None or not _have_same_kinds(objects, self._objects):
                 self._compile(objects)
+            self._resize(objects)
             self._colour(objects)
         self._pose(position, states)
+
+    def _resize(self, objects: tuple[SceneObject, ...]) -> None:
+        """Give objects the sizes that they have now: a compilation takes far longer."""
+        for item, old in zip(objects, self._objects or (), strict=True):
+            if item.geometry != old.geometry:
+                change_body(self._model, item, Scene(objects), self._mesh_files)
 
     def _colour(self, objects: tuple[SceneObject, ...]) -> None:
         for item in objects:
@@ -303,16 +314,16 @@ def _furnish(spec: Any, width: int, height: int) -> None:
     spec.worldbody.add_light(cutoff=80.0, exponent=1.0)  # Renderer._light has the rest
 
 
-def _have_same_shapes(
+def _have_same_kinds(
     some: tuple[SceneObject, ...], others: tuple[SceneObject, ...]
 ) -> bool:
-    """Return whether scenes have the same shapes, so that only colours may differ.
+    """Return whether scenes are alike, so that only sizes and colours may differ.
 
     Mass and friction are not visible, and poses are states.
     """
     return len(some) == len(others) and all(
         one.name == other.name
-        and one.geometry == other.geometry
+        and kind_of(one.geometry) == kind_of(other.geometry)
         and (one.mass is None) == (other.mass is None)
         for one, other in zip(some, others, strict=True)
     )

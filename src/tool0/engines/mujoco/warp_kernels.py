@@ -182,3 +182,31 @@ def sum_normal_forces(
     for link in range(owner.shape[1]):
         if owner[pair[0], link] != 0 or owner[pair[1], link] != 0:
             wp.atomic_add(found, world, link, force)
+
+
+@wp.kernel
+def find_touching(
+    n_contacts: wp.array[int],
+    world_of: wp.array[int],
+    geoms: wp.array[wp.vec2i],
+    rows: wp.array2d[int],
+    forces: wp.array2d[float],
+    steps: wp.array[int],
+    side: wp.array2d[int],
+    found: wp.array[int],
+) -> None:
+    """Set 1 for each world in which a geom of one side presses on one of the other.
+
+    ``side`` is 1 where a geom, by row, is of a side, by column.  A world has no
+    contacts before its first step.
+    """
+    contact = wp.tid()
+    if contact >= n_contacts[0] or rows[contact, 0] < 0:
+        return
+    world = world_of[contact]
+    if steps[world] == 0 or forces[world, rows[contact, 0]] == 0.0:
+        return
+    a = geoms[contact][0]
+    b = geoms[contact][1]
+    if side[a, 0] * side[b, 1] + side[b, 0] * side[a, 1] != 0:
+        found[world] = 1

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from tool0.engines.mujoco.copies import ObjectArrays, object_arrays_of
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.engines.mujoco.warp_kernels import (
+    find_touching,
     finish_step,
     place_object,
     set_body_mass,
@@ -342,6 +343,33 @@ class WarpWorlds:
                 ],
             )
         return _doubles(found)
+
+    def are_touching(
+        self, first: frozenset[str], second: frozenset[str] | None
+    ) -> NDArray[np.bool_]:
+        """Return in which worlds ``first`` presses on ``second``, or on anything."""
+        contact = self._data.contact
+        owners = geom_owners(self._engine.model)
+        side = np.array(
+            [[each in first, second is None or each in second] for each in owners]
+        )
+        with wp.ScopedDevice(self._device):
+            found = wp.zeros(self._n, dtype=int)
+            wp.launch(
+                find_touching,
+                dim=contact.worldid.shape[0],
+                inputs=[
+                    self._data.nacon,
+                    contact.worldid,
+                    contact.geom,
+                    contact.efc_address,
+                    self._data.efc.force,
+                    self.steps,
+                    wp.array(side.astype(np.int32), dtype=int),
+                    found,
+                ],
+            )
+        return np.asarray(found.numpy() != 0)
 
 
 def _doubles(array: Any) -> Array:

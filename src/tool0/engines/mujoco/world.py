@@ -16,12 +16,13 @@ from tool0.description.flat_frames import rotate
 from tool0.description.model import RobotModel
 from tool0.description.scene import Scene, SceneObject
 from tool0.description.scene_state import Contact, ObjectState
+from tool0.description.shapes import kind_of
 from tool0.description.transform import Quaternion, Vector3
 from tool0.engines.mujoco.model import MIMIC_SOLIMP, MIMIC_SOLREF
 from tool0.engines.mujoco.objects import (
     ObjectStates,
+    change_body,
     change_friction,
-    change_mass,
     compile_with_scene,
     free_joint_name,
 )
@@ -47,7 +48,7 @@ class SavedWorld:
     """The state of a world that is not in ``MjData``."""
 
     objects: Mapping[str, SceneObject]
-    """With their masses and frictions, by name."""
+    """With their sizes, masses and frictions, by name."""
     static: Mapping[str, ObjectState]
     contacts: tuple[float, tuple[Contact, ...]]
 
@@ -90,6 +91,16 @@ class MujocoWorld:
         x, y, z = map(float, self._model.opt.gravity)
         return x, y, z
 
+    @property
+    def data(self) -> Any:
+        """The ``MjData`` of robot and scene, until the next compilation."""
+        return self._data
+
+    @property
+    def has_no_contact(self) -> bool:
+        """Whether nothing touches for sure: so it is from a reset to the next step."""
+        return self._contacts == (self._data.time, ())
+
     def reset(self, position: Sequence[float], time: float) -> None:
         """Put joints at ``position`` [rad | m] and objects where they started."""
         if self._attached:
@@ -123,15 +134,17 @@ class MujocoWorld:
         self.states.place(state)
 
     def change(self, item: SceneObject) -> None:
-        """Give an object the mass and friction of ``item``, which is equal otherwise.
+        """Give an object the size, mass and friction of ``item``.
+
+        It is equal otherwise, and of the same kind of shape.
 
         The model is then, bit for bit, as if it had been compiled with it.
         """
         old = find_object(self._objects, item.name)
         self._objects[item.name] = item
         scene = Scene(tuple(self._objects.values()), self._scene.locations)
-        if item.mass != old.mass:
-            change_mass(self._model, item, scene, self._mesh_files)
+        if (item.mass, item.geometry) != (old.mass, old.geometry):
+            change_body(self._model, item, scene, self._mesh_files)
         if item.friction != old.friction:
             change_friction(self._model, self._robot, item, scene)
         self._scene = scene
@@ -151,7 +164,7 @@ class MujocoWorld:
     def check_saved(self, saved: SavedWorld, data: Any) -> None:
         """Raise EngineError if a state is of another robot or of other objects."""
         shapes = [
-            {name: item.geometry for name, item in objects.items()}
+            {name: kind_of(item.geometry) for name, item in objects.items()}
             for objects in (saved.objects, self._objects)
         ]
         if shapes[0] != shapes[1] or self._data.qpos.shape != data.qpos.shape:
@@ -187,7 +200,7 @@ class MujocoWorld:
         They act at the origin of the link ``at``, in its axes, in the last step.
         """
         data, contacts = self._data, self._data.contact
-        is_inside = self._are_of(links)[contacts.geom]
+        is_inside = self.are_of(links)[contacts.geom]
         rows = np.flatnonzero(is_inside[:, 0] != is_inside[:, 1])
         if not rows.size:
             return (0.0,) * 6
@@ -209,12 +222,12 @@ class MujocoWorld:
 
     def _is_of(self, link: str) -> NDArray[np.bool_]:
         """Return for each geom whether it is of ``link``."""
-        return self._are_of(frozenset((link,)))
+        return self.are_of(frozenset((link,)))
 
-    def _are_of(self, links: frozenset[str]) -> NDArray[np.bool_]:
-        """Return for each geom whether it is of one of ``links``."""
+    def are_of(self, links: frozenset[str]) -> NDArray[np.bool_]:
+        """Return for each geom whether it is of one of ``links``: links or objects."""
         if links not in self._masks:
-            owners = self._geom_owners
+            owners = self.geom_owners
             self._masks[links] = np.array([owner in links for owner in owners])
         return self._masks[links]
 
@@ -222,7 +235,7 @@ class MujocoWorld:
         model, data = self._model, self._data
         if self._contacts[0] != data.time:
             points = itertools.chain(
-                contact_points(model, data, self._geom_owners),
+                contact_points(model, data, self.geom_owners),
                 attachment_points(model, data, self._attached),
             )
             self._contacts = (data.time, merge_by_pair(points))
@@ -234,7 +247,7 @@ class MujocoWorld:
             item.link in links for item in self._attached.values()
         ):
             return True
-        return bool(data.ncon) and bool(self._are_of(links)[data.contact.geom].any())
+        return bool(data.ncon) and bool(self.are_of(links)[data.contact.geom].any())
 
     def center_of_mass(self, name: str) -> Vector3:
         body = self._body(name)
@@ -289,7 +302,8 @@ class MujocoWorld:
             item.name: item for item in scene.objects
         }
         self._attached = attached
-        self._geom_owners = geom_owners(model)
+        self.geom_owners = geom_owners(model)
+        """The link or object of each geom, by the geom's number."""
         self._masks: dict[frozenset[str], NDArray[np.bool_]] = {}
         self.states = ObjectStates(model, self._data, scene)
         self._on_compiled(model, self._data)
@@ -311,7 +325,7 @@ class MujocoWorld:
             # The moving body is named first, the static one second.
             geoms = [self._model.geom(int(geom)) for geom in contact.geom]
             geoms.sort(key=self._mobility, reverse=True)
-            first, second = (self._geom_owners[geom.id] for geom in geoms)
+            first, second = (self.geom_owners[geom.id] for geom in geoms)
             depth = max(-contact.dist, deepest.get((first, second), 0.0))
             deepest[first, second] = depth
         for (first, second), depth in deepest.items():

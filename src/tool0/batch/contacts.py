@@ -1,0 +1,72 @@
+"""The contacts of the copies of a batch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tool0.description.model import RobotModel
+from tool0.description.scene import GROUND
+from tool0.description.transform_arrays import Array
+from tool0.errors import ControlError, did_you_mean
+
+Bodies = str | Sequence[str]
+"""A link, an object or the ground, by name, or several."""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Contacts:
+    """Contacts of all copies in the last step: m rows, in the order of the copies.
+
+    Each row is a ``Contact`` of one copy: the resultant of all contact points between
+    two links or objects.  Vectors are in the axes of the root.
+    """
+
+    copy: NDArray[np.intp]
+    """Number of the copy, shape (m,)."""
+    first: NDArray[np.str_]
+    """Name of a link, an object or ``ground``, shape (m,)."""
+    second: NDArray[np.str_]
+    """Name of the touched one, shape (m,)."""
+    point: Array
+    """Mean of the contact points, weighted by their normal forces [m], (m, 3)."""
+    normal: Array
+    """Their mean normal from ``first`` to ``second``, weighted alike, of length 1, or 0
+    where one body has the other between two of its sides, shape (m, 3)."""
+    distance: Array
+    """Least distance of the surfaces, below 0 if they overlap [m], shape (m,)."""
+    force: Array
+    """Force that ``first`` exerts on ``second`` [N], shape (m, 3)."""
+    torque: Array
+    """Torque that ``first`` exerts on ``second``, about ``point`` [N·m], (m, 3)."""
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            getattr(self, each.name).flags.writeable = False
+
+    def __len__(self) -> int:
+        return len(self.copy)
+
+
+def checked_bodies(
+    what: str, given: Bodies | None, model: RobotModel, objects: Sequence[str]
+) -> frozenset[str] | None:
+    """Return the names as a set; None, for everything, stays None.
+
+    Raises:
+        ControlError: If one is no link, object or ground.
+    """
+    if given is None:
+        return None
+    names = frozenset((given,) if isinstance(given, str) else given)
+    known = [*model.link_by_name, *objects, GROUND]
+    for name in sorted(names.difference(known)):
+        raise ControlError(
+            f"{what}: there is no link or object '{name}'{did_you_mean(name, known)}"
+        )
+    return names

@@ -1,0 +1,115 @@
+"""The sizes of a task's objects, which may differ from episode to episode."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import final
+
+import numpy as np
+
+from tool0.batch.backend import CPU
+from tool0.batch.batch import Batch
+from tool0.description.scene import SceneObject
+from tool0.description.shapes import Box, Cylinder, Sphere, extents, sizes
+from tool0.errors import ConfigError
+from tool0.gym.options import EnvOptions
+from tool0.gym.task import Mask, Task
+from tool0.gym.workspace import Workspace
+from tool0.kinematics.chain import Array
+
+
+@final
+class Sizes:
+    """Sizes of the objects of n copies of a task, by a random factor on their own."""
+
+    def __init__(
+        self,
+        task: Task,
+        items: Sequence[SceneObject],
+        workspace: Workspace,
+        options: EnvOptions,
+        n: int,
+    ) -> None:
+        """Begin with the scene's own sizes.
+
+        Raises:
+            ConfigError: If ``Randomisation.size`` cannot be chosen for this task, or
+                ``Task.resizable`` is wrong.
+        """
+        name = type(task).__name__
+        possible = [item.name for item in items if item.mass and _own_size(item).size]
+        for each in task.resizable:
+            if each not in possible:
+                raise ConfigError(
+                    f"task {name}: resizable names '{each}', which is no box, cylinder "
+                    "or sphere with a mass among its objects"
+                )
+        self.names = task.resizable if workspace.has_sizes else ()
+        """Objects whose sizes are random."""
+        if workspace.has_sizes and not self.names:
+            raise ConfigError(
+                f"randomise.size: the sizes of the objects of {name} are fixed; leave "
+                "it out, or name objects in Task.resizable"
+            )
+        if self.names and options.device != CPU:
+            raise ConfigError(
+                "randomise.size works with device='cpu' only; this is "
+                f"'{options.device}'"
+            )
+        if task.hold is not None and items[0].name in self.names:
+            raise ConfigError(
+                f"task {name}: '{items[0].name}' cannot be resizable: starts have it "
+                "in the gripper, as Task.hold says"
+            )
+        self._resized = {
+            k: (item.name, _own_size(item))
+            for k, item in enumerate(items)
+            if item.name in self.names
+        }
+        """Name and size of each object of random size, by its number."""
+        self._own = np.reshape([_extents(item) for item in items], (len(items), 3))
+        ranges = [workspace.size_factors(self._own[k]) for k in self._resized]
+        self._ranges = np.reshape(ranges, (len(self._resized), 2))
+        self.extents = np.tile(self._own, (n, 1, 1))
+        """Of the objects, as ``State.object_size``, shape (n, k, 3)."""
+
+    def draw(self, rng: np.random.Generator) -> Array:
+        """Return random factors of all objects, shape (k,); 1 for what is constant."""
+        factors = np.ones(len(self._own))
+        if self.names:
+            factors[[*self._resized]] = rng.uniform(*self._ranges.T)
+        return factors
+
+    def apply(self, batch: Batch, factors: Array, which: Mask) -> None:
+        """Give the objects of copies the sizes of these factors, shape (n, k)."""
+        if not self.names:
+            return
+        found = self._own * factors[..., None]
+        self.extents = np.where(which[:, None, None], found, self.extents)
+        for k, (name, own) in self._resized.items():
+            size = own * factors[:, k, None]
+            batch.set_size(name, size if own.size > 1 else size[:, 0], which)
+
+    def risen(self, places: Array) -> Array:
+        """Return places (n, k, 3) at which the objects' bottoms are where they were."""
+        if not self.names:
+            return places
+        higher = (self.extents - self._own)[..., 2] / 2.0
+        places = places.copy()
+        for k in self._resized:
+            places[:, k, 2] += higher[:, k]
+        return places
+
+
+def _own_size(item: SceneObject) -> Array:
+    """Return the numbers of an object's size [m]; none of a mesh or a compound."""
+    if isinstance(item.geometry, Box | Cylinder | Sphere):
+        return np.array(sizes(item.geometry))
+    return np.empty(0)
+
+
+def _extents(item: SceneObject) -> tuple[float, ...]:
+    """Return the extents of an object as ``State.object_size`` has them."""
+    if isinstance(item.geometry, Box | Cylinder | Sphere):
+        return extents(item.geometry)
+    return (np.nan,) * 3
