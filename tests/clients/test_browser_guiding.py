@@ -65,7 +65,7 @@ def test_the_arm_is_dragged_and_stays(tab: Tab, robot: tool0.Robot) -> None:
     taught = dict(robot.joint_state.position)
     tab.get("guide-toggle").click()
     tab.see(GUIDING.format("false"))
-    eventually(lambda: not robot.arm.control_box.state.taken_by, "it is given back")
+    eventually(lambda: not robot.arm.control_box.state.taken_by, "it is released")
     time_passes(robot, 0.5)
     assert np.linalg.norm(tool(robot) - left) < 1e-3
     tab.get("tab-program").click()

@@ -40,20 +40,20 @@ def moves_on(robot: tool0.Robot, axis: int, by: float) -> None:
 
 
 def stops(robot: tool0.Robot) -> None:
-    """Wait until the arm is given back, and check that its controllers hold it there.
+    """Wait until the arm is released, and check that its controllers hold it there.
 
-    It is given back when it has rested for a while.
+    It is released when it has rested for a while.
     """
     there = position(robot)
 
-    def is_given_back() -> bool:
+    def is_released() -> bool:
         nonlocal there
         if robot.arm.control_box.state.taken_by:
             there = position(robot)
             return False
         return True
 
-    eventually(is_given_back, "the arm is given back")
+    eventually(is_released, "the arm is released")
     comes_to_rest(robot)
     assert np.linalg.norm(position(robot) - there) < 1e-3  # no jump
 

@@ -80,6 +80,6 @@ def test_the_tool_stops_at_every_speed_when_the_connection_drops(
         stopped = height[times > dropped + BOUND]
         assert np.ptp(stopped) < CREEP, (speed, np.ptp(stopped))
         eventually(
-            lambda: not robot.arm.control_box.state.taken_by, "the arm is given back"
+            lambda: not robot.arm.control_box.state.taken_by, "the arm is released"
         )
         comes_to_rest(robot)

@@ -11,7 +11,7 @@ CLOSE = 0.004
 """Largest distance from the setpoint on the way [rad]; 1.2 mrad on MuJoCo."""
 
 
-def test_a_taken_arm_follows_paths_and_is_given_back(bring_up: BringUp) -> None:
+def test_a_taken_arm_follows_paths_and_is_released(bring_up: BringUp) -> None:
     robot = bring_up(gripper=None)
     motion = robot.arm.motion
     robot.run(0.5)
@@ -35,7 +35,7 @@ def test_a_taken_arm_follows_paths_and_is_given_back(bring_up: BringUp) -> None:
     assert max(errors(0.5)) < 0.001
     motion.servo_joints([q + 0.1 for q in start])
     assert max(errors(1.5)) < CLOSE
-    motion.give_back()
+    motion.release()
     robot.run(0.5)
     running = [status.name for status in robot.controllers() if status.is_running]
     assert "eff_joint_traj_controller" in running

@@ -186,7 +186,7 @@ def test_torques_end_when_told_and_by_other_motions(torques: Torques) -> None:
     motion.stop()
     torques.robot.run(0.5)
     motion.drive_torques([0.0] * 6)
-    motion.give_back()
+    motion.release()
     torques.robot.run(0.5)
     assert motion.state.mode == "free"
 

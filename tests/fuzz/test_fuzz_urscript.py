@@ -40,7 +40,7 @@ DURATION: Final = 0.3
 MAX_TIME: Final = 10.0
 """Of the processor, for one program [s]."""
 STOP_TIMEOUT: Final = 3.0
-"""Until the arm was given back [s]."""
+"""Until the arm was released [s]."""
 MAX_EXCESS: Final = 0.02
 """Of a joint beyond its range [rad]."""
 MAX_SPEED: Final = 1.25
@@ -236,7 +236,7 @@ class Run:
                 break
             await self._step(stepped)
         else:
-            self._trial.note(TimeoutError("the arm is not given back"), self.text)
+            self._trial.note(TimeoutError("the arm is not released"), self.text)
 
     async def _result(self, task: asyncio.Future[Any]) -> None:
         """Note how a task has failed, or that it goes on."""

@@ -46,7 +46,7 @@ const SHORTEST_STEP = 0.1;
 const LEAST_ACCELERATION = 0.05;
 /** Wall time without a command after which the server lets a press end [s]. */
 const TIMEOUT = 1;
-/** Standing still for so long, the arm is given back to its controllers [ms]. */
+/** Standing still for so long, the arm is released to its controllers [ms]. */
 const LINGER_MS = 1000;
 const QUEUED_STEPS = 5;
 /** How far the page looks ahead for obstacles [s]. */
@@ -69,7 +69,7 @@ const blocked = new Set<string>();
 let steps: Direction[] = [];
 let phase: "free" | "taking" | "taken" = "free";
 let takenArm: string | null = null;
-/** Grows when the arm is taken or given back. */
+/** Grows when the arm is taken or released. */
 let generation = 0;
 let pump: ReturnType<typeof setInterval> | undefined;
 let linger: ReturnType<typeof setTimeout> | undefined;
@@ -146,7 +146,7 @@ export function halt(): void {
   if (moved) rest();
 }
 
-/** Stop, and give the arm back to its controllers; done when they have it. */
+/** Stop, and return the arm to its controllers; done when they have it. */
 export async function letGo(): Promise<void> {
   halt();
   clearTimeout(linger);
@@ -171,7 +171,7 @@ async function take(): Promise<void> {
     arm: takenArm,
     by: TAKEN_BY,
   });
-  if (ours !== generation) return; // it is given back, or another one is taken
+  if (ours !== generation) return; // it is released, or another one is taken
   if (problem !== null) {
     phase = "free";
     block();

@@ -40,9 +40,9 @@ _ALL = (True,) * 6
 
 @final
 class ArmMotion:
-    """Moves an arm as a robot's own controller does: by what you plan yourself.
+    """Moves an arm in place of its controllers: executes planned paths and streams.
 
-    Take the arm first; its controllers stop, and start again when you give it back.
+    Take the arm first; its controllers stop, and start again when you release it.
     Joints are in the order from base to flange.  Poses are UR's: position and rotation
     vector [m, rad] in the frame of the link ``base``.
     """
@@ -58,12 +58,12 @@ class ArmMotion:
 
     @contextmanager
     def taken(self, by: str = "Python") -> Iterator[ArmMotion]:
-        """Take the arm for a block, and give it back."""
+        """Take the arm for a block, and release it."""
         self.take(by)
         try:
             yield self
         finally:
-            self.give_back()
+            self.release()
 
     def take(self, by: str = "Python") -> None:
         """Stop the arm's controllers and hold still; ``by`` is shown to people.
@@ -73,7 +73,7 @@ class ArmMotion:
         """
         self._channel.call(TakeArm(arm=self._arm, by=by))
 
-    def give_back(self) -> None:
+    def release(self) -> None:
         """Stop, and let the controllers start again."""
         self._channel.call(ReturnArm(arm=self._arm))
 
@@ -135,7 +135,7 @@ class ArmMotion:
             raise ControlError(f"the motion failed: {state.failure}")
         if state.mode == "free":
             raise ControlError(
-                f"the arm '{self._arm}' is not taken: it was given back or stopped"
+                f"the arm '{self._arm}' is not taken: it was released or stopped"
             )
         if not is_in_time:
             raise GoalTimeoutError(f"the arm still moves after {timeout} s")

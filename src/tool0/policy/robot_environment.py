@@ -245,7 +245,7 @@ class RobotEnvironment:
         for name in self._arms:
             motion = self._robot.arms[name].motion
             with contextlib.suppress(Tool0Error):  # it is not taken, or stopped
-                motion.give_back()
+                motion.release()
                 self._robot.channel.wait_until(partial(_is_free, motion), _LONGEST_STOP)
 
     def close(self) -> None:

@@ -1,6 +1,6 @@
 """Requests to an arm that a program moves in place of ROS's controllers.
 
-A program takes the arm, sends paths or streams, and gives it back.  The joints are in
+A program takes the arm, sends paths or streams, and releases it.  The joints are in
 the order from base to flange.
 """
 

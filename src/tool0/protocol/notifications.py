@@ -155,7 +155,7 @@ def _mode_changes(
     if failure and failure != before.motion_failure and not snapshot.is_stopped:
         found.append(("warning", "arm_modes", f"{arm} stops where it is: {failure}"))
     if now.taken_by != before.taken_by:
-        text = f"is moved by '{now.taken_by}'" if now.taken_by else "is given back"
+        text = f"is moved by '{now.taken_by}'" if now.taken_by else "is released"
         found.append(("info", "arm_modes", f"{arm} {text}"))
     is_hidden = SafetyMode.ROBOT_EMERGENCY_STOP in (now.safety_mode, before.safety_mode)
     if now.robot_mode is not before.robot_mode and not is_hidden:

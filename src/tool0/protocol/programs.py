@@ -115,7 +115,7 @@ class ExportProgram(Request[str], frozen=True):
 class RunProgram(Request[GoalStarted], frozen=True):
     """Check a program, and run it.
 
-    The program takes the arm from its controllers, and gives it back at the end.  The
+    The program takes the arm from its controllers, and releases it at the end.  The
     goal ends with the program; its number is the negative one of the run.
     """
 

@@ -266,7 +266,7 @@ class Executor:
         found.take(by, self.core.state, protected=protected)
         self._note_command(found.motion.spec.name)
 
-    def give_back_arm(self, arm: str | None, by: str | None = None) -> bool:
+    def release_arm(self, arm: str | None, by: str | None = None) -> bool:
         """Stop an arm, and start its controllers again once it rests.
 
         An arm that something else than ``by`` has taken is left alone; returns whether
@@ -275,7 +275,7 @@ class Executor:
         found = self.core.arms.find(arm)
         if by is not None and found.box.state.taken_by != by:
             return False
-        found.give_back(self.core.state)
+        found.release(self.core.state)
         return True
 
     def execute_path(
@@ -345,20 +345,20 @@ class Executor:
         """Return an arm to position control: ``Arm.end_torques``."""
         self.core.arms.find(arm).end_torques(self.core.state)
 
-    def comply(
+    def start_compliance(
         self, arm: str | None, task: ComplianceTask, controller: str | None = None
     ) -> None:
         """Start force mode or freedrive of an arm: ``Arm.comply``."""
-        self.core.arms.find(arm).comply(task, self.core.state, controller)
+        self.core.arms.find(arm).start_compliance(task, self.core.state, controller)
         if controller is not None:
             self._note_command(controller)
 
-    def stiffen(
+    def end_compliance(
         self, arm: str | None, controller: str | None = None, *, is_freedrive: bool
     ) -> None:
         """End force mode, or freedrive: ``Arm.stiffen``."""
         found = self.core.arms.find(arm)
-        found.stiffen(self.core.state, controller, is_freedrive=is_freedrive)
+        found.end_compliance(self.core.state, controller, is_freedrive=is_freedrive)
 
     # ---- stops ----------------------------------------------------------------------
 

@@ -23,7 +23,7 @@ class Execution(Protocol):
 
     @property
     def is_stopping(self) -> bool:
-        """Whether it was stopped, and ends as soon as its arm has been given back."""
+        """Whether it was stopped, and ends as soon as its arm has been released."""
 
     def stop(self, reason: str) -> None:
         """End it at the next snapshot."""

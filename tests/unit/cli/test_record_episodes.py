@@ -38,5 +38,5 @@ def test_keys_drive_the_robot_and_mark_episodes(
     assert "1 episode, 1 succeeded\n" in out
     assert "no episode is being recorded" in out  # of the key n
     assert robot.channel.call(ReadEpisodes()) is None
-    box = robot.arm.control_box  # is given back when the connection ends
+    box = robot.arm.control_box  # is released when the connection ends
     assert robot.channel.wait_until(lambda: box.state.taken_by == "", timeout=10.0)

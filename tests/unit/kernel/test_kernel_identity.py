@@ -277,7 +277,7 @@ def paths(robot: Any, record: Record) -> None:
         motion.stop(along_path=bool(k % 3))
         robot.run(0.7)
         record.append((path, motion.state, numbers(robot)))
-    motion.give_back()
+    motion.release()
     robot.run(0.1)
 
 

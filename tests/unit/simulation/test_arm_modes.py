@@ -178,7 +178,7 @@ def test_only_one_arm_of_a_cell_stops() -> None:
         assert running(robot) == before
 
 
-def test_a_taken_arm_is_given_back(robot: tool0.Robot) -> None:
+def test_a_taken_arm_is_released(robot: tool0.Robot) -> None:
     box, before = robot.arm.control_box, running(robot)
     simulation = robot.simulation
     arm, core = simulation.core.arms.find(None), simulation.core
@@ -186,8 +186,8 @@ def test_a_taken_arm_is_given_back(robot: tool0.Robot) -> None:
     def take(by: str) -> None:
         simulation.loop.call(lambda: arm.take(by, core.state))
 
-    def give_back() -> None:
-        simulation.loop.call(lambda: arm.give_back(core.state))
+    def release() -> None:
+        simulation.loop.call(lambda: arm.release(core.state))
 
     take("a program")
     take("another")
@@ -197,8 +197,8 @@ def test_a_taken_arm_is_given_back(robot: tool0.Robot) -> None:
     assert ARM not in running(robot)
     with pytest.raises(ControlError, match="'another' moves the arm"):
         robot.switch(start=[ARM])
-    give_back()
-    give_back()
+    release()
+    release()
     assert box.state.is_program_running
     assert running(robot) == before
     take("a program")
@@ -209,5 +209,5 @@ def test_a_taken_arm_is_given_back(robot: tool0.Robot) -> None:
     assert running(robot) == before
     box.pause()
     take("a program")
-    give_back()
+    release()
     assert box.state.program is ProgramState.STOPPED

@@ -61,8 +61,8 @@ def test_a_taken_arm_is_moved_by_a_controller_of_its_own(robot: tool0.Robot) -> 
     assert status.role is Role.MOTION
     assert status.joints == set(robot.arm.joint_names)
     assert motion.state.mode == "hold"
-    motion.give_back()
-    motion.give_back()
+    motion.release()
+    motion.release()
     assert states(robot) == before
     assert robot.arm.control_box.state.taken_by == ""
 
@@ -193,14 +193,14 @@ def test_paths_are_executed_by_the_kernel(robot: tool0.Robot) -> None:
     assert core.program() is None
 
 
-def test_an_arm_that_moves_stops_before_it_is_given_back(robot: tool0.Robot) -> None:
+def test_an_arm_that_moves_stops_before_it_is_released(robot: tool0.Robot) -> None:
     motion = robot.arm.motion
     motion.take()
     motion.execute_path([1.0], [DOWN], REST)
     robot.run(0.5)
-    motion.give_back()
+    motion.release()
     assert states(robot)["arm_motion"] == "running"
-    with pytest.raises(ControlError, match="stops and is given back"):
+    with pytest.raises(ControlError, match="stops and is released"):
         motion.servo_joints(DOWN)
     robot.run(0.5)
     assert "arm_motion" not in states(robot)
@@ -208,14 +208,14 @@ def test_an_arm_that_moves_stops_before_it_is_given_back(robot: tool0.Robot) -> 
     motion.take()
     motion.speed_joints((0.5, 0, 0, 0, 0, 0), 10.0)
     robot.run(0.2)
-    motion.give_back()
+    motion.release()
     robot.reset()  # which ends the motion
     robot.run(0.01)
     assert states(robot)["eff_joint_traj_controller"] == "running"
     motion.take()
     motion.speed_joints((0.5, 0, 0, 0, 0, 0), 10.0)
     robot.run(0.2)
-    motion.give_back()
+    motion.release()
     motion.take()  # which ends the return
     robot.run(1.0)
     assert motion.state.mode == "stop"
@@ -281,7 +281,7 @@ def test_the_arms_of_a_cell_are_taken_one_by_one() -> None:
         assert right.state.mode == "speed"
         moved = np.subtract(right.state.setpoint.positions, start)
         assert moved == pytest.approx(0.1 * 0.3 - 0.005)
-        left.give_back()
+        left.release()
         robot.run(0.4)
         assert left.state.mode == "free"
         assert right.state.mode == "speed"
@@ -485,12 +485,12 @@ def test_freedrive_keeps_locked_axes(robot: tool0.Robot) -> None:
     moved = robot.arm.pose().position - start
     assert moved[1] > 0.03
     assert np.abs(moved[[0, 2]]).max() < 0.002
-    motion.give_back()
+    motion.release()
     robot.run(0.3)
     assert states(robot)["eff_joint_traj_controller"] == "running"
 
 
-def test_a_jogged_arm_given_back_rests_within_a_tenth_of_a_second(
+def test_a_jogged_arm_that_is_released_rests_within_a_tenth_of_a_second(
     robot: tool0.Robot,
 ) -> None:
     motion = robot.arm.motion
@@ -500,7 +500,7 @@ def test_a_jogged_arm_given_back_rests_within_a_tenth_of_a_second(
         motion.take()
         motion.speed_tool((0.0, 0.0, -speed, 0.0, 0.0, 0.0), speed / 0.025)
         robot.run(0.3)
-        motion.give_back()
+        motion.release()
         robot.run(0.1)
         there = np.array(robot.arm.pose().position)
         for _ in range(20):  # its controllers take over, without a jump

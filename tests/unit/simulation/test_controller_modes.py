@@ -367,6 +367,6 @@ def test_a_program_that_takes_the_arm_ends_freedrive(robot: tool0.Robot) -> None
     assert robot.arm.control_box.state.robot_mode is RobotMode.RUNNING
     with raises_naming(ControlError, "moves the arm 'arm'; stop that first"):
         robot.switch(start=[FREEDRIVE])
-    robot.arm.motion.give_back()
+    robot.arm.motion.release()
     robot.run(0.5)
     assert FREEDRIVE in active(robot)

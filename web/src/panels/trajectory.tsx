@@ -94,7 +94,7 @@ function ControllerSelect({ controller }: { controller: ControllerInfo }) {
       options={ourControllers().map((one) => {
         const why = obstacle(one);
         const name = withoutPrefix(one.name);
-        // it runs again by itself, when the arm is given back
+        // it runs again by itself, when the arm is released
         const waits = one.name === controller.name && whoHasArm() !== null;
         return {
           value: one.name,

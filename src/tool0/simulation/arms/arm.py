@@ -79,7 +79,7 @@ class Arm(abc.ABC):
         self._stopped_at = 0.0
         """When the protective stop occurred [s]."""
         self._resumes = False
-        """Whether the controllers of a taken arm start when it is given back."""
+        """Whether the controllers of a taken arm start when it is released."""
 
     def require_ready(self) -> None:
         """Raise ControlError if it may not move, with the reason and the remedy."""
@@ -108,7 +108,7 @@ class Arm(abc.ABC):
         self.box.tick(period)
         self.mode.tick(state)
         if self.motion.has_returned(state.time):
-            self._give_back(state)
+            self._release(state)
 
     # ---- power and stops ------------------------------------------------------------
 
@@ -221,7 +221,7 @@ class Arm(abc.ABC):
         self.motion.start(held, now)
         self.motion.is_protected = protected
 
-    def give_back(self, now: JointState) -> None:
+    def release(self, now: JointState) -> None:
         """Stop the arm, and start its controllers again once it rests.
 
         An arm that is not taken is left alone.
@@ -229,7 +229,7 @@ class Arm(abc.ABC):
         if self.motion.is_taken and not self.motion.is_returning:
             self._stiffen(now)
             if self.motion.start_return(now.time):
-                self._give_back(now)
+                self._release(now)
 
     def controller_to_move(self) -> ArmMotionController:
         """Return what moves a taken arm that may move, and whose motion did not fail.
@@ -258,7 +258,7 @@ class Arm(abc.ABC):
             )
         if self.motion.is_returning:
             raise ControlError(
-                f"the arm '{self.name}' stops and is given back; take it again first"
+                f"the arm '{self.name}' stops and is released; take it again first"
             )
         return self.motion.controller
 
@@ -275,7 +275,7 @@ class Arm(abc.ABC):
         self.motion.rest(now)
         self._refuse(reason)
 
-    def comply(
+    def start_compliance(
         self, task: ComplianceTask, now: JointState, controller_name: str | None = None
     ) -> None:
         """Start force mode or freedrive of an arm.
@@ -303,7 +303,7 @@ class Arm(abc.ABC):
         if self.motion.has_torques:
             self.motion.rest(now)
 
-    def stiffen(
+    def end_compliance(
         self, now: JointState, controller_name: str | None = None, *, is_freedrive: bool
     ) -> None:
         """End force mode, or freedrive: the arm stops where it is.
@@ -488,7 +488,7 @@ class Arm(abc.ABC):
         self._manager.switch(names, (), Strictness.BEST_EFFORT, now)
         self._stopped = ()
 
-    def _give_back(self, now: JointState) -> None:
+    def _release(self, now: JointState) -> None:
         """Start the controllers again that ran when the arm was taken."""
         wanted = self.motion.controller.at_rest(now)
         self.motion.abort(now)

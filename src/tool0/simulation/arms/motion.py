@@ -23,7 +23,7 @@ from tool0.protocol.state import ArmSample
 from tool0.simulation.arms.mechanics import ArmMechanics
 
 RETURN_BRAKE: Final = 4.0
-"""Change of a path's speed when its arm is given back while it moves [1/s²]: a path at
+"""Change of a path's speed when its arm is released while it moves [1/s²]: a path at
 full speed ends within 0.25 s."""
 RETURN_DECELERATION: Final = 4.0
 """Of any other motion then, at least [rad/s²]: a stream of velocities ends as soon as
@@ -41,7 +41,7 @@ class ArmMotion:
     """What moves an arm that a program has taken.
 
     Only the thread of the tick may use it.  It is an ArmMotionController, which exists
-    until the arm is given back.
+    until the arm is released.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class ArmMotion:
         self.is_protected = False
         """Whether a failed motion is a protective stop."""
         self._rests_at: float | None = None
-        """From when an arm rests that is given back then [s]; None for any other."""
+        """From when an arm rests that is released then [s]; None for any other."""
         self._n_paths = 0
         """How many paths it was given."""
         self.has_torques = False
@@ -97,11 +97,11 @@ class ArmMotion:
 
     @property
     def is_returning(self) -> bool:
-        """Whether the arm stops in order to be given back."""
+        """Whether the arm stops in order to be released."""
         return self._rests_at is not None
 
     def start_return(self, now: float) -> bool:
-        """Stop in order to be given back; return whether the arm rests already."""
+        """Stop in order to be released; return whether the arm rests already."""
         controller = self.controller
         on_path = controller.mode == "path"
         if controller.motion(now).is_at_rest and not on_path:
@@ -158,7 +158,7 @@ class ArmMotion:
         self._n_paths = number
         return number
 
-    def comply(self, task: ComplianceTask, now: JointState) -> None:
+    def start_compliance(self, task: ComplianceTask, now: JointState) -> None:
         """Push with a force, or give way to a hand."""
         law = self.controller.start_compliance(task, now)
         self._manager.drive_efforts(self.spec.name, law, now)

@@ -60,7 +60,7 @@ class SimulatedArm(Arm):
 
     def _comply(self, task: ComplianceTask, now: JointState) -> None:
         self.end_torques(now)
-        self.motion.comply(task, now)
+        self.motion.start_compliance(task, now)
         self._show_freedrive(task.is_freedrive, now)
 
     def _stiffen(self, now: JointState) -> None:

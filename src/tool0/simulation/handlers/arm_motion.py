@@ -41,7 +41,7 @@ def _take(simulation: Simulation, request: TakeArm) -> None:
 
 @handles(ReturnArm, in_tick=True)
 def _return(simulation: Simulation, request: ReturnArm) -> None:
-    if simulation.executor.give_back_arm(request.arm, request.by):
+    if simulation.executor.release_arm(request.arm, request.by):
         _forget_stream(simulation, request)
 
 
@@ -169,7 +169,7 @@ def _start_force_mode(simulation: Simulation, request: StartForceMode) -> None:
         lever=np.array(request.tcp[:3]),
         damping=force_damping(request.damping, request.gain_scaling),
     )
-    simulation.executor.comply(request.arm, task, request.controller)
+    simulation.executor.start_compliance(request.arm, task, request.controller)
 
 
 @handles(StartFreedrive, in_tick=True)
@@ -192,11 +192,11 @@ def _start_freedrive(simulation: Simulation, request: StartFreedrive) -> None:
         damping=FREEDRIVE_DAMPING,
         is_freedrive=True,
     )
-    simulation.executor.comply(request.arm, task, request.controller)
+    simulation.executor.start_compliance(request.arm, task, request.controller)
 
 
 def _end(simulation: Simulation, request: EndForceMode | EndFreedrive) -> None:
-    simulation.executor.stiffen(
+    simulation.executor.end_compliance(
         request.arm,
         request.controller,
         is_freedrive=isinstance(request, EndFreedrive),

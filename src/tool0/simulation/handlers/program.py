@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from tool0.simulation.handlers.program_run import ProgramExecution
 
 _LONGEST_RETURN = 2.0
-"""Of an arm that is given back while a program is to begin [wall s]."""
+"""Of an arm that is released while a program is to begin [wall s]."""
 
 
 def _context(simulation: Simulation, program: Program) -> RobotContext:
@@ -89,7 +89,7 @@ def _planned(simulation: Simulation, context: RobotContext) -> ProgramPlan:
 
 
 def _wait_for_return(simulation: Simulation, arm: str) -> None:
-    """Wait for an arm that stops in order to be given back, while time passes."""
+    """Wait for an arm that stops in order to be released, while time passes."""
     loop, bus = simulation.loop, simulation.bus
     motion = simulation.core.arms.find(arm).motion
     end = time.monotonic() + _LONGEST_RETURN

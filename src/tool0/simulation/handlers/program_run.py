@@ -68,7 +68,7 @@ class ProgramExecution:
 
     @property
     def is_stopping(self) -> bool:
-        """Whether it was stopped, and ends as soon as its arm has been given back."""
+        """Whether it was stopped, and ends as soon as its arm has been released."""
         return self._stop is not None
 
     def stop(self, reason: str) -> None:
@@ -110,7 +110,7 @@ class ProgramExecution:
             state, reason = "failed", str(error)
         if state == "failed" and self.status.step:
             reason = f"step {path_text(self.status.step)}: {reason}"
-        yield from self._give_back()
+        yield from self._release()
         self._finish(state, reason)
 
     def _watched(self, steps: StepCoroutine[None]) -> StepCoroutine[None]:
@@ -153,7 +153,7 @@ class ProgramExecution:
             raise ControlError(f"'{box.taken_by}' moves the arm '{box.arm}'")
         self._steps.call(TakeArm(arm=self._arm, by=self._name))
 
-    def _give_back(self) -> StepCoroutine[None]:
+    def _release(self) -> StepCoroutine[None]:
         """Stop the arm, and let its controllers start again, if it is still taken."""
         self._events.close()
         if self._steps.box.taken_by != self._name:

@@ -123,7 +123,7 @@ def _stop_motions(simulation: Simulation, request: StopMotions) -> None:
             executor.cancel(goal)
     for arm in simulation.core.arms:
         if not runs.is_ending(arm.name):
-            executor.give_back_arm(arm.name)
+            executor.release_arm(arm.name)
     executor.stop_trajectories()
 
 

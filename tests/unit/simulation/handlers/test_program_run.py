@@ -82,7 +82,7 @@ def test_a_program_that_stops_says_so(robot: tool0.Robot) -> None:
 
 
 def test_in_real_time_a_program_waits_for_the_arm() -> None:
-    """One that is given back when hand guiding ends, or a program is stopped."""
+    """One that is released when hand guiding ends, or a program is stopped."""
     with tool0.bringup(arm="ur5e", gripper=None) as robot:
         robot.channel.call(TakeArm(by="hand guiding"))
         robot.channel.call(SpeedJoints(velocities=(0.5, 0, 0, 0, 0, 0)))
@@ -268,7 +268,7 @@ def _servo(robot: tool0.Robot) -> None:
         (lambda robot: robot.arm.control_box.power_off(), "the arm was switched off"),
         (lambda robot: robot.arm.control_box.stop(), "something else stopped the arm"),
         (_take, "'somebody' took the arm"),
-        (lambda robot: robot.arm.motion.give_back(), "something else stopped the arm"),
+        (lambda robot: robot.arm.motion.release(), "something else stopped the arm"),
         (_stop_path, "something else stopped the arm on its path"),
         (_servo, "something else moves the arm"),
     ],
@@ -286,7 +286,7 @@ def test_something_else_ends_a_program_with_a_reason(
     box = robot.arm.control_box
     if box.state.taken_by:
         assert box.state.taken_by == "somebody"
-        robot.arm.motion.give_back()
+        robot.arm.motion.release()
     if box.state.protective_stop:
         robot.run(5.0)
         box.unlock()

@@ -51,7 +51,7 @@ async def stop(stepped: SteppedBox) -> None:
         if task.done() and not stepped.box.state.taken_by:
             return
         await stepped.step()
-    raise AssertionError("the arm is not given back")
+    raise AssertionError("the arm is not released")
 
 
 @pytest.mark.parametrize("speed", [1.5, 3.1])
