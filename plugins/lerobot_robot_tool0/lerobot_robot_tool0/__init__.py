@@ -1,8 +1,8 @@
 """Robots of tool0 for LeRobot's own programs: ``--robot.type=tool0``.
 
 ``lerobot-record``, ``lerobot-rollout`` and LeRobot's asynchronous client drive a
-bring-up with them, simulated or real; LeRobot finds the
-package by its name.
+bring-up with them, simulated or real.  ``--teleop.type`` is another bring-up
+(``tool0_leader``), a gamepad or a SpaceMouse.  LeRobot finds the package by its name.
 """
 
 from lerobot_robot_tool0.config import (
