@@ -177,6 +177,15 @@ def test_after_an_emergency_stop_only_a_fresh_push_moves(rig: Rig) -> None:
     rig.assert_only_a_fresh_push_moves()
 
 
+def test_after_a_reset_only_a_fresh_push_moves(rig: Rig) -> None:
+    rig.loop(0.2)
+    rig.hold_forward()
+    assert rig.moved()[0] > 0.02
+    rig.world.reset()
+    rig.robot.connect()
+    rig.assert_only_a_fresh_push_moves()
+
+
 def test_the_dpad_scales_the_speed(rig: Rig) -> None:
     rig.loop(0.2)
     rig.hold_forward()
@@ -226,7 +235,7 @@ def test_joints_keep_their_speed_and_the_target_its_lead() -> None:
         with arm.motion.taken():
             for frame in ("root", "tool"):
                 jog = ArmJog(world, "", speed=(0.25, 1.0), frame=frame)
-                for _ in range(12):
+                for _ in range(6):
                     jog.follow(np.zeros(6))
                     jog.follow(np.zeros(6))
                     shares = rng.uniform(-1.0, 1.0, 6)
