@@ -123,6 +123,46 @@ def test_a_robot_follows_its_leader_and_is_recorded(recorded: Path) -> None:
     assert info["features"]["observation.images.wrist"]["shape"][2] == 3
 
 
+@pytest.mark.parametrize("program", ["teleoperate", "record"])
+def test_a_gamepad_moves_the_tool(program: str, tmp_path: Path) -> None:
+    line = (
+        "--robot.type=tool0 --robot.bringup=jogged --robot.fps=20 "
+        "--teleop.type=tool0_gamepad --teleop.bringup=jogged --teleop.speed=0.05"
+    )
+    if program == "teleoperate":
+        line += " --fps=20 --teleop_time_s=4"
+    else:
+        line += (
+            f" --dataset.repo_id=me/set --dataset.root={tmp_path / 'set'} "
+            "--dataset.fps=20 --dataset.num_episodes=1 --dataset.episode_time_s=4 "
+            "--dataset.single_task=push --dataset.push_to_hub=false "
+            "--play_sounds=false"
+        )
+    code = (
+        f"from lerobot.scripts.lerobot_{program} import main; "
+        "from virtual_gamepad import push_forward_at_a_line as push; push(); main()"
+    )
+    words = [sys.executable, "-c", code, *line.split()]
+    rigs = {"PYTHONPATH": os.pathsep.join(sys.path)}
+    with brought_up("jogged") as robot:
+        motion, before = robot.arm.motion, robot.arm.pose()
+        with subprocess.Popen(
+            words, stdin=subprocess.PIPE, text=True, env=os.environ | rigs
+        ) as running:
+            assert running.stdin is not None
+            assert robot.channel.wait_until(lambda: motion.state.mode == "servo", 60)
+            running.stdin.write("\n")
+            running.stdin.flush()
+            assert running.wait(60) == 0
+        way = robot.arm.pose().matrix[:3, 3] - before.matrix[:3, 3]
+    assert way[0] > 0.03
+    assert max(abs(way[1:])) < 0.05 * way[0]
+    if program == "record":
+        info = json.loads((tmp_path / "set/meta/info.json").read_text())
+        assert info["total_frames"] > 40
+        assert f"{JOINT}.pos" in info["features"]["action"]["names"]
+
+
 def test_a_policy_is_rolled_out_here_and_by_the_asynchronous_client(
     recorded: Path, tmp_path: Path
 ) -> None:

@@ -122,11 +122,6 @@ export function release(source: string): void {
   drop(source);
 }
 
-/** Let what is held be released before it moves again. */
-function block(): void {
-  for (const source of held.keys()) blocked.add(source);
-}
-
 function drop(source: string): void {
   if (held.delete(source) && held.size === 0 && steps.length === 0) rest();
 }
@@ -138,9 +133,10 @@ export function step(direction: Direction): void {
   begin();
 }
 
-/** Stop at once. */
+/** Stop at once; what is held has to be released before it moves again. */
 export function halt(): void {
   const moved = held.size > 0 || steps.length > 0 || stepEnds !== null;
+  for (const source of held.keys()) blocked.add(source);
   held.clear();
   steps = [];
   if (moved) rest();
@@ -174,9 +170,7 @@ async function take(): Promise<void> {
   if (ours !== generation) return; // it is released, or another one is taken
   if (problem !== null) {
     phase = "free";
-    block();
-    held.clear();
-    steps = [];
+    halt();
     report("error", problem.message);
     return;
   }
@@ -209,9 +203,7 @@ function rest(): void {
 function tick(): void {
   const now = performance.now();
   if (now - sentAt > 1000 * TIMEOUT) {
-    // the page itself was away: it takes another press
-    block();
-    void letGo();
+    void letGo(); // the page itself was away: it takes another press
     return;
   }
   gap = Math.max(now - sentAt, 0.95 * gap);
@@ -309,7 +301,6 @@ async function lookAhead(way: readonly number[]): Promise<void> {
     if (freeAt > -Infinity) gap = Math.max(gap, performance.now() - begun);
     freeAt = level > 0 ? begun : performance.now();
   } else {
-    block();
     halt();
     reportStop(obstacle);
   }
@@ -370,25 +361,16 @@ export function watchJog(): () => void {
   const ends = [
     effect(() => {
       if (mayJog()) return;
-      untracked(() => {
-        block();
-        void letGo();
-      });
+      untracked(() => void letGo());
     }),
     effect(() => {
       if (refusals.value === 0) return;
-      untracked(() => {
-        block();
-        void letGo();
-      });
+      untracked(() => void letGo());
     }),
     effect(() => {
       const name = arm.value?.name ?? null;
       if (phase === "free" || name === takenArm) return;
-      untracked(() => {
-        block();
-        void letGo();
-      });
+      untracked(() => void letGo());
     }),
     () => {
       window.removeEventListener("blur", stop);

@@ -9,11 +9,6 @@ import {
   watchDriving,
 } from "../src/driving";
 import { hold, letGo, release, watchJog } from "../src/jog";
-import {
-  connectSpaceMouse,
-  disconnectSpaceMouse,
-  spaceMouse,
-} from "../src/jogging/spacemouse";
 import { toasts } from "../src/notices";
 import { stopsAtObstacles } from "../src/planning/check";
 import { chosenRobot } from "../src/robots";
@@ -29,6 +24,8 @@ const arms = (method: string) =>
     .sentOf(method)
     .map(({ arm }) => arm);
 
+const last = () => server().sentOf("speed_tool").at(-1)?.twist as number[] | undefined;
+
 /** Let the page and the server go on for a while [ms]. */
 const goOn = (duration = 50) => vi.advanceTimersByTimeAsync(duration);
 
@@ -36,20 +33,6 @@ async function answered(method: string): Promise<void> {
   await goOn(1);
   server().accept(method);
   await goOn(1);
-}
-
-class FakeSpaceMouse extends EventTarget {
-  readonly productName = "SpaceMouse Compact";
-  readonly opened = false;
-  open = vi.fn(() => Promise.resolve());
-  close = () => Promise.resolve();
-
-  /** Report that the cap is pushed along x. */
-  push(): void {
-    const data = new DataView(new ArrayBuffer(6));
-    data.setInt16(0, 350, true);
-    this.dispatchEvent(Object.assign(new Event("inputreport"), { reportId: 1, data }));
-  }
 }
 
 describe("jogging", () => {
@@ -94,6 +77,20 @@ describe("jogging", () => {
     await goOn();
     expect(arms("return_arm")).toEqual(["left"]);
     expect(arms("speed_tool")).toEqual([]);
+  });
+
+  it("does not go on by itself after it was halted", async () => {
+    hold("stick", UP);
+    await answered("take_arm");
+    window.dispatchEvent(new Event("blur"));
+    expect(last()).toEqual([0, 0, 0, 0, 0, 0]);
+    hold("stick", UP); // still held
+    await goOn();
+    expect(last()).toEqual([0, 0, 0, 0, 0, 0]);
+    release("stick");
+    hold("stick", UP);
+    await goOn();
+    expect(last()?.[2]).toBeGreaterThan(0);
   });
 
   it("asks once for an arm that is refused, until the stick is released", async () => {
@@ -242,40 +239,6 @@ describe("jogging", () => {
       expect(sent()).toMatchObject({ positions: { pan: 0.7 } });
       expect(goals.value?.get("pan")?.value).toBe(0.7);
       expect(toasts.value[0]?.text).toContain("the wall");
-    });
-  });
-
-  describe("by a SpaceMouse", () => {
-    let device: FakeSpaceMouse;
-
-    beforeEach(() => {
-      device = new FakeSpaceMouse();
-      const hid = Object.assign(new EventTarget(), {
-        requestDevice: () => Promise.resolve([device]),
-      });
-      Object.assign(navigator, { hid });
-      return () => {
-        disconnectSpaceMouse();
-        Reflect.deleteProperty(navigator, "hid");
-        vi.restoreAllMocks();
-      };
-    });
-
-    it("does not begin on a hidden page", async () => {
-      await connectSpaceMouse();
-      const hidden = vi.spyOn(document, "hidden", "get").mockReturnValue(true);
-      device.push();
-      expect(arms("take_arm")).toEqual([]);
-      hidden.mockReturnValue(false);
-      device.push();
-      expect(arms("take_arm")).toEqual(["left"]);
-    });
-
-    it("says why it cannot be opened", async () => {
-      device.open.mockRejectedValue(new Error("permission denied"));
-      await connectSpaceMouse();
-      expect(spaceMouse.value).toBeNull();
-      expect(toasts.value[0]?.text).toContain("permission denied");
     });
   });
 });

@@ -272,6 +272,7 @@ export const en = {
     "Hold Shift and a key: W S x, A D y, E Q z; L J, I K and U O rotate about x, y and z.",
   "jog.gamepad": "Gamepad",
   "jog.gamepadNone": "No gamepad. Press one of its buttons.",
+  "jog.gamepadUnknown": "{name}: the browser does not know its layout. It is not used.",
   "jog.gamepadHint":
     "{name}: hold the left shoulder button. Left stick: x and y; triggers: z; right stick and D-pad: rotation.",
   "jog.active": "The panel moves the tool. The sliders return after it.",

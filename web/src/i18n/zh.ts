@@ -261,6 +261,7 @@ export const zh: Texts = {
     "按住 Shift 和一个键：W S 沿 x，A D 沿 y，E Q 沿 z；L J、I K、U O 分别绕 x、y、z 旋转。",
   "jog.gamepad": "手柄",
   "jog.gamepadNone": "没有手柄。请按一下手柄的按钮。",
+  "jog.gamepadUnknown": "{name}：浏览器不认识它的布局，不使用它。",
   "jog.gamepadHint":
     "{name}：按住左肩键。左摇杆：x 和 y；扳机：z；右摇杆和方向键：旋转。",
   "jog.active": "面板正在移动工具，之后滑块恢复。",

@@ -1,9 +1,8 @@
 /** Jogging by a gamepad: while its left shoulder button is held, the sticks move the tool. */
 import { signal } from "@preact/signals";
-import { hold, release } from "../jog";
 import type { Direction } from "../jog";
+import { jogDevice, NEUTRAL } from "./device";
 
-const SOURCE = "gamepad";
 const INTERVAL_MS = 16;
 /** Deflection of a stick that counts as none. */
 const DEAD = 0.12;
@@ -12,8 +11,14 @@ const DEAD_MAN = 4;
 const [DOWN, UP] = [6, 7];
 const [LEFT, RIGHT] = [14, 15];
 
-/** The name of the connected gamepad; null without one. */
-export const gamepad = signal<string | null>(null);
+/** The connected gamepad: with another layout than the standard one it is not used. */
+export interface ConnectedGamepad {
+  name: string;
+  isUsed: boolean;
+}
+
+/** Null without one. */
+export const gamepad = signal<ConnectedGamepad | null>(null);
 
 /** Return the deflection of a stick without its dead zone, fine near the middle. */
 export function shaped(deflection: number): number {
@@ -27,7 +32,7 @@ export function directionOf({
   buttons,
 }: Pick<Gamepad, "axes" | "buttons">): Direction {
   const button = (index: number) => buttons[index]?.value ?? 0;
-  if (button(DEAD_MAN) < 0.5) return [0, 0, 0, 0, 0, 0];
+  if (button(DEAD_MAN) < 0.5) return NEUTRAL;
   const stick = (index: number) => shaped(axes[index] ?? 0);
   return [
     -stick(1),
@@ -39,17 +44,30 @@ export function directionOf({
   ].map((share) => share + 0) as unknown as Direction;
 }
 
-/** Follow the first gamepad; call the result to end that. */
+function show(pad: Gamepad | null, isUsed: boolean): void {
+  const shown = gamepad.peek();
+  if (shown?.name === pad?.id && shown?.isUsed === (pad ? isUsed : undefined)) return;
+  gamepad.value = pad && { name: pad.id, isUsed };
+}
+
+/** Follow the first gamepad of the standard mapping; call the result to end that. */
 export function watchGamepad(): () => void {
-  const timer = setInterval(() => {
-    const found = navigator.getGamepads().find((pad) => pad?.connected === true);
-    gamepad.value = found?.id ?? null;
-    if (found && !document.hidden) hold(SOURCE, directionOf(found));
-    else release(SOURCE);
-  }, INTERVAL_MS);
+  const device = jogDevice("gamepad");
+  let last: number | undefined;
+  const poll = () => {
+    const there = navigator.getGamepads().filter((pad) => pad?.connected === true);
+    const used = there.find((pad) => pad?.mapping === "standard");
+    if (used?.index !== last) device.leave();
+    last = used?.index;
+    show(used ?? there[0] ?? null, used !== undefined);
+    if (used) device.follow(directionOf(used));
+  };
+  const timer = setInterval(poll, INTERVAL_MS);
+  document.addEventListener("visibilitychange", device.leave);
   return () => {
     clearInterval(timer);
-    release(SOURCE);
+    document.removeEventListener("visibilitychange", device.leave);
+    device.leave();
     gamepad.value = null;
   };
 }

@@ -1,10 +1,9 @@
 /** Jogging by a SpaceMouse through WebHID, where the browser has that. */
 import { signal } from "@preact/signals";
-import { hold, release } from "../jog";
 import type { Direction } from "../jog";
 import { report } from "../notices";
+import { jogDevice, NEUTRAL } from "./device";
 
-const SOURCE = "SpaceMouse";
 /** 3Dconnexion, and Logitech, of which its older devices are. */
 const FILTERS = [
   { vendorId: 0x256f, usagePage: 0x01, usage: 0x08 },
@@ -42,7 +41,10 @@ export function hasHid(): boolean {
   return hid() !== undefined;
 }
 
-/** Return the deflections in a report of translation (1), rotation (2), or both. */
+/**
+ * Return the deflections in a report of translation (1), rotation (2), or both: x is
+ * forward, y left and z up, where the device has x right, y towards the user and z down.
+ */
 export function deflections(
   reportId: number,
   data: DataView,
@@ -53,12 +55,11 @@ export function deflections(
     return Math.abs(share) < DEAD ? 0 : Math.min(1, Math.max(-1, share));
   };
   const [x, y, z, rx, ry, rz] = before;
-  // the device has y towards the user and z down
-  if (reportId === 1 && data.byteLength >= 12) {
-    return [at(0), -at(1) + 0, -at(2) + 0, at(3), -at(4) + 0, -at(5) + 0];
-  }
-  if (reportId === 1) return [at(0), -at(1) + 0, -at(2) + 0, rx, ry, rz];
-  if (reportId === 2) return [x, y, z, at(0), -at(1) + 0, -at(2) + 0];
+  const three = (first: number) =>
+    [-at(first + 1) + 0, -at(first) + 0, -at(first + 2) + 0] as const;
+  if (reportId === 1 && data.byteLength >= 12) return [...three(0), ...three(3)];
+  if (reportId === 1) return [...three(0), rx, ry, rz];
+  if (reportId === 2) return [x, y, z, ...three(0)];
   return before;
 }
 
@@ -78,21 +79,19 @@ export async function connectSpaceMouse(): Promise<void> {
 }
 
 function follow(device: HidDevice): void {
-  let now: Direction = [0, 0, 0, 0, 0, 0];
+  const jogging = jogDevice("SpaceMouse");
+  const rest = () => {
+    now = NEUTRAL;
+    jogging.follow(now);
+  };
+  let now = NEUTRAL;
   let silence: ReturnType<typeof setTimeout> | undefined;
   const read = (event: Event) => {
     const { reportId, data } = event as InputReport;
     now = deflections(reportId, data, now);
+    jogging.follow(now);
     clearTimeout(silence);
-    if (document.hidden) {
-      release(SOURCE);
-      return;
-    }
-    hold(SOURCE, now);
-    silence = setTimeout(() => {
-      now = [0, 0, 0, 0, 0, 0];
-      release(SOURCE);
-    }, SILENCE_MS);
+    silence = setTimeout(rest, SILENCE_MS);
   };
   const gone = (event: Event) => {
     if ((event as Event & { device?: HidDevice }).device === device)
@@ -101,8 +100,10 @@ function follow(device: HidDevice): void {
   device.addEventListener("inputreport", read);
   hid()?.addEventListener("disconnect", gone);
   spaceMouse.value = device.productName;
+  rest(); // a device that says nothing is neutral
   close = () => {
     clearTimeout(silence);
+    jogging.leave();
     device.removeEventListener("inputreport", read);
     hid()?.removeEventListener("disconnect", gone);
     void device.close();
@@ -112,6 +113,5 @@ function follow(device: HidDevice): void {
 export function disconnectSpaceMouse(): void {
   close?.();
   close = null;
-  release(SOURCE);
   spaceMouse.value = null;
 }

@@ -197,7 +197,9 @@ function Devices() {
         <p class="hint" data-testid="jog-gamepad-name">
           {gamepad.value === null
             ? t("jog.gamepadNone")
-            : t("jog.gamepadHint", { name: gamepad.value })}
+            : t(gamepad.value.isUsed ? "jog.gamepadHint" : "jog.gamepadUnknown", {
+                name: gamepad.value.name,
+              })}
         </p>
       )}
     </>
