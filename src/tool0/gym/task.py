@@ -175,7 +175,7 @@ class Task(abc.ABC):
     """What the columns of a goal are."""
     arms: tuple[str, ...] = ()
     """Names of two arms, such as ``("left", "right")``; none for a single arm."""
-    distance_of_arms: float = 1.3
+    distance_of_arms: float = 1.5
     """Distance between the bases of two arms of scale 1 [m]."""
     hold: Hold | None = None
     """How a start's gripper holds the first object; a task without such starts needs

@@ -187,6 +187,16 @@ class Workspace:
         with np.errstate(invalid="ignore"):
             return np.asarray(self._inverse.geometry.solve(T[None])[0][self._branch])
 
+    def reaches_from_above(self, positions: Array) -> bool:
+        """Return whether the tcp can be at one of k points, (k, 3) [m], in any posture.
+
+        The tool looks down; the joints' limits do not count.
+        """
+        T = np.array([self._flange(each, self.start_yaw) for each in positions])
+        with np.errstate(invalid="ignore"):
+            found = self._inverse.geometry.solve(T)
+        return bool(np.isfinite(found).all(axis=2).any())
+
     def can_lift(self, place: Array) -> bool:
         """Return whether the arm can grasp and lift a cube at ``place`` [m], (2,)."""
         low = TABLE_TOP + self.grasp_height

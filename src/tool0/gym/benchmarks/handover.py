@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple, final
@@ -26,9 +27,17 @@ LENGTH, MASS, WIDEST = 0.24, 0.1, 0.03
 """Length, mass, and width and height of the bar at most [m], [kg], [m]."""
 HELD_AT = 0.085
 """Of a tcp from the bar's middle [m]."""
-NEAR, FAR, SIDE = 0.32, 0.44, 0.25
+NEAR, FAR, SIDE = 0.34, 0.52, 0.3
 """Range of the bar's middle at the start, ahead of the giver and to each side, for
 arms of scale 1 [m]."""
+EDGE = 0.31
+"""Least distance of the bar ahead of the giver, for an arm of scale 1 [m]: the table
+begins there."""
+CLOSE = 0.4
+"""Least distance of a tcp that holds the bar there from the giver's axis, for an arm of
+scale 1 [m]: nearer, a small arm with a long gripper touches itself."""
+PARTS = 13
+"""Points of the bar that the taker must not reach."""
 ATTEMPTS = 200
 """Draws of a place before the last one is taken."""
 LIFTED = 0.08
@@ -96,12 +105,25 @@ class Handover(Task):
         low, high = np.array(table.at(NEAR, -SIDE)), np.array(table.at(FAR, SIDE))
         for _ in range(ATTEMPTS):
             place, yaw = rng.uniform(low, high), rng.uniform(-np.pi, np.pi)
-            along = np.array([np.cos(yaw), np.sin(yaw)])
-            holds = [place + side * HELD_AT * along for side in (-1.0, 1.0)]
-            if all(self._giver.can_lift(hold) for hold in holds):
+            if self._is_start(place, yaw):
                 break
         places = np.array([[*place, self._rest]])
         return Start(places, np.array([yaw]), np.array([LIFTED, 1.0, 1.0]))
+
+    def _is_start(self, place: Array, yaw: float) -> bool:
+        """Return whether the bar is on the table, and only the giver can lift it."""
+        along = np.array([np.cos(yaw), np.sin(yaw)])
+        parts = place + np.linspace(-0.5, 0.5, PARTS)[:, None] * LENGTH * along
+        if parts[:, 0].min() < EDGE * self._giver.scale:
+            return False
+        low = np.column_stack([parts, np.full(PARTS, self._taker.lowest)])
+        if self._taker.reaches_from_above(low):
+            return False
+        holds = [place + side * HELD_AT * along for side in (-1.0, 1.0)]
+        nearest = CLOSE * self._giver.scale
+        return all(
+            math.hypot(*hold) > nearest and self._giver.can_lift(hold) for hold in holds
+        )
 
     def achieved(self, state: State) -> Array:
         ends = self._ends(state)
@@ -174,7 +196,7 @@ class Handover(Task):
     def _give_it(
         self, ends: _Ends, commanded: Frames, own: Grasp, is_taken: Mask
     ) -> Target:
-        """Return the giver's way: to the bar, to the meeting, and away once it is taken."""
+        """Return the giver's way: to the bar, to the meeting, and away from there."""
         state = ends.give
         bar = state.object_position[:, 0]
         is_low = bar[:, 2] < self._meeting[2] - BELOW
@@ -200,7 +222,7 @@ class Handover(Task):
     def _take_it(
         self, ends: _Ends, commanded: Frames, own: Grasp, is_met: Mask
     ) -> Target:
-        """Return the taker's way: above the meeting, and down to the bar once it is there."""
+        """Return the taker's way: over the meeting, and down to the bar if it is met."""
         wait = self._meeting + np.array([HELD_AT, 0.0, LEAVE])
         yaw = commanded.yaw + self._take.turn(commanded.yaw, np.array([[1.0, 0, 0, 0]]))
         widest = self._taker.gripper.max_opening
