@@ -83,6 +83,7 @@ class Copies:
         for arm, own in zip(twin.arms, self.arms, strict=True):
             arm.copy_from(own)
         twin._goal = self._goal.copy()
+        twin._state = None
         return twin
 
     # ---- time -----------------------------------------------------------------------

@@ -29,7 +29,7 @@ class NumberNames:
     surroundings: frozenset[str]
     """Those numbers that a robot does not measure on itself: objects and goals."""
     action: tuple[str, ...]
-    grippers: tuple[int, ...]
+    grippers: tuple[int, ...] = ()
     """Which numbers of an action are openings of grippers."""
 
 

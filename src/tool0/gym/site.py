@@ -29,7 +29,7 @@ FILL = 0.8
 """Largest part of the gripper's opening that a cube takes."""
 VIEWPOINT: Final = (0.85, -0.65, 0.6)
 """Of the camera from the middle of the table, for an arm of scale 1 [m]."""
-SIDE_VIEWPOINT: Final = (0.2, -1.2, 0.75)
+SIDE_VIEWPOINT: Final = (0.1, -1.5, 0.9)
 """The same from the middle between two arms [m]."""
 
 
