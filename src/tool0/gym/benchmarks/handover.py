@@ -222,7 +222,7 @@ class Handover(Task):
     def _take_it(
         self, ends: _Ends, commanded: Frames, own: Grasp, is_met: Mask
     ) -> Target:
-        """Return the taker's way: over the meeting, and down to the bar if it is met."""
+        """Return the taker's way: over the meeting, and down to a bar that is met."""
         wait = self._meeting + np.array([HELD_AT, 0.0, LEAVE])
         yaw = commanded.yaw + self._take.turn(commanded.yaw, np.array([[1.0, 0, 0, 0]]))
         widest = self._taker.gripper.max_opening
