@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
 from tool0.description.grasp_frames import grasp_frame
-from tool0.description.scene import Scene
+from tool0.description.scene import Scene, SceneObject
 from tool0.description.scene_file import load_scene
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, to_transform
@@ -51,6 +51,8 @@ class PickTable:
     """Position of the arm's base in the root [m]."""
     arm: str | None = None
     """Name of the arm and its gripper; the robot's only ones, if None."""
+    is_turned: bool = False
+    """Whether the arm looks along -x of the root: the table is turned by pi."""
 
     @property
     def lift(self) -> float:
@@ -59,7 +61,8 @@ class PickTable:
 
     def at(self, x: float, y: float) -> tuple[float, float]:
         """Return the place in the root of one in the scene ``table_and_bin`` [m]."""
-        return self.base[0] + x * self.scale, self.base[1] + y * self.scale
+        scale = -self.scale if self.is_turned else self.scale
+        return self.base[0] + x * scale, self.base[1] + y * scale
 
     def scene(self, *, edge: float, mass: float, friction: float) -> Scene:
         """Return the scene with a cube of ``edge`` [m] and ``mass`` [kg]."""
@@ -134,6 +137,25 @@ class PickTable:
         except ModelError:
             return False
         return True
+
+
+def joined(tables: Iterable[SceneObject]) -> SceneObject:
+    """Return a table around several ones, which are boxes along the root's axes."""
+    first, *_ = boxes = [item for item in tables if isinstance(item.geometry, Box)]
+    low, high = (
+        [
+            bound(
+                item.pose.xyz[k] + side * item.geometry.size[k] / 2.0
+                for item in boxes
+                if isinstance(item.geometry, Box)
+            )
+            for k in range(3)
+        ]
+        for bound, side in ((min, -1.0), (max, 1.0))
+    )
+    x, y, z = ((a + b) / 2.0 for a, b in zip(low, high, strict=True))
+    dx, dy, dz = (b - a for a, b in zip(low, high, strict=True))
+    return replace(first, geometry=Box(size=(dx, dy, dz)), pose=Pose(xyz=(x, y, z)))
 
 
 def arm_scale(model: RobotModel) -> float:

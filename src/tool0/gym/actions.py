@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import final
 
 import numpy as np
@@ -36,25 +37,15 @@ NAMES = {
 
 @final
 class Actions:
-    """The meaning of actions: numbers within -1 … 1, the gripper's last."""
+    """Actions of n copies: numbers within -1 … 1, those of one arm after another."""
 
-    def __init__(self, workspace: Workspace, options: EnvOptions) -> None:
-        self._workspace = workspace
-        self.mode = options.action
-        self.names = (
-            *(NAMES[options.action] or workspace.chain.joint_names),
-            "gripper",
-        )
+    def __init__(self, arms: Sequence[ArmActions]) -> None:
+        self.names = tuple(name for arm in arms for name in arm.names)
         """What each number moves."""
-        period = options.period
-        self.linear = LINEAR_SPEED * workspace.scale * period
-        """Way of the tcp at an action of 1 [m]."""
-        self.turn = TURN_SPEED * period
-        """Turn of the tool at an action of 1 [rad]."""
-        self.joint = JOINT_SPEED * workspace.fastest * period
-        """Way of each joint at an action of 1 [rad], shape (6,)."""
-        self.limit = FASTEST * workspace.fastest * period
-        """Largest way of each joint [rad], shape (6,)."""
+        ends = np.cumsum([len(arm.names) for arm in arms])
+        self._starts = ends[:-1].tolist()
+        self.grippers = tuple((ends - 1).tolist())
+        """Which numbers are openings of grippers."""
 
     def checked(self, actions: ArrayLike, n: int) -> Array:
         """Return actions of n copies as numbers within -1 … 1, shape (n, m).
@@ -82,6 +73,34 @@ class Actions:
                 "must be within -1 … 1"
             )
         return given.clip(-1.0, 1.0)
+
+    def of_arms(self, actions: Array) -> list[Array]:
+        """Return the part of each arm, shape (n, m) each, of checked actions."""
+        return np.split(actions, self._starts, axis=1)
+
+
+@final
+class ArmActions:
+    """The meaning of one arm's actions: those of its gripper are the last."""
+
+    def __init__(self, workspace: Workspace, options: EnvOptions) -> None:
+        self._workspace = workspace
+        self.mode = options.action
+        prefix, axes = workspace.prefix, NAMES[options.action]
+        self.names = (
+            *([prefix + axis for axis in axes] or workspace.chain.joint_names),
+            f"{prefix}gripper",
+        )
+        """What each number moves."""
+        period = options.period
+        self.linear = LINEAR_SPEED * workspace.scale * period
+        """Way of the tcp at an action of 1 [m]."""
+        self.turn = TURN_SPEED * period
+        """Turn of the tool at an action of 1 [rad]."""
+        self.joint = JOINT_SPEED * workspace.fastest * period
+        """Way of each joint at an action of 1 [rad], shape (6,)."""
+        self.limit = FASTEST * workspace.fastest * period
+        """Largest way of each joint [rad], shape (6,)."""
 
     def openings(self, actions: Array) -> Array:
         """Return the openings of the gripper: -1 is closed, 1 open [m], shape (n,)."""
