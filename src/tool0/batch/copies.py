@@ -264,6 +264,7 @@ class Copies:
         if self._kernel is None or not self.load(rows):
             return False
         started, which = self._kernel.start(
+            self._robots[rows],
             self._laws[controller][rows],
             joints,
             now=self.time[rows],

@@ -133,6 +133,7 @@ TOOL0_EXPORT int tool0_run(Robot *robot, int most, int *done)
 
 /* The sizes of the structs that Python has, too, for a test: they must agree. */
 TOOL0_EXPORT const int tool0_struct_sizes[] = {
-    sizeof(Robot), sizeof(Law), sizeof(Piece), sizeof(Grip), sizeof(Drives), sizeof(DriveTable),
-    sizeof(DriveBody), sizeof(DriveBounds), sizeof(DriveGoal), sizeof(DriveServo), 0,
+    sizeof(Robot), sizeof(Law), sizeof(Piece), sizeof(Grip), sizeof(Start), sizeof(Drives),
+    sizeof(DriveTable), sizeof(DriveBody), sizeof(DriveBounds), sizeof(DriveGoal),
+    sizeof(DriveServo), 0,
 };

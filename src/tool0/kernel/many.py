@@ -63,6 +63,7 @@ class BatchKernel:
 
     def start(
         self,
+        robots: Addresses,
         laws: Addresses,
         joints: Sequence[int],
         *,
@@ -74,6 +75,7 @@ class BatchKernel:
         """Start motions through points, as ``JointTrajectoryController.command``.
 
         Args:
+            robots: Those that the laws move.
             laws: Those of trajectory controllers.
             joints: Which k of their joints move, by number.
             now: The time of the next tick [s], shape (n,).
@@ -87,8 +89,10 @@ class BatchKernel:
         columns = np.array(joints, dtype=np.int32)
         arrays = [np.ascontiguousarray(a) for a in (now, times, positions)]
         speeds = None if velocities is None else np.ascontiguousarray(velocities)
-        laws, which = np.ascontiguousarray(laws), ctypes.c_int32(-1)
+        robots, laws = map(np.ascontiguousarray, (robots, laws))
+        which = ctypes.c_int32(-1)
         result = self._compiled.tool0_start_many(
+            address(robots),
             address(laws),
             len(laws),
             len(columns),

@@ -38,6 +38,7 @@ from tool0.kernel.memory import (
     LawStruct,
     RobotStruct,
     packed,
+    tolerance_rows,
 )
 
 LOADED_PIECES = 16
@@ -129,6 +130,8 @@ class _LoadedLaw:
 
     def _load_motion(self, law: TrajectoryLaw, time: float) -> None:
         memory, struct, monitor = self._memory, self._struct, law.monitor
+        if memory.start is not None:
+            memory.start.load(law.start, has_points=law.has_points)
         motion = law.sampler, monitor
         struct.lead = law.lead
         struct.since, struct.lag, struct.slip = law.clock
@@ -158,10 +161,7 @@ class _LoadedLaw:
         struct.watches_all, struct.has_goal = True, monitor.goal is not None
         struct.end, struct.timeout = monitor.end, monitor.timeout
         struct.goal_time = monitor.goal_time
-        self._memory.tolerances[:] = [
-            (*path[:2], *goal[:2])
-            for path, goal in zip(monitor.path, monitor.at_goal, strict=True)
-        ]
+        self._memory.tolerances[:] = tolerance_rows(monitor.path, monitor.at_goal)
 
     def _load_grip(self, law: GripperLaw) -> None:
         grip = law.grip
@@ -212,12 +212,26 @@ class _LoadedLaw:
         grip.ramp, grip.effort = now.ramp, now.effort
         grip.stall_position, grip.stall_since = now.stall_position, now.stall_since
 
+    def _store_starts(self, controller: TrajectoryFollower, time: float) -> None:
+        """Give the controller the motions that started here, or are about to."""
+        memory, start = self._memory, self._memory.start
+        coming = start and start.coming()
+        if memory.started.any():
+            controller.resume_from_kernel(
+                memory.started_splines(),
+                time,
+                is_first=start is not None and bool(start.struct.is_first),
+                has_points=start is not None and bool(start.struct.has_points),
+            )
+            memory.started[:] = 0
+        if coming:
+            controller.command(*coming)
+
     def store(self, controller: Controller, time: float) -> None:
         """Give the controller its state back; ``time`` is that of the next tick [s]."""
         law, memory = self._law, self._memory
-        if memory.started.any() and isinstance(controller, TrajectoryFollower):
-            controller.resume_from_kernel(memory.started_splines(), time)
-            memory.started[:] = 0
+        if isinstance(controller, TrajectoryFollower):
+            self._store_starts(controller, time)
         if law.pid is not None:
             law.pid.integrals[:] = memory.integrals.tolist()
         if isinstance(law, CommandLaw):

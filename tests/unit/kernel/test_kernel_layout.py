@@ -15,6 +15,7 @@ def test_sizes_agree() -> None:
         sizeof(memory.LawStruct),
         8 * memory.PIECE_SIZE,
         sizeof(memory.GripStruct),
+        sizeof(memory.StartStruct),
         *(
             sizeof(kind)
             for kind in (
