@@ -16,6 +16,7 @@ from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
+    from tool0.batch.force_torque import CopySensor
     from tool0.batch.saved import SavedCopy
     from tool0.engines.mujoco.copies import ObjectArrays
     from tool0.simulation.executor import Executor
@@ -99,6 +100,12 @@ class BatchBackend(Protocol):
 
         They act at the origin of the link ``at``, in its axes, in the last step.
         """
+
+    def start_sensor(self, sensor: CopySensor) -> None:
+        """Sample in all copies now, and then whenever it is due."""
+
+    def stop_sensor(self, sensor: CopySensor) -> None:
+        """Stop sampling."""
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object, at rest; ControlError if that is impossible."""

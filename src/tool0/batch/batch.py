@@ -24,6 +24,7 @@ from tool0.batch.backend import (
     needs_cpu,
 )
 from tool0.batch.commands import Commands
+from tool0.batch.force_torque import BatchForceTorque
 from tool0.batch.frames import GripperFrames
 from tool0.batch.images import Images
 from tool0.batch.making import (
@@ -113,7 +114,7 @@ class Batch:
         self._device = checked_device(device, threads)
         self._threads = checked_threads(threads, self._n if device == CPU else 1)
         self._dt = dt
-        robot = load_description(description)
+        self._robot = robot = load_description(description)
         self._model = robot.model
         scenes = copied_scenes(robot, scene, self._n)
         if device != CPU:
@@ -139,6 +140,8 @@ class Batch:
         self._joints: tuple[Array, Array, Array] | None = None
         self._object_arrays: ObjectArrays | None = None
         """Arrays read since the state last changed, like ``_joints``."""
+        self._sensors: dict[str | None, BatchForceTorque] = {}
+        """By link, and by what else they were asked for by."""
         self._is_closed = False
         self._user = threading.RLock()
         """Held by the thread that reads or changes the state."""
@@ -371,6 +374,31 @@ class Batch:
         links = frozenset(self._model.links_from(flange))
         with self._alone():
             return _frozen(self._copies.wrenches(links, flange))
+
+    @property
+    def force_torque(self) -> BatchForceTorque:
+        """The force-torque sensor of the robot's only tool0, in each copy."""
+        return self.force_torque_of(None)
+
+    def force_torque_of(self, link: str | None) -> BatchForceTorque:
+        """Return the force-torque sensor at a link, by its name or that of a sensor.
+
+        Raises:
+            ModelError: If there is neither.
+            ControlError: If no link is named, and the robot has no tool0 or several.
+        """
+        if link not in self._sensors:
+            sensor = BatchForceTorque(
+                link,
+                self._robot,
+                self._cores,
+                self._copies,
+                alone=self._alone,
+                changing=self._changing,
+            )
+            named = self._sensors.setdefault(sensor.link, sensor)
+            self._sensors[link] = named
+        return self._sensors[link]
 
     # ---- commands -------------------------------------------------------------------
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
 from tool0.batch.backend import DeviceArrays, ObjectField, needs_gpu
+from tool0.batch.force_torque import CopySensor
 from tool0.batch.saved import SavedCopy
 from tool0.control.ros1.goal_check import INSTANT
 from tool0.description.drive_limits import DriveLimits
@@ -61,6 +62,9 @@ class Copies:
         self._programs: list[TickProgram | None] = [None] * n
         self._has_diverged = np.zeros(n, dtype=np.bool_)
         self._robots: Addresses = np.zeros(n, dtype=np.uintp)
+        self._last_steps: Addresses = np.zeros((n, 3), dtype=np.uintp)
+        """Where the kernel has the last step of a loaded copy; otherwise 0."""
+        self._sensors: list[CopySensor] = []
         self._laws: dict[int, Addresses] = {}
         """Addresses of the laws of each running controller, by number."""
 
@@ -84,11 +88,16 @@ class Copies:
         left = np.zeros_like(self._ticks)
         left[rows] = np.where(self._has_diverged[rows], 0, ticks)
         while (rows := left.nonzero()[0]).size:
+            before = self._ticks.copy()
             is_loaded = self.load(rows)
             native = rows if is_loaded else rows[self._is_loaded[rows]]
             if native.size and self._kernel is not None:
-                most = np.minimum(left[native], MOST_TICKS).astype(np.int32)
-                done, results = self._kernel.run(self._robots[native], most)
+                most = np.minimum(left[native], MOST_TICKS)
+                for sensor in self._sensors:
+                    most = np.minimum(most, sensor.left[native])
+                done, results = self._kernel.run(
+                    self._robots[native], most.astype(np.int32)
+                )
                 self._ticks[native] += done
                 self._untold[native] += done
                 left[native] -= done
@@ -103,6 +112,8 @@ class Copies:
             if not is_loaded:
                 for i in np.setdiff1d(rows, native).tolist():
                     left[i] -= self._tick(i, None, int(left[i]))
+            for sensor in self._sensors:
+                sensor.tick(self._ticks - before, self._last_steps)
 
     def _tick(self, i: int, event: Ended | None, left: int) -> int:
         """Execute a tick of one copy in Python; return by how much less is left."""
@@ -133,6 +144,7 @@ class Copies:
             self._is_loaded[i] = True
             self._programs[i] = program
             self._robots[i] = program.robot_address
+            self._last_steps[i] = program.step_address
             for number in range(program.n_controllers):
                 addresses = self._laws.setdefault(number, np.zeros_like(self._robots))
                 addresses[i] = program.law_address(number)
@@ -162,6 +174,8 @@ class Copies:
             self._unload(i)
             self._has_diverged[i] = False
             self._ticks[i] = self._untold[i] = 0
+        for sensor in self._sensors:
+            sensor.restart(rows)
 
     def save(self) -> tuple[SavedCopy, ...]:
         """Return the state of each copy, as ``BatchBackend.save``."""
@@ -169,7 +183,9 @@ class Copies:
         for i, engine in enumerate(self._engines):
             core = self.observed(i).saved()
             self._unload(i)
-            found.append(SavedCopy(core, engine.saved(), bool(self._has_diverged[i])))
+            sensors = {sensor.kind: sensor.saved(i) for sensor in self._sensors}
+            has_diverged = bool(self._has_diverged[i])
+            found.append(SavedCopy(core, engine.saved(), has_diverged, sensors))
         return tuple(found)
 
     def restore(self, rows: Indices, saved: Sequence[SavedCopy]) -> None:
@@ -186,6 +202,11 @@ class Copies:
                 core.scene.changed(item)
             self._has_diverged[i] = state.has_diverged
             self._ticks[i] = core.ticks
+            for sensor in self._sensors:
+                if sensor.kind in state.sensors:
+                    sensor.resume(i, state.sensors[sensor.kind])
+                else:
+                    sensor.restart(rows[rows == i])
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4)."""
@@ -208,6 +229,7 @@ class Copies:
 
     def _unload(self, i: int) -> None:
         self._is_loaded[i] = False
+        self._last_steps[i] = 0
         self._programs[i] = None
 
     def states(self) -> tuple[Array, Array, Array]:
@@ -240,6 +262,17 @@ class Copies:
     def wrenches(self, links: frozenset[str], at: str) -> Array:
         """Return the wrench of contacts on ``links``, as ``BatchBackend.wrenches``."""
         return np.array([engine.world.wrench_on(links, at) for engine in self._engines])
+
+    def start_sensor(self, sensor: CopySensor) -> None:
+        """Sample in all copies now, and then whenever it is due."""
+        for i in range(len(self._cores)):
+            self.executor(i)  # its core is up to date then
+        sensor.restart(np.arange(len(self._cores)))
+        self._sensors.append(sensor)
+
+    def stop_sensor(self, sensor: CopySensor) -> None:
+        """Stop sampling."""
+        self._sensors.remove(sensor)
 
     # ---- commands to copies that are loaded ----------------------------------------
 

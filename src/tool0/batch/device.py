@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
 from tool0.batch.backend import DeviceArrays, ObjectField, needs_cpu
+from tool0.batch.force_torque import CopySensor
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.forward_kinematics import joint_position
 from tool0.description.model import RobotModel
@@ -140,6 +141,13 @@ class DeviceCopies:
     def wrenches(self, links: frozenset[str], at: str) -> NoReturn:
         """Raise ControlError: contacts on a device have no torques here."""
         raise needs_cpu("Batch.tool_wrench", self._device)
+
+    def start_sensor(self, sensor: CopySensor) -> NoReturn:
+        """Raise ControlError: contacts on a device have no torques here."""
+        raise needs_cpu("Batch.force_torque", self._device)
+
+    def stop_sensor(self, sensor: CopySensor) -> None:
+        """Do nothing: none was started."""
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4).

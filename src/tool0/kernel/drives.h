@@ -111,8 +111,9 @@ typedef struct Drives {
 int drives_efforts(Drives *drives, const double *command, const double *position,
                    const double *velocity, double *effort);
 
-/* Compute the frames of the bodies at `position`, shape (n_joints). */
-void drives_frames(const DriveTable *table, const double *position, double (*frames)[12]);
+/* Compute the frames of n bodies at `position`, shape (n_joints). */
+void drives_frames(const DriveBody *bodies, int n, const double *position,
+                   double (*frames)[12]);
 
 /* Compute the largest effort and velocity of a joint at `position` (DriveLimits.at). */
 void drives_goal_at(const DriveGoal *goal, double position, double *effort,

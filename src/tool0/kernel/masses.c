@@ -80,7 +80,7 @@ static void mass_matrix(const DriveTable *table, const double *position, double 
     int n = table->n_bodies;
     const DriveBody *bodies = table->bodies;
     double frames[n][12], carried[n][10];
-    drives_frames(table, position, frames);
+    drives_frames(bodies, n, position, frames);
     memset(matrix, 0, (size_t)n * n * sizeof(double));
     for (int i = 0; i < n; i++) {
         about_root(frames[i], &bodies[i], carried[i]);

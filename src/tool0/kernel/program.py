@@ -305,6 +305,7 @@ class TickProgram:
         struct.steps_per_tick = round(period / dt)
         struct.drives = addressof(self._drives.struct)
         self._stepper: NativeStepper | None = None
+        self._loaded_at = 0
         self._compiled = compiled
         self._done = c_int()
         self._arguments = byref(struct), byref(self._done)
@@ -337,7 +338,8 @@ class TickProgram:
         self._drives.load()
         self._robot.command[:] = self._hardware.command
         self._robot.effort[:] = state.effort
-        self._struct.steps, self._struct.steps_left = stepper.steps(), 0
+        self._loaded_at = stepper.steps()
+        self._struct.steps, self._struct.steps_left = self._loaded_at, 0
         self._use(stepper)
 
     def run(self, most: int, stepper: NativeStepper) -> tuple[Ended, int]:
@@ -416,6 +418,17 @@ class TickProgram:
         """Steps of the engine since its time was 0."""
         steps: int = self._struct.steps
         return steps
+
+    @property
+    def has_stepped(self) -> bool:
+        """Whether the engine was stepped since the last ``load``."""
+        return self.steps != self._loaded_at
+
+    @property
+    def step_address(self) -> tuple[int, int, int]:
+        """Where the last step is, as in a row of ``ToolForcesKernel.of_steps``."""
+        struct = self._struct
+        return struct.step_position, struct.step_velocity, struct.velocity
 
     @property
     def steps_left(self) -> int:

@@ -21,7 +21,7 @@ def test_sizes_agree() -> None:
             for kind in (
                 drives.Drives,
                 drives._Table,
-                drives._Body,
+                drives.Body,
                 drives._Bounds,
                 drives._Goal,
                 drives._Servo,
