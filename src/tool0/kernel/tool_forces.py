@@ -87,22 +87,19 @@ class ToolForcesKernel:
         self._at = ctypes.byref(self._tool)
         self._forces = compiled.tool0_tool_forces
         self._forces.restype = None
+        self._found = ToolWrenches(*np.empty((3, 0, 0)))
 
     def of_steps(self, steps: Addresses) -> ToolWrenches:
         """Return the wrenches in k physics steps.
 
         ``steps`` is where the positions and the velocities before each step are, and
-        the velocities after it, in the engine's order, shape (k, 3).
+        the velocities after it, in the engine's order, shape (k, 3).  The next call
+        overwrites the result.
         """
         k = len(steps)
+        if k != len(self._found.wrench):
+            self._found = ToolWrenches(*(np.empty((k, m)) for m in (6, 6, 12)))
+            self._to = [address(self._found[j]) for j in (1, 2, 0)]
         steps = np.ascontiguousarray(steps)
-        sums, flanges, wrenches = np.empty((k, 6)), np.empty((k, 12)), np.empty((k, 6))
-        self._forces(
-            self._at,
-            address(steps),
-            k,
-            address(sums),
-            address(flanges),
-            address(wrenches),
-        )
-        return ToolWrenches(wrenches, sums, flanges)
+        self._forces(self._at, address(steps), k, *self._to)
+        return self._found

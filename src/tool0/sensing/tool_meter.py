@@ -30,6 +30,10 @@ class ToolMeter:
         names = engine.joint_names
         self._joints = [names.index(joint.name) for joint in model.movable_joints]
         self._dt = engine.dt
+        self._step = np.zeros((3, len(names)))
+        """Of a step: positions and velocities before it, and velocities after it."""
+        at = [row.ctypes.data for row in self._step]
+        self._step_at: Addresses = np.array([at], dtype=np.uintp)
         self._compiled = library.load()
         self._load()
 
@@ -57,21 +61,21 @@ class ToolMeter:
 
         They act at the flange, in its axes; ``contacts`` are all of that step.
         """
-        return self._dynamics.with_contacts(self._forces(before, after), contacts)
-
-    def _forces(self, before: JointState, after: JointState) -> ToolForces:
         was, velocity = before.velocity, after.velocity
         if self._kernel is None:
             order, dt = self._joints, self._dt
-            return self._dynamics.forces(
+            return self._dynamics.wrench(
                 [before.position[i] for i in order],
                 [was[i] for i in order],
                 [(velocity[i] - was[i]) / dt for i in order],
+                contacts,
             )
-        rows = np.array((before.position, was, velocity))
-        first, size = rows.ctypes.data, rows.strides[0]
-        steps = np.array([[first, first + size, first + 2 * size]], dtype=np.uintp)
-        return self._kernel.of_steps(steps).forces(0)
+        self._step[:] = before.position, was, velocity
+        found = self._kernel.of_steps(self._step_at)
+        if contacts:
+            return self._dynamics.with_contacts(found.forces(0), contacts)
+        fx, fy, fz, tx, ty, tz = found.wrench[0].tolist()
+        return fx, fy, fz, tx, ty, tz
 
     def wrenches(self, steps: Addresses) -> ToolWrenches:
         """Return the wrenches without contacts in steps that the kernel executed."""

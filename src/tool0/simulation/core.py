@@ -182,7 +182,8 @@ class Core:
 
         The kernel executes what it can; after a tick in Python, this returns.
         """
-        program = None if self.engine.stepper is None else self.program()
+        most = self.scene.wrenches.quiet_ticks(self.time, self.control_period, most)
+        program = None if self.engine.stepper is None or not most else self.program()
         stepper = self.engine.stepper  # another one, if brakes changed
         if program is None or stepper is None:
             self.tick()
@@ -193,12 +194,7 @@ class Core:
 
     def program(self) -> TickProgram | None:
         """Load the coming ticks into the kernel; None if only Python can run them."""
-        if (
-            self._program is None
-            and self.scene.wrenches.is_idle
-            and self.pulls.is_idle
-            and self.arms.is_idle
-        ):
+        if self._program is None and self.pulls.is_idle and self.arms.is_idle:
             self._set_mechanics()
             self._program = self._kernel.load(self.state)
         return self._program
