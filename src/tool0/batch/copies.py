@@ -27,7 +27,7 @@ from tool0.kernel import library
 from tool0.kernel.many import BatchKernel, StartResult
 from tool0.kernel.memory import Addresses
 from tool0.kernel.motions import JointGoal
-from tool0.kernel.program import Ended, TickProgram
+from tool0.kernel.program import REFRESHES, Ended, TickProgram
 from tool0.kinematics.chain import Array
 from tool0.motion.gripper import direct_path
 from tool0.simulation.core import Core
@@ -101,10 +101,12 @@ class Copies:
                 self._ticks[native] += done
                 self._untold[native] += done
                 left[native] -= done
-                if (is_due := results == Ended.MASSES).any():
-                    robots = self._robots[native[is_due]]
-                    self._kernel.refresh_masses(robots, self._cores[0].hardware)
-                events = (results * ~is_due).nonzero()[0]
+                for due in REFRESHES:
+                    if (is_due := results == due).any():
+                        robots = self._robots[native[is_due]]
+                        self._kernel.refresh(due, robots, self._cores[0].hardware)
+                        results[is_due] = Ended.DONE
+                events = results.nonzero()[0]
                 for i, result in zip(
                     native[events].tolist(), results[events].tolist(), strict=True
                 ):

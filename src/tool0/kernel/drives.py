@@ -125,6 +125,7 @@ class _Governed(ctypes.Structure):
 class _Governor(ctypes.Structure):
     _fields_ = (
         *_integers("n_drives", "n_free", "has_mobility", "has_before", "sweeps"),
+        *_integers("is_new"),
         *_numbers("tolerance", "largest_turn"),
         ("drives", POINTER(_Governed)),
         ("free", POINTER(c_int)),
@@ -193,7 +194,7 @@ class NativeDrives:
             *(self._goals, self._servos, self._masses, self._brakes),
             self._governed,
             _Governor(
-                *(0, 0, 0, 0, SWEEPS, TOLERANCE, LARGEST_TURN),
+                *(0, 0, 0, 0, SWEEPS, 0, TOLERANCE, LARGEST_TURN),
                 *(self._governor_drives, self._free, self._mobility),
                 *(self._posture, self._velocity),
             ),
@@ -228,6 +229,8 @@ class NativeDrives:
         struct, before = self.struct, self._before
         if struct.masses_at >= 0:
             self._keep_masses()
+        if struct.governor.is_new:
+            self._keep_mobility()
         bounded = self._rotors | self._setup.drive_limits.keys()
         state = DriveState(
             struct.steps,
@@ -249,6 +252,15 @@ class NativeDrives:
         fastest = [servo.fastest for servo in self._servos[:n]]
         self._setup = self._setup._replace(masses=masses, fastest=fastest)
         self.struct.masses_at = -1
+
+    def _keep_mobility(self) -> None:
+        """Store the mobility that was set here in the setup."""
+        n = self.struct.governor.n_free
+        mobility = tuple(tuple(self._mobility[k * n : (k + 1) * n]) for k in range(n))
+        posture = tuple(self._posture[:n])
+        governor = self._setup.governor._replace(mobility=mobility, posture=posture)
+        self._setup = self._setup._replace(governor=governor)
+        self.struct.governor.is_new = 0
 
     @property
     def drive_limits(self) -> Mapping[int, DriveLimits]:

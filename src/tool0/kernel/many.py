@@ -11,8 +11,8 @@ from typing import final
 import numpy as np
 
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.kernel.masses import refresh_masses
 from tool0.kernel.memory import Addresses, FloatArray, IntArray, address
+from tool0.kernel.program import REFRESHES, Ended
 
 
 class StartResult(IntEnum):
@@ -57,9 +57,9 @@ class BatchKernel:
         )
         return done, results
 
-    def refresh_masses(self, robots: Addresses, hardware: RobotHardware) -> None:
-        """Compute the masses that are due, as ``masses.refresh_masses``."""
-        refresh_masses(self._compiled, robots, hardware)
+    def refresh(self, due: Ended, robots: Addresses, hardware: RobotHardware) -> None:
+        """Compute what is due in these robots, as ``masses`` does."""
+        REFRESHES[due](self._compiled, robots, hardware)
 
     def start(
         self,

@@ -30,7 +30,7 @@ from tool0.description.drive_limits import DriveLimits
 from tool0.hardware.engine import BRAKE_STANDSTILL, JointState, NativeStepper
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.drives import NativeDrives, goal_limits
-from tool0.kernel.masses import refresh_masses
+from tool0.kernel.masses import refresh_masses, refresh_mobilities
 from tool0.kernel.memory import (
     GRIP_FIELDS,
     FloatArray,
@@ -254,8 +254,12 @@ class Ended(IntEnum):
     """Python checks whether the state has diverged, and then as ``EVENT``."""
     MASSES = 3
     """Masses of servos are due (``refresh_masses``); then it goes on."""
+    MOBILITY = 4
+    """The mobility of fast joints is due (``refresh_mobilities``); then it goes on."""
 
 
+REFRESHES = {Ended.MASSES: refresh_masses, Ended.MOBILITY: refresh_mobilities}
+"""Functions that compute what is due."""
 _ENDED = tuple(Ended)  # an index takes a tenth of the time of Ended(...)
 
 
@@ -346,14 +350,15 @@ class TickProgram:
         """Execute up to ``most`` ticks; return how it ended, and how many were."""
         self._use(stepper)
         robot, done = self._arguments
-        ended, executed = Ended.MASSES, 0
-        while ended is Ended.MASSES:
+        executed = 0
+        while True:
             ended = _ENDED[self._compiled.tool0_run(robot, most - executed, done)]
             executed += self._done.value
-            if ended is Ended.MASSES:
-                robots = np.array([self.robot_address], dtype=np.uintp)
-                refresh_masses(self._compiled, robots, self._hardware)
-        return ended, executed
+            refresh = REFRESHES.get(ended)
+            if refresh is None:
+                return ended, executed
+            robots = np.array([self.robot_address], dtype=np.uintp)
+            refresh(self._compiled, robots, self._hardware)
 
     def _use(self, stepper: NativeStepper) -> None:
         if stepper is not self._stepper:
