@@ -85,37 +85,43 @@ class Copies:
 
     def step(self, ticks: int, rows: Indices) -> None:
         """Advance these copies, but for those that have diverged."""
-        left = np.zeros_like(self._ticks)
-        left[rows] = np.where(self._has_diverged[rows], 0, ticks)
+        left = np.zeros(len(self._cores), dtype=np.int64)
+        left[rows] = ticks
+        left[self._has_diverged] = 0
         while (rows := left.nonzero()[0]).size:
-            before = self._ticks.copy()
+            before = self._ticks.copy() if self._sensors else self._ticks
             is_loaded = self.load(rows)
             native = rows if is_loaded else rows[self._is_loaded[rows]]
             if native.size and self._kernel is not None:
-                most = np.minimum(left[native], MOST_TICKS)
-                for sensor in self._sensors:
-                    most = np.minimum(most, sensor.left[native])
-                done, results = self._kernel.run(
-                    self._robots[native], most.astype(np.int32)
-                )
-                self._ticks[native] += done
-                self._untold[native] += done
-                left[native] -= done
-                for due in REFRESHES:
-                    if (is_due := results == due).any():
-                        robots = self._robots[native[is_due]]
-                        self._kernel.refresh(due, robots, self._cores[0].hardware)
-                        results[is_due] = Ended.DONE
-                events = results.nonzero()[0]
-                for i, result in zip(
-                    native[events].tolist(), results[events].tolist(), strict=True
-                ):
-                    left[i] -= self._tick(i, Ended(result), int(left[i]))
+                self._run(self._kernel, native, left)
             if not is_loaded:
                 for i in np.setdiff1d(rows, native).tolist():
                     left[i] -= self._tick(i, None, int(left[i]))
             for sensor in self._sensors:
                 sensor.tick(self._ticks - before, self._last_steps)
+
+    def _run(
+        self, kernel: BatchKernel, rows: Indices, left: NDArray[np.int64]
+    ) -> None:
+        """Let the kernel execute what is left, or a part; follow how that ends."""
+        robots, most = self._robots[rows], np.minimum(left[rows], MOST_TICKS)
+        for sensor in self._sensors:
+            most = np.minimum(most, sensor.left[rows])
+        done, results = kernel.run(robots, most.astype(np.int32))
+        self._ticks[rows] += done
+        self._untold[rows] += done
+        left[rows] -= done
+        if not np.count_nonzero(results):  # quicker than any() for few
+            return
+        for due in REFRESHES:
+            if (is_due := results == due).any():
+                kernel.refresh(due, robots[is_due], self._cores[0].hardware)
+                results[is_due] = Ended.DONE
+        events = results.nonzero()[0]
+        for i, result in zip(
+            rows[events].tolist(), results[events].tolist(), strict=True
+        ):
+            left[i] -= self._tick(i, Ended(result), int(left[i]))
 
     def _tick(self, i: int, event: Ended | None, left: int) -> int:
         """Execute a tick of one copy in Python; return by how much less is left."""
@@ -137,7 +143,7 @@ class Copies:
     def load(self, rows: Indices) -> bool:
         """Load these copies into the kernel; return whether all are."""
         is_loaded = self._is_loaded[rows]
-        if is_loaded.all():
+        if np.count_nonzero(is_loaded) == len(rows):
             return True
         for i in rows[~is_loaded].tolist():
             program = None if self._kernel is None else self._cores[i].program()
