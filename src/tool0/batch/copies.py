@@ -29,7 +29,7 @@ from tool0.kernel.memory import Addresses
 from tool0.kernel.motions import JointGoal
 from tool0.kernel.program import REFRESHES, Ended, TickProgram
 from tool0.kinematics.chain import Array
-from tool0.motion.gripper import direct_path
+from tool0.motion.gripper import direct_duration
 from tool0.simulation.core import Core
 from tool0.simulation.executor import Executor
 
@@ -356,16 +356,16 @@ class Copies:
             return False
         ends = np.asarray(openings)[rows].tolist()
         gripper, period = limits[0].gripper, self._cores[0].control_period
-        paths = [
-            direct_path(gripper, at, end, each.speed or gripper.speed[1], period)
+        durations = [
+            direct_duration(gripper, at, end, each.speed or gripper.speed[1], period)
             for each, at, end in zip(limits, here.tolist(), ends, strict=True)
         ]
-        targets = np.array([path.positions[1:] for path in paths])
+        targets = np.array(list(map(gripper.position, ends)))[:, None, None]
         has_started = self.start(
             rows,
             controller,
             [joint],
-            times=np.array([path.times[1:] for path in paths]),
+            times=np.array(durations)[:, None],
             positions=targets,
             velocities=np.zeros_like(targets),
             lifts_limits=False,
