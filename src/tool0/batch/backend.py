@@ -16,7 +16,7 @@ from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
-    from tool0.batch.force_torque import CopySensor
+    from tool0.batch.copy_sensor import CopySensor
     from tool0.batch.saved import SavedCopy
     from tool0.engines.mujoco.copies import ObjectArrays
     from tool0.simulation.executor import Executor

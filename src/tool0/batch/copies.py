@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
 from tool0.batch.backend import DeviceArrays, ObjectField, needs_gpu
-from tool0.batch.force_torque import CopySensor
+from tool0.batch.copy_sensor import CopySensor
 from tool0.batch.saved import SavedCopy
 from tool0.control.ros1.goal_check import INSTANT
 from tool0.description.drive_limits import DriveLimits
@@ -100,9 +100,7 @@ class Copies:
             for sensor in self._sensors:
                 sensor.tick(self._ticks - before, self._last_steps)
 
-    def _run(
-        self, kernel: BatchKernel, rows: Indices, left: NDArray[np.int64]
-    ) -> None:
+    def _run(self, kernel: BatchKernel, rows: Indices, left: NDArray[np.int64]) -> None:
         """Let the kernel execute what is left, or a part; follow how that ends."""
         robots, most = self._robots[rows], np.minimum(left[rows], MOST_TICKS)
         for sensor in self._sensors:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
 from tool0.batch.backend import DeviceArrays, ObjectField, needs_cpu
-from tool0.batch.force_torque import CopySensor
+from tool0.batch.copy_sensor import CopySensor
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.forward_kinematics import joint_position
 from tool0.description.model import RobotModel

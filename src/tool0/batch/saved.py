@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, final
 
 if TYPE_CHECKING:
-    from tool0.batch.force_torque import SavedSensor, SensorKind
+    from tool0.batch.copy_sensor import SavedSensor, SensorKind
     from tool0.batch.images import CopyLook
     from tool0.engines.mujoco.engine import SavedEngine
     from tool0.simulation.core import SavedCore
