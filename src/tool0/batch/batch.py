@@ -25,6 +25,7 @@ from tool0.batch.backend import (
 )
 from tool0.batch.commands import Commands
 from tool0.batch.contacts import Bodies, Contacts, checked_bodies
+from tool0.batch.force_torque import BatchForceTorque
 from tool0.batch.frames import GripperFrames
 from tool0.batch.images import Images
 from tool0.batch.making import (
@@ -116,7 +117,7 @@ class Batch:
         self._device = checked_device(device, threads)
         self._threads = checked_threads(threads, self._n if device == CPU else 1)
         self._dt = dt
-        robot = load_description(description)
+        self._robot = robot = load_description(description)
         self._model = robot.model
         scenes = copied_scenes(robot, scene, self._n)
         if device != CPU:
@@ -144,6 +145,8 @@ class Batch:
         """Arrays read since the state last changed, like ``_joints``."""
         self._sizes: dict[str, Array] = {}
         """Sizes of objects that were read since they last changed, by name."""
+        self._sensors: dict[str | None, BatchForceTorque] = {}
+        """By link, and by what else they were asked for by."""
         self._is_closed = False
         self._user = threading.RLock()
         """Held by the thread that reads or changes the state."""
@@ -443,6 +446,31 @@ class Batch:
         assert bodies[0] is not None
         with self._alone():
             return _frozen(self._copies.are_touching(bodies[0], bodies[1]))
+
+    @property
+    def force_torque(self) -> BatchForceTorque:
+        """The force-torque sensor of the robot's only tool0, in each copy."""
+        return self.force_torque_of(None)
+
+    def force_torque_of(self, link: str | None) -> BatchForceTorque:
+        """Return the force-torque sensor at a link, by its name or that of a sensor.
+
+        Raises:
+            ModelError: If there is neither.
+            ControlError: If no link is named, and the robot has no tool0 or several.
+        """
+        if link not in self._sensors:
+            sensor = BatchForceTorque(
+                link,
+                self._robot,
+                self._cores,
+                self._copies,
+                alone=self._alone,
+                changing=self._changing,
+            )
+            named = self._sensors.setdefault(sensor.link, sensor)
+            self._sensors[link] = named
+        return self._sensors[link]
 
     # ---- commands -------------------------------------------------------------------
 

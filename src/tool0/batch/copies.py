@@ -16,6 +16,7 @@ from tool0.batch.backend import (
     changed_object,
     needs_gpu,
 )
+from tool0.batch.copy_sensor import CopySensor
 from tool0.batch.saved import SavedCopy
 from tool0.control.ros1.goal_check import INSTANT
 from tool0.description.drive_limits import DriveLimits
@@ -36,9 +37,9 @@ from tool0.kernel import library
 from tool0.kernel.many import BatchKernel, StartResult
 from tool0.kernel.memory import Addresses
 from tool0.kernel.motions import JointGoal
-from tool0.kernel.program import Ended, TickProgram
+from tool0.kernel.program import REFRESHES, Ended, TickProgram
 from tool0.kinematics.chain import Array
-from tool0.motion.gripper import direct_path
+from tool0.motion.gripper import direct_duration
 from tool0.simulation.core import Core
 from tool0.simulation.executor import Executor
 
@@ -71,6 +72,9 @@ class Copies:
         self._programs: list[TickProgram | None] = [None] * n
         self._has_diverged = np.zeros(n, dtype=np.bool_)
         self._robots: Addresses = np.zeros(n, dtype=np.uintp)
+        self._last_steps: Addresses = np.zeros((n, 3), dtype=np.uintp)
+        """Where the kernel has the last step of a loaded copy; otherwise 0."""
+        self._sensors: list[CopySensor] = []
         self._laws: dict[int, Addresses] = {}
         """Addresses of the laws of each running controller, by number."""
 
@@ -91,28 +95,41 @@ class Copies:
 
     def step(self, ticks: int, rows: Indices) -> None:
         """Advance these copies, but for those that have diverged."""
-        left = np.zeros_like(self._ticks)
-        left[rows] = np.where(self._has_diverged[rows], 0, ticks)
+        left = np.zeros(len(self._cores), dtype=np.int64)
+        left[rows] = ticks
+        left[self._has_diverged] = 0
         while (rows := left.nonzero()[0]).size:
+            before = self._ticks.copy() if self._sensors else self._ticks
             is_loaded = self.load(rows)
             native = rows if is_loaded else rows[self._is_loaded[rows]]
             if native.size and self._kernel is not None:
-                most = np.minimum(left[native], MOST_TICKS).astype(np.int32)
-                done, results = self._kernel.run(self._robots[native], most)
-                self._ticks[native] += done
-                self._untold[native] += done
-                left[native] -= done
-                if (is_due := results == Ended.MASSES).any():
-                    robots = self._robots[native[is_due]]
-                    self._kernel.refresh_masses(robots, self._cores[0].hardware)
-                events = (results * ~is_due).nonzero()[0]
-                for i, result in zip(
-                    native[events].tolist(), results[events].tolist(), strict=True
-                ):
-                    left[i] -= self._tick(i, Ended(result), int(left[i]))
+                self._run(self._kernel, native, left)
             if not is_loaded:
                 for i in np.setdiff1d(rows, native).tolist():
                     left[i] -= self._tick(i, None, int(left[i]))
+            for sensor in self._sensors:
+                sensor.tick(self._ticks - before, self._last_steps)
+
+    def _run(self, kernel: BatchKernel, rows: Indices, left: NDArray[np.int64]) -> None:
+        """Let the kernel execute what is left, or a part; follow how that ends."""
+        robots, most = self._robots[rows], np.minimum(left[rows], MOST_TICKS)
+        for sensor in self._sensors:
+            most = np.minimum(most, sensor.left[rows])
+        done, results = kernel.run(robots, most.astype(np.int32))
+        self._ticks[rows] += done
+        self._untold[rows] += done
+        left[rows] -= done
+        if not np.count_nonzero(results):  # quicker than any() for few
+            return
+        for due in REFRESHES:
+            if (is_due := results == due).any():
+                kernel.refresh(due, robots[is_due], self._cores[0].hardware)
+                results[is_due] = Ended.DONE
+        events = results.nonzero()[0]
+        for i, result in zip(
+            rows[events].tolist(), results[events].tolist(), strict=True
+        ):
+            left[i] -= self._tick(i, Ended(result), int(left[i]))
 
     def _tick(self, i: int, event: Ended | None, left: int) -> int:
         """Execute a tick of one copy in Python; return by how much less is left."""
@@ -134,7 +151,7 @@ class Copies:
     def load(self, rows: Indices) -> bool:
         """Load these copies into the kernel; return whether all are."""
         is_loaded = self._is_loaded[rows]
-        if is_loaded.all():
+        if np.count_nonzero(is_loaded) == len(rows):
             return True
         for i in rows[~is_loaded].tolist():
             program = None if self._kernel is None else self._cores[i].program()
@@ -143,6 +160,7 @@ class Copies:
             self._is_loaded[i] = True
             self._programs[i] = program
             self._robots[i] = program.robot_address
+            self._last_steps[i] = program.step_address
             for number in range(program.n_controllers):
                 addresses = self._laws.setdefault(number, np.zeros_like(self._robots))
                 addresses[i] = program.law_address(number)
@@ -172,6 +190,8 @@ class Copies:
             self._unload(i)
             self._has_diverged[i] = False
             self._ticks[i] = self._untold[i] = 0
+        for sensor in self._sensors:
+            sensor.restart(rows)
 
     def save(self) -> tuple[SavedCopy, ...]:
         """Return the state of each copy, as ``BatchBackend.save``."""
@@ -179,7 +199,9 @@ class Copies:
         for i, engine in enumerate(self._engines):
             core = self.observed(i).saved()
             self._unload(i)
-            found.append(SavedCopy(core, engine.saved(), bool(self._has_diverged[i])))
+            sensors = {sensor.kind: sensor.saved(i) for sensor in self._sensors}
+            has_diverged = bool(self._has_diverged[i])
+            found.append(SavedCopy(core, engine.saved(), has_diverged, sensors))
         return tuple(found)
 
     def restore(self, rows: Indices, saved: Sequence[SavedCopy]) -> None:
@@ -196,6 +218,11 @@ class Copies:
                 core.scene.changed(item)
             self._has_diverged[i] = state.has_diverged
             self._ticks[i] = core.ticks
+            for sensor in self._sensors:
+                if sensor.kind in state.sensors:
+                    sensor.resume(i, state.sensors[sensor.kind])
+                else:
+                    sensor.restart(rows[rows == i])
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4)."""
@@ -217,6 +244,7 @@ class Copies:
 
     def _unload(self, i: int) -> None:
         self._is_loaded[i] = False
+        self._last_steps[i] = 0
         self._programs[i] = None
 
     def states(self) -> tuple[Array, Array, Array]:
@@ -258,6 +286,17 @@ class Copies:
         """Return where bodies touch, as ``BatchBackend.are_touching``."""
         return are_touching([each.world for each in self._engines], first, second)
 
+    def start_sensor(self, sensor: CopySensor) -> None:
+        """Sample in all copies now, and then whenever it is due."""
+        for i in range(len(self._cores)):
+            self.executor(i)  # its core is up to date then
+        sensor.restart(np.arange(len(self._cores)))
+        self._sensors.append(sensor)
+
+    def stop_sensor(self, sensor: CopySensor) -> None:
+        """Stop sampling."""
+        self._sensors.remove(sensor)
+
     # ---- commands to copies that are loaded ----------------------------------------
 
     def start(
@@ -281,6 +320,7 @@ class Copies:
         if self._kernel is None or not self.load(rows):
             return False
         started, which = self._kernel.start(
+            self._robots[rows],
             self._laws[controller][rows],
             joints,
             now=self.time[rows],
@@ -331,16 +371,16 @@ class Copies:
             return False
         ends = np.asarray(openings)[rows].tolist()
         gripper, period = limits[0].gripper, self._cores[0].control_period
-        paths = [
-            direct_path(gripper, at, end, each.speed or gripper.speed[1], period)
+        durations = [
+            direct_duration(gripper, at, end, each.speed or gripper.speed[1], period)
             for each, at, end in zip(limits, here.tolist(), ends, strict=True)
         ]
-        targets = np.array([path.positions[1:] for path in paths])
+        targets = np.array(list(map(gripper.position, ends)))[:, None, None]
         has_started = self.start(
             rows,
             controller,
             [joint],
-            times=np.array([path.times[1:] for path in paths]),
+            times=np.array(durations)[:, None],
             positions=targets,
             velocities=np.zeros_like(targets),
             lifts_limits=False,

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
 from tool0.batch.backend import DeviceArrays, Names, ObjectField, needs_cpu
+from tool0.batch.copy_sensor import CopySensor
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.forward_kinematics import joint_position
 from tool0.description.model import RobotModel
@@ -148,6 +149,13 @@ class DeviceCopies:
     def are_touching(self, first: Names, second: Names | None) -> NDArray[np.bool_]:
         """Return where bodies touch, as ``BatchBackend.are_touching``."""
         return self._worlds.are_touching(first, second)
+
+    def start_sensor(self, sensor: CopySensor) -> NoReturn:
+        """Raise ControlError: contacts on a device have no torques here."""
+        raise needs_cpu("Batch.force_torque", self._device)
+
+    def stop_sensor(self, sensor: CopySensor) -> None:
+        """Do nothing: none was started."""
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4).

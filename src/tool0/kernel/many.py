@@ -11,8 +11,8 @@ from typing import final
 import numpy as np
 
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.kernel.masses import refresh_masses
 from tool0.kernel.memory import Addresses, FloatArray, IntArray, address
+from tool0.kernel.program import REFRESHES, Ended
 
 
 class StartResult(IntEnum):
@@ -57,12 +57,13 @@ class BatchKernel:
         )
         return done, results
 
-    def refresh_masses(self, robots: Addresses, hardware: RobotHardware) -> None:
-        """Compute the masses that are due, as ``masses.refresh_masses``."""
-        refresh_masses(self._compiled, robots, hardware)
+    def refresh(self, due: Ended, robots: Addresses, hardware: RobotHardware) -> None:
+        """Compute what is due in these robots, as ``masses`` does."""
+        REFRESHES[due](self._compiled, robots, hardware)
 
     def start(
         self,
+        robots: Addresses,
         laws: Addresses,
         joints: Sequence[int],
         *,
@@ -74,6 +75,7 @@ class BatchKernel:
         """Start motions through points, as ``JointTrajectoryController.command``.
 
         Args:
+            robots: Those that the laws move.
             laws: Those of trajectory controllers.
             joints: Which k of their joints move, by number.
             now: The time of the next tick [s], shape (n,).
@@ -87,8 +89,10 @@ class BatchKernel:
         columns = np.array(joints, dtype=np.int32)
         arrays = [np.ascontiguousarray(a) for a in (now, times, positions)]
         speeds = None if velocities is None else np.ascontiguousarray(velocities)
-        laws, which = np.ascontiguousarray(laws), ctypes.c_int32(-1)
+        robots, laws = map(np.ascontiguousarray, (robots, laws))
+        which = ctypes.c_int32(-1)
         result = self._compiled.tool0_start_many(
+            address(robots),
             address(laws),
             len(laws),
             len(columns),

@@ -89,6 +89,16 @@ class AppliedWrenches:
             ]
             self._hold(tuple(acting))
 
+    def quiet_ticks(self, time: float, period: float, most: int) -> int:
+        """Return how many of the next ``most`` ticks neither start nor end a wrench.
+
+        Or fewer, by one; the next tick is at ``time`` [s], and each takes ``period``.
+        """
+        changes = [wrench.start for wrench in self._waiting]
+        changes += [end for end, _, _ in self._acting]
+        quiet = (min(changes, default=math.inf) - _ROUNDING - time) / period
+        return most if quiet >= most else max(0, math.floor(quiet))
+
     def contacts(self) -> tuple[Contact, ...]:
         """Return the active wrenches as contacts, for sensors."""
         return tuple(

@@ -113,6 +113,25 @@ def test_servos_whose_masses_are_due(tmp_path: Path, python_ticks: list[Core]) -
         assert python_ticks == []
 
 
+def test_joints_that_are_fast(python_ticks: list[Core]) -> None:
+    """The governor gets new mobilities between two steps of the kernel."""
+    with Beside(2) as beside:
+        rng = np.random.default_rng(3)
+        columns = [beside.batch.joint_names.index(j) for j in beside.batch.arm_joints]
+        home = beside.batch.position[:, columns]
+        for k in range(6):
+            target = home + rng.uniform(-0.6, 0.6, home.shape)
+            beside.command(target, duration=0.15, which=[1] if k % 2 else None)
+            beside.run(0.1)
+            beside.check()
+        beside.batch.restore(beside.batch.save())
+        beside.run(0.1)
+        beside.check()
+        assert np.abs(beside.batch.velocity[:, columns]).max() > 2.0
+    if library.load() is not None:
+        assert python_ticks == []
+
+
 def test_motions_of_joints_that_turn_without_end() -> None:
     """A target goes the shortest way round, from wherever the joint is."""
     description = tool0.DescriptionConfig(arm="ur3e", gripper=None)
