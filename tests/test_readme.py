@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from document import blocks
 
-from tool0.cli import COMMANDS, FAILED, OK, main
+from tool0.cli import FAILED, OK, main
 from tool0.cli.options import READERS, BringupOptions
 from tool0.cli.parsing import parse
 
@@ -59,11 +59,6 @@ def test_every_command_line_is_understood(
     # Nobody serves this name, so a line that is understood ends right there.
     assert main([command, *arguments, "--name", "readme-test"]) == FAILED
     assert "no bringup named 'readme-test'" in capsys.readouterr().err
-
-
-def test_the_table_names_every_command() -> None:
-    for command in COMMANDS:
-        assert re.search(rf"`tool0 [^`]*\b{command}\b", README), command
 
 
 @pytest.mark.parametrize(
