@@ -153,7 +153,7 @@ def _row(item: Parameter) -> str:
     else:
         name = ", ".join(_code(f"{flag} {item.metavar}".strip()) for flag in item.flags)
     default = _code(item.written_default) if item.written_default else ""
-    if item.is_required and not item.option.is_positional:
+    if item.is_required:
         default = "required"
     meaning = _marked(" ".join(item.text.split())).replace("|", "\\|")
     return f"| {name} | {default} | {meaning} |"

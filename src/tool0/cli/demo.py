@@ -99,6 +99,8 @@ def pick(
     Friction alone holds the cube.  Table and bin are placed to suit the arm's reach.
     The demo starts in real time when a browser shows the robot; then Enter repeats it
     and Ctrl-C ends it.  Headless, it runs as fast as possible and ends.
+
+    Exit status: 1 if a cube is not in the bin.
     """
     _check_files(arguments)  # first: the picks take minutes
     from tool0.cli.demos.setup import pick_demo
@@ -116,7 +118,7 @@ def handover(
 ) -> int:
     """Pick a cube with one arm, hand it to another, and place it in a bin.
 
-    Friction alone holds the cube.  Status 1 if that fails; otherwise as `demo pick`.
+    Friction alone holds the cube.  All else is as in `demo pick`.
 
     Args:
         giver: The arm that picks, with its gripper: ARM+GRIPPER.

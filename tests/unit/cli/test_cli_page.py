@@ -18,7 +18,7 @@ MOST = 500_000  # [bytes]
 def test_the_page_is_generated_from_the_commands_as_they_are() -> None:
     text = document()
     assert DOCUMENT.read_text(encoding="utf-8") == text, (
-        "run: PYTHONPATH=.:src .venv/bin/python tools/cli_docs.py"
+        "run: .venv/bin/python tools/cli_docs.py"
     )
     assert len(text.encode()) < MOST
 
