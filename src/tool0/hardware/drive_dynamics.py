@@ -122,23 +122,47 @@ class DriveDynamics:
         if not self._payloads and not any(loads):
             return own
         if self._payloads:
-            matrices = [self.own.mass_matrix(position) for position in positions]
-            own = np.ascontiguousarray(np.array(matrices)[:, rows][:, :, rows])
+            matrices = self._own_masses(declared, positions)
+            own = np.ascontiguousarray(matrices[:, rows][:, :, rows])
         return bounded_masses(own, chosen + np.diag(loads), largest_ratio(self._dt))
 
     def mobility(
         self, joints: Sequence[int], state: JointState, rotors: Mapping[int, float]
     ) -> Matrix:
-        """Return the change of ``joints``' velocities in a step per effort.
-
-        Shape (n, n) [rad/s/(N·m)], by the masses of the description and the ``rotors``,
-        by joint [kg·m²].
-        """
-        rows = [self.to_model.index(i) for i in joints]
+        """Return the ``mobilities`` of ``joints`` in one state, shape (n, n)."""
         position = [state.position[i] for i in self.to_model]
-        masses = self.own.mass_matrix(position)[rows][:, rows]
+        own = self.own.mass_matrix(position)[None]
+        return np.asarray(self._mobilities(joints, own, rotors)[0])
+
+    def mobilities(
+        self,
+        joints: Sequence[int],
+        declared: Matrix,
+        positions: Sequence[Sequence[float]],
+        rotors: Mapping[int, float],
+    ) -> Matrix:
+        """Return the change of ``joints``' velocities in a step per effort, in k states.
+
+        Shape (k, n, n) [rad/s/(N·m)], by the masses of the description and the
+        ``rotors``, by joint [kg·m²].  ``servo_masses`` has the other arguments.
+        """
+        return self._mobilities(joints, self._own_masses(declared, positions), rotors)
+
+    def _mobilities(
+        self, joints: Sequence[int], own: Matrix, rotors: Mapping[int, float]
+    ) -> Matrix:
+        rows = [self.to_model.index(i) for i in joints]
+        masses = own[:, rows][:, :, rows]
         masses += np.diag([rotors.get(joint, 0.0) for joint in joints])
         return np.asarray(self._dt * np.linalg.inv(masses))
+
+    def _own_masses(
+        self, declared: Matrix, positions: Sequence[Sequence[float]]
+    ) -> Matrix:
+        """Return the mass matrices without payloads, shape (k, n_joints, n_joints)."""
+        if not self._payloads:
+            return declared
+        return np.array([self.own.mass_matrix(position) for position in positions])
 
 
 def _joints_before_flanges(model: RobotModel) -> set[str]:

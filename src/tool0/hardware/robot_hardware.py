@@ -629,6 +629,16 @@ class RobotHardware:
         matrices = self._dynamics.servo_masses(list(self._servos), declared, positions)
         return matrices, self._fastest_with(matrices)
 
+    def mobilities(
+        self, declared: Matrix, positions: Sequence[Sequence[float]]
+    ) -> Matrix:
+        """Return the mobilities of the governed and the other free joints in k states.
+
+        Their shape is (k, n, n); the arguments are those of ``servo_masses``.
+        """
+        free = self._governor.setup.free
+        return self._dynamics.mobilities(free, declared, positions, self._rotors)
+
     def _fastest_with(self, masses: Matrix) -> Matrix:
         """Return the largest acceleration of each servo's drive.
 

@@ -351,7 +351,7 @@ static int what_is_due(const Drives *drives, const double *command,
             return DRIVES_EVENT;
     const DriveGovernor *governor = &drives->governor;
     if (is_fast(governor, velocity) && is_mobility_due(governor, position))
-        return DRIVES_EVENT;
+        return DRIVES_MOBILITY;
     if (!drives->n_servos || drives->masses_at == drives->steps)
         return DRIVES_OK;
     if (!drives->has_masses || drives->steps % table->pose_period == 0)

@@ -7,7 +7,7 @@
 #ifndef TOOL0_DRIVES_H
 #define TOOL0_DRIVES_H
 
-enum { DRIVES_OK = 0, DRIVES_EVENT = 1, DRIVES_MASSES = 2 };
+enum { DRIVES_OK = 0, DRIVES_EVENT = 1, DRIVES_MASSES = 2, DRIVES_MOBILITY = 3 };
 
 /* A moving body (description/bodies.py, DynamicBody). */
 typedef struct DriveBody {
@@ -75,6 +75,7 @@ typedef struct DriveGoverned {
 /* What keeps joints within their speeds (speed_governor.py, SpeedGovernor). */
 typedef struct DriveGovernor {
     int n_drives, n_free, has_mobility, has_before, sweeps;
+    int is_own; /* whether the mobility was computed here */
     double tolerance, largest_turn;
     DriveGoverned *drives; /* (n_drives) */
     int *free;             /* (n_free), joints, the governed ones first */
@@ -104,9 +105,9 @@ typedef struct Drives {
 /* Compute the efforts of the next step; all arrays have shape (n_joints).
  *
  * effort: in, the effort applied in the last step; out, that of the next one.
- * Returns DRIVES_EVENT, with nothing changed, when Python must execute this step: the
- * governor's mobility is due, or a value is not finite; DRIVES_MASSES when masses of the
- * servos are due: masses.c.
+ * Returns, with nothing changed, DRIVES_EVENT when Python must execute this step: a value
+ * is not finite; DRIVES_MOBILITY when the governor's mobility is due, and DRIVES_MASSES
+ * when masses of the servos are: masses.c.
  */
 int drives_efforts(Drives *drives, const double *command, const double *position,
                    const double *velocity, double *effort);

@@ -121,6 +121,7 @@ class _Governed(ctypes.Structure):
 class _Governor(ctypes.Structure):
     _fields_ = (
         *_integers("n_drives", "n_free", "has_mobility", "has_before", "sweeps"),
+        *_integers("is_own"),
         *_numbers("tolerance", "largest_turn"),
         ("drives", POINTER(_Governed)),
         ("free", POINTER(c_int)),
@@ -189,7 +190,7 @@ class NativeDrives:
             *(self._goals, self._servos, self._masses, self._brakes),
             self._governed,
             _Governor(
-                *(0, 0, 0, 0, SWEEPS, TOLERANCE, LARGEST_TURN),
+                *(0, 0, 0, 0, SWEEPS, 0, TOLERANCE, LARGEST_TURN),
                 *(self._governor_drives, self._free, self._mobility),
                 *(self._posture, self._velocity),
             ),
@@ -224,6 +225,8 @@ class NativeDrives:
         struct, before = self.struct, self._before
         if struct.masses_at >= 0:
             self._keep_masses()
+        if struct.governor.is_own:
+            self._keep_mobility()
         bounded = self._rotors | self._setup.drive_limits.keys()
         state = DriveState(
             struct.steps,
@@ -245,6 +248,15 @@ class NativeDrives:
         fastest = [servo.fastest for servo in self._servos[:n]]
         self._setup = self._setup._replace(masses=masses, fastest=fastest)
         self.struct.masses_at = -1
+
+    def _keep_mobility(self) -> None:
+        """Store the mobility that was set here in the setup."""
+        n = self.struct.governor.n_free
+        rows = tuple(tuple(self._mobility[k * n : (k + 1) * n]) for k in range(n))
+        posture = tuple(self._posture[:n])
+        governor = self._setup.governor._replace(mobility=rows, posture=posture)
+        self._setup = self._setup._replace(governor=governor)
+        self.struct.governor.is_own = False
 
     @property
     def drive_limits(self) -> Mapping[int, DriveLimits]:
@@ -297,7 +309,7 @@ class NativeDrives:
         values = [value for row in setup.mobility for value in row]
         self._mobility[: len(values)] = values
         self._posture[: len(setup.posture)] = list(setup.posture)
-        governor.has_mobility = bool(values)
+        governor.has_mobility, governor.is_own = bool(values), False
 
     def _set_goal(self, index: int, limits: DriveLimits | None) -> None:
         if limits is not None:

@@ -83,7 +83,15 @@ static void stick(Robot *robot)
     }
 }
 
-/* Execute one physics step; on an event, return RUN_EVENT or RUN_MASSES before it. */
+/* Return the result of a run that ends because of the drives. */
+static int ended_by(int due)
+{
+    if (due == DRIVES_MASSES)
+        return RUN_MASSES;
+    return due == DRIVES_MOBILITY ? RUN_MOBILITY : RUN_EVENT;
+}
+
+/* Execute one physics step; if it cannot be, return why, before it. */
 static int step(Robot *robot)
 {
     int n = robot->n_joints;
@@ -93,7 +101,7 @@ static int step(Robot *robot)
     int due = drives_efforts(robot->drives, robot->command, robot->position,
                              robot->velocity, robot->effort);
     if (due != DRIVES_OK)
-        return due == DRIVES_MASSES ? RUN_MASSES : RUN_EVENT;
+        return ended_by(due);
     for (int j = 0; j < robot->n_motors; j++)
         robot->motors[j] = robot->effort[robot->motor_joints[j]];
     if (!step_engine(robot))
@@ -106,7 +114,8 @@ static int step(Robot *robot)
 /* Execute up to `most` ticks; *done is how many were.  Returns RUN_...
 
    If `steps_left` is not 0 then, the laws of one further tick are executed, and so many
-   of its steps are left.  After RUN_MASSES, the next call executes them first. */
+   of its steps are left.  After RUN_MASSES and RUN_MOBILITY, the next call executes them
+   first. */
 TOOL0_EXPORT int tool0_run(Robot *robot, int most, int *done)
 {
     int n = robot->n_joints, left = robot->steps_left;

@@ -134,3 +134,19 @@ TOOL0_EXPORT void tool0_set_masses_many(Robot *const *robots, int n, const doubl
         drives->masses_at = drives->steps;
     }
 }
+
+/* Set the mobilities of the free joints of n robots, shape (n, n_free, n_free), computed
+   where they are now. */
+TOOL0_EXPORT void tool0_set_mobilities_many(Robot *const *robots, int n,
+                                            const double *mobilities)
+{
+    for (int i = 0; i < n; i++) {
+        DriveGovernor *governor = &robots[i]->drives->governor;
+        int n_free = governor->n_free;
+        memcpy(governor->mobility, &mobilities[i * n_free * n_free],
+               (size_t)n_free * n_free * sizeof(double));
+        for (int k = 0; k < n_free; k++)
+            governor->posture[k] = robots[i]->position[governor->free[k]];
+        governor->has_mobility = governor->is_own = 1;
+    }
+}

@@ -30,7 +30,7 @@ from tool0.description.drive_limits import DriveLimits
 from tool0.hardware.engine import BRAKE_STANDSTILL, JointState, NativeStepper
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.drives import NativeDrives, goal_limits
-from tool0.kernel.masses import refresh_masses
+from tool0.kernel.masses import refresh_masses, refresh_mobilities
 from tool0.kernel.memory import (
     GRIP_FIELDS,
     FloatArray,
@@ -240,6 +240,8 @@ class Ended(IntEnum):
     """Python checks whether the state has diverged, and then as ``EVENT``."""
     MASSES = 3
     """Masses of servos are due (``refresh_masses``); then it goes on."""
+    MOBILITY = 4
+    """The governor's mobility is due (``refresh_mobilities``); then it goes on."""
 
 
 _ENDED = tuple(Ended)  # an index takes a tenth of the time of Ended(...)
@@ -294,6 +296,7 @@ class TickProgram:
         self._compiled = compiled
         self._done = c_int()
         self._arguments = byref(struct), byref(self._done)
+        self._robots = np.array([self.robot_address], dtype=np.uintp)
 
     def try_reuse(
         self,
@@ -330,14 +333,16 @@ class TickProgram:
         """Execute up to ``most`` ticks; return how it ended, and how many were."""
         self._use(stepper)
         robot, done = self._arguments
-        ended, executed = Ended.MASSES, 0
-        while ended is Ended.MASSES:
+        executed = 0
+        while True:
             ended = _ENDED[self._compiled.tool0_run(robot, most - executed, done)]
             executed += self._done.value
             if ended is Ended.MASSES:
-                robots = np.array([self.robot_address], dtype=np.uintp)
-                refresh_masses(self._compiled, robots, self._hardware)
-        return ended, executed
+                refresh_masses(self._compiled, self._robots, self._hardware)
+            elif ended is Ended.MOBILITY:
+                refresh_mobilities(self._compiled, self._robots, self._hardware)
+            else:
+                return ended, executed
 
     def _use(self, stepper: NativeStepper) -> None:
         if stepper is not self._stepper:
