@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tool0.batch.arguments import Indices
 from tool0.description.drive_limits import DriveLimits
 from tool0.errors import ConfigError, ControlError, EngineUnavailableError
+from tool0.kernel.memory import IntArray
 from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 
@@ -119,7 +120,7 @@ class BatchBackend(Protocol):
         self,
         rows: Indices,
         controller: int,
-        joints: Sequence[int],
+        joints: IntArray,
         *,
         times: Array,
         positions: Array,

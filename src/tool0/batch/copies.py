@@ -17,18 +17,18 @@ from tool0.description.drive_limits import DriveLimits
 from tool0.description.scene_state import ObjectState
 from tool0.engines.mujoco.copies import (
     ObjectArrays,
-    joint_views,
+    ObjectReader,
     mujoco_engine,
-    object_arrays,
+    read_objects,
 )
 from tool0.errors import EngineError, GoalRejectedError
 from tool0.kernel import library
 from tool0.kernel.many import BatchKernel, StartResult
-from tool0.kernel.memory import Addresses
+from tool0.kernel.memory import Addresses, IntArray
 from tool0.kernel.motions import JointGoal
 from tool0.kernel.program import Ended, TickProgram
 from tool0.kinematics.chain import Array
-from tool0.motion.gripper import direct_path
+from tool0.motion.gripper import direct_move
 from tool0.simulation.core import Core
 from tool0.simulation.executor import Executor
 
@@ -48,19 +48,23 @@ class Copies:
     def __init__(self, cores: Sequence[Core], threads: int) -> None:
         """Take the cores over; the kernel runs them in so many threads."""
         self._cores = tuple(cores)
+        self._period = cores[0].control_period
         self._executors = tuple(map(Executor, cores))
         self._engines = [mujoco_engine(core.engine) for core in cores]
-        self._views = [joint_views(engine) for engine in self._engines]
         n = len(cores)
+        self._objects = ObjectReader(self._engines[0].world.states, n)
+        self._n_joints = len(self._engines[0].joint_names)
         compiled = library.load()
-        self._kernel = None if compiled is None else BatchKernel(compiled, threads)
-        self._ticks = np.zeros(n, dtype=np.int64)
-        self._untold = np.zeros(n, dtype=np.int64)
-        """Ticks that the kernel executed and the core does not know of."""
+        self._left, self._ticks, self._untold = np.zeros((3, n), dtype=np.int64)
+        """Ticks to execute, those since the reset, and those that the kernel executed
+        and the core does not know of."""
+        self._kernel: BatchKernel | None = None
+        if compiled is not None:
+            counts = {"left": self._left, "ticks": self._ticks, "untold": self._untold}
+            self._kernel = BatchKernel(compiled, threads, **counts)
         self._is_loaded = np.zeros(n, dtype=np.bool_)
         self._programs: list[TickProgram | None] = [None] * n
         self._has_diverged = np.zeros(n, dtype=np.bool_)
-        self._robots: Addresses = np.zeros(n, dtype=np.uintp)
         self._laws: dict[int, Addresses] = {}
         """Addresses of the laws of each running controller, by number."""
 
@@ -72,7 +76,7 @@ class Copies:
     @property
     def time(self) -> Array:
         """Simulated time of each copy [s]."""
-        return np.asarray(self._ticks * self._cores[0].control_period)
+        return np.asarray(self._ticks * self._period)
 
     @property
     def has_diverged(self) -> NDArray[np.bool_]:
@@ -81,28 +85,30 @@ class Copies:
 
     def step(self, ticks: int, rows: Indices) -> None:
         """Advance these copies, but for those that have diverged."""
-        left = np.zeros_like(self._ticks)
-        left[rows] = np.where(self._has_diverged[rows], 0, ticks)
-        while (rows := left.nonzero()[0]).size:
-            is_loaded = self.load(rows)
-            native = rows if is_loaded else rows[self._is_loaded[rows]]
-            if native.size and self._kernel is not None:
-                most = np.minimum(left[native], MOST_TICKS).astype(np.int32)
-                done, results = self._kernel.run(self._robots[native], most)
-                self._ticks[native] += done
-                self._untold[native] += done
-                left[native] -= done
-                if (is_due := results == Ended.MASSES).any():
-                    robots = self._robots[native[is_due]]
-                    self._kernel.refresh_masses(robots, self._cores[0].hardware)
-                events = (results * ~is_due).nonzero()[0]
-                for i, result in zip(
-                    native[events].tolist(), results[events].tolist(), strict=True
-                ):
-                    left[i] -= self._tick(i, Ended(result), int(left[i]))
-            if not is_loaded:
-                for i in np.setdiff1d(rows, native).tolist():
-                    left[i] -= self._tick(i, None, int(left[i]))
+        left = self._left
+        left[:] = 0
+        left[rows] = ticks
+        left[self._has_diverged] = 0
+        while True:
+            others = self._load_left()
+            kernel = self._kernel
+            is_open = kernel is not None and kernel.run(MOST_TICKS)
+            if kernel is not None and is_open:
+                kernel.results[kernel.refresh(self._cores[0].hardware)] = Ended.DONE
+                for i in kernel.results.nonzero()[0].tolist():
+                    left[i] -= self._tick(i, Ended(kernel.results[i]), int(left[i]))
+            for i in others:
+                left[i] -= self._tick(i, None, int(left[i]))
+            if not is_open and not others:
+                return
+
+    def _load_left(self) -> list[int]:
+        """Load the copies with ticks left; return those that Python must execute."""
+        if np.count_nonzero(self._is_loaded) == len(self._left):
+            return []
+        self.load(rows := self._left.nonzero()[0])
+        others: list[int] = rows[~self._is_loaded[rows]].tolist()
+        return others
 
     def _tick(self, i: int, event: Ended | None, left: int) -> int:
         """Execute a tick of one copy in Python; return by how much less is left."""
@@ -124,17 +130,20 @@ class Copies:
     def load(self, rows: Indices) -> bool:
         """Load these copies into the kernel; return whether all are."""
         is_loaded = self._is_loaded[rows]
-        if is_loaded.all():
+        if np.count_nonzero(is_loaded) == len(rows):
             return True
+        kernel = self._kernel
+        if kernel is None:
+            return False
         for i in rows[~is_loaded].tolist():
-            program = None if self._kernel is None else self._cores[i].program()
+            program = self._cores[i].program()
             if program is None:
                 continue
             self._is_loaded[i] = True
             self._programs[i] = program
-            self._robots[i] = program.robot_address
+            kernel.robots[i] = program.robot_address
             for number in range(program.n_controllers):
-                addresses = self._laws.setdefault(number, np.zeros_like(self._robots))
+                addresses = self._laws.setdefault(number, np.zeros_like(kernel.robots))
                 addresses[i] = program.law_address(number)
         return bool(self._is_loaded[rows].all())
 
@@ -209,29 +218,25 @@ class Copies:
     def _unload(self, i: int) -> None:
         self._is_loaded[i] = False
         self._programs[i] = None
+        if self._kernel is not None:
+            self._kernel.robots[i] = 0
 
     def states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""
-        rows = [
-            (*view, program.effort)
-            if program is not None and not has_diverged
-            else core.state[1:]
-            for core, view, program, has_diverged in zip(
-                self._cores,
-                self._views,
-                self._programs,
-                self._has_diverged.tolist(),
-                strict=True,
-            )
-        ]
-        position, velocity, effort = (
-            np.array(part) for part in zip(*rows, strict=True)
-        )
+        is_native = self._is_loaded & ~self._has_diverged
+        if self._kernel is not None:
+            found = self._kernel.read(is_native, self._n_joints)
+        else:
+            found = np.empty((3, len(is_native), self._n_joints))
+        if np.count_nonzero(is_native) < len(is_native):
+            for i in (~is_native).nonzero()[0].tolist():
+                found[:, i] = self._cores[i].state[1:]
+        position, velocity, effort = found
         return position, velocity, effort
 
     def objects(self) -> ObjectArrays:
         """Return poses and velocities of the objects."""
-        return object_arrays(self._engines)
+        return read_objects(self._objects, self._engines)
 
     def pad_forces(self, pads: Sequence[str]) -> Array:
         """Return the normal force on each pad in the last step [N], (n, n_pads)."""
@@ -247,7 +252,7 @@ class Copies:
         self,
         rows: Indices,
         controller: int,
-        joints: Sequence[int],
+        joints: IntArray,
         *,
         times: Array,
         positions: Array,
@@ -259,14 +264,14 @@ class Copies:
         Raises:
             GoalRejectedError: If no joint can move so; nothing has changed.
         """
-        if lifts_limits or (times[:, 0] <= 2.0 * INSTANT).any():
+        if lifts_limits or min(times[:, 0].tolist(), default=1.0) <= 2.0 * INSTANT:
             return False
         if self._kernel is None or not self.load(rows):
             return False
         started, which = self._kernel.start(
             self._laws[controller][rows],
             joints,
-            now=self.time[rows],
+            now=self._ticks[rows] * self._period,
             times=times,
             positions=positions,
             velocities=velocities,
@@ -309,23 +314,24 @@ class Copies:
         if self._kernel is None or not self.load(rows):
             return False
         laws = self._laws[controller][rows]
-        here = self._kernel.desired(laws, joint, self.time[rows])
+        here = self._kernel.desired(laws, joint, self._ticks[rows] * self._period)
         if here is None:
             return False
         ends = np.asarray(openings)[rows].tolist()
-        gripper, period = limits[0].gripper, self._cores[0].control_period
-        paths = [
-            direct_path(gripper, at, end, each.speed or gripper.speed[1], period)
-            for each, at, end in zip(limits, here.tolist(), ends, strict=True)
-        ]
-        targets = np.array([path.positions[1:] for path in paths])
+        gripper, period = limits[0].gripper, self._period
+        moves = np.array(
+            [
+                direct_move(gripper, at, end, each.speed or gripper.speed[1], period)
+                for each, at, end in zip(limits, here.tolist(), ends, strict=True)
+            ]
+        )
         has_started = self.start(
             rows,
             controller,
-            [joint],
-            times=np.array([path.times[1:] for path in paths]),
-            positions=targets,
-            velocities=np.zeros_like(targets),
+            np.array([joint], np.int32),
+            times=moves[:, :1],
+            positions=moves[:, 1:, None],
+            velocities=np.zeros((len(rows), 1, 1)),
             lifts_limits=False,
         )
         if has_started:

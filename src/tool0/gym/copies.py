@@ -9,10 +9,10 @@ from typing import Any, Final, NamedTuple, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tool0.batch.arguments import are_finite
 from tool0.batch.backend import CPU
 from tool0.batch.batch import Batch
 from tool0.batch.saved import BatchState
-from tool0.description.transform_arrays import quats_wxyz
 from tool0.gym.actions import Actions
 from tool0.gym.checks import check_functions, check_objects, check_start
 from tool0.gym.held import grasped
@@ -78,9 +78,10 @@ class Copies:
         self._scene = scene
         self.batch = self._make_batch(n, options.threads, options.device)
         names, gripper = self.batch.joint_names, workspace.gripper
-        self._arm = [names.index(joint) for joint in workspace.chain.joint_names]
+        self._arm = _columns([names.index(x) for x in workspace.chain.joint_names])
         self._drive = names.index(gripper.joint)
-        self._objects = [self.batch.object_names.index(x) for x in self.task.objects]
+        numbers = [self.batch.object_names.index(x) for x in self.task.objects]
+        self._objects = _columns(numbers)
         self._start = self.batch.position[0].copy()
         self._start[self._arm] = workspace.start
         self._start[self._drive] = gripper.position(gripper.max_opening)
@@ -96,6 +97,7 @@ class Copies:
             cameras = workspace.cameras
             self._looks = Looks(self.batch, options.ranges, scene.objects, cameras)
         self._state: State | None = None
+        self._goals: tuple[Array, Array] | None = None
         check_functions(self.task, self.state)
 
     def _make_batch(self, n: int, threads: int | None, device: str) -> Batch:
@@ -116,6 +118,7 @@ class Copies:
         twin._opening_target = self._opening_target.copy()
         twin._last_opening = self._last_opening.copy()
         twin._goal = self._goal.copy()
+        twin._state = twin._goals = None
         return twin
 
     # ---- time -----------------------------------------------------------------------
@@ -160,7 +163,7 @@ class Copies:
             batch.step(round(MOVING / batch.control_period), is_held)
         self.target[which] = q[which]
         self._last_opening[which] = batch.opening()[which]
-        self._state = None
+        self._state = self._goals = None
 
     def _disturbances(self, rng: np.random.Generator) -> tuple[Array, Array, Array]:
         """Return masses and frictions of the objects, and deviations of the joints."""
@@ -171,7 +174,7 @@ class Copies:
         own = own.reshape(count, 2)
         mass = own[:, 0] * rng.uniform(*ranges.mass, count)
         friction = own[:, 1] * rng.uniform(*ranges.friction, count)
-        noise = rng.uniform(-1.0, 1.0, len(self._arm)) * ranges.joint_noise
+        noise = rng.uniform(-1.0, 1.0, len(self.workspace.start)) * ranges.joint_noise
         return mass, friction, noise
 
     def _put_arms(self, which: Mask, q: Array) -> None:
@@ -206,24 +209,28 @@ class Copies:
         """Advance all copies by one control period; ``actions`` are checked ones."""
         batch, options = self.batch, self.options
         q = batch.position[:, self._arm]
-        is_sound = np.isfinite(q).all(axis=1) & ~batch.diverged
+        which = None
+        if not are_finite(q) or np.count_nonzero(batch.diverged):
+            which = np.isfinite(q).all(axis=1) & ~batch.diverged
         self._last_opening = self.state.opening
         moved = self.actions.positions(actions, self.target, q)
-        self.target = np.where(is_sound[:, None], moved, self.target)
+        if which is not None:
+            moved = np.where(which[:, None], moved, self.target)
+        self.target = moved
         batch.command(
             self.target,
             duration=options.period,
             joints=self.workspace.chain.joint_names,
-            which=is_sound,
+            which=which,
         )
         widest = self.workspace.gripper.max_opening
         openings = self.actions.openings(actions)
         is_new = np.abs(openings - self._opening_target) > DEADBAND * widest
-        if is_new.any():
+        if np.count_nonzero(is_new):
             self._opening_target = np.where(is_new, openings, self._opening_target)
             batch.move_gripper(self._opening_target, force=self._force, which=is_new)
         batch.step(options.ticks)
-        self._state = None
+        self._state = self._goals = None
 
     # ---- what there is --------------------------------------------------------------
 
@@ -233,6 +240,13 @@ class Copies:
         if self._state is None:
             self._state = self._measure()
         return self._state
+
+    def goals(self) -> tuple[Array, Array]:
+        """Return the goals that are achieved now, and those to achieve, (n, g)."""
+        if self._goals is None:
+            task, state = self.task, self.state
+            self._goals = task.achieved(state), task.desired(state)
+        return self._goals
 
     def _measure(self) -> State:
         batch = self.batch
@@ -266,7 +280,7 @@ class Copies:
             state.q,
             state.qd,
             state.tcp_position,
-            quats_wxyz(state.tcp_rotation),
+            self.workspace.tool.quats(state.tcp_rotation),
             state.opening[:, None],
             state.opening_target[:, None],
         ]
@@ -280,8 +294,8 @@ class Copies:
                 state.object_velocity[:, k],
                 position - state.tcp_position,
             ]
-        goal = self.task.desired(state)
-        values += [goal, goal - self.task.achieved(state)]
+        achieved, desired = self.goals()
+        values += [desired, desired - achieved]
         for given in self.task.observe(state).values():
             values.append(_finite(np.asarray(given, np.float64).reshape(self.n, -1)))
         return values
@@ -342,9 +356,11 @@ class Copies:
         if self.options.reward == "sparse":
             found = np.where(success, 0.0, -1.0)
         elif self.options.observation == "goal":
-            found = self.goal_rewards(task.achieved(state), task.desired(state))
+            found = self.goal_rewards(*self.goals())
         else:
             found = task.reward(state, success)
+        if not np.count_nonzero(self.batch.diverged):
+            return found
         return np.where(self.batch.diverged, task.worst_reward, found)
 
     def goal_rewards(self, achieved: Array, desired: Array) -> Array:
@@ -357,8 +373,8 @@ class Copies:
 
     def successes(self) -> Mask:
         """Return whether the task is done, shape (n,)."""
-        state, task = self.state, self.task
-        done = task.is_success(task.achieved(state), task.desired(state))
+        task = self.task
+        done = task.is_success(*self.goals())
         return done & ~self.batch.diverged
 
     def checked(self, actions: ArrayLike) -> Array:
@@ -392,9 +408,16 @@ class Copies:
 
 def _finite(values: Array) -> Array:
     """Return a copy in which what diverged is a number, too."""
-    if np.isfinite(values).all():
+    if are_finite(values):
         return values.copy()
     return np.nan_to_num(values, nan=0.0, posinf=FARTHEST, neginf=-FARTHEST)
+
+
+def _columns(numbers: list[int]) -> slice | list[int]:
+    """Return an index for columns: a slice, which is quicker, if they are in a row."""
+    first = numbers[0] if numbers else 0
+    row = slice(first, first + len(numbers))
+    return row if numbers == list(range(row.start, row.stop)) else numbers
 
 
 def _of(name: str, parts: Sequence[str]) -> tuple[str, ...]:

@@ -62,12 +62,18 @@ def direct_path(
         speed: Of the pads towards each other [m/s].
         shortest: Least duration [s].
     """
+    duration, target = direct_move(geometry, start, end, speed, shortest)
+    return _path(geometry, [0.0, duration], [start, target], [0.0, 0.0])
+
+
+def direct_move(
+    geometry: ParallelGripper, start: float, end: float, speed: float, shortest: float
+) -> tuple[float, float]:
+    """Return duration [s] and end [rad | m] of ``direct_path``."""
     distance = abs(end - geometry.opening(start))
     cruise = 1.5 * distance / speed
     ramp = math.sqrt(6.0 * distance * RAMP_TIME / geometry.speed[1])
-    duration = max(cruise, ramp, shortest)
-    ends = [start, geometry.position(end)]
-    return _path(geometry, [0.0, duration], ends, [0.0, 0.0])
+    return max(cruise, ramp, shortest), geometry.position(end)
 
 
 def _path(

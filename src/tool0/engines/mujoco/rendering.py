@@ -24,6 +24,7 @@ from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Mesh
 from tool0.description.transform import Transform, from_arrays
 from tool0.engines.mujoco.gl import make_context
+from tool0.engines.mujoco.ground import add_ground, put_ground_below
 from tool0.engines.mujoco.model import MESH_SUFFIXES, build_spec
 from tool0.engines.mujoco.objects import compile_with_scene, free_joint_name
 
@@ -66,7 +67,9 @@ class Renderer:
         self._robot = model = with_readable_visuals(model)
         self.size = width, height
         """Of the largest image [pixels]."""
-        self._robot_spec = build_spec(model, dt=0.001, visuals=True, ground=ground)
+        self._robot_spec = build_spec(model, dt=0.001, visuals=True, ground=None)
+        if ground is not None:
+            add_ground(self._robot_spec, ground)
         _furnish(self._robot_spec, width, height)
         self._mesh_files: Mapping[str, bytes] = {}
         self._objects: tuple[SceneObject, ...] | None = None
@@ -243,6 +246,7 @@ class Renderer:
             eye.frustum_bottom, eye.frustum_top = -half, half
             eye.frustum_width = half * camera.width / camera.height
             eye.frustum_near, eye.frustum_far = camera.near, camera.far
+        put_ground_below(self._model, self._data, frame.position)
         view = mujoco.MjvCamera()
         view.type = mujoco.mjtCamera.mjCAMERA_USER.value  # leave it as it is
         mujoco.mjv_updateScene(
