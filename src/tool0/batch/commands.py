@@ -206,14 +206,15 @@ class Commands:
         ``openings`` [m] have shape (n,), and may lie on the device.  Without
         ``has_force`` a GripperActionController applies its own effort.
         """
-        old = self._drive_limits
-        self._drive_limits = limits = {
-            key: old.get(key) or DriveLimits(gripper=gripper, speed=key[1], force=key[2])
-            for key in {(gripper.name, *each) for each in zip(speeds, forces, strict=True)}
-        }
-        bounds = [
-            limits[gripper.name, *each] for each in zip(speeds, forces, strict=True)
-        ]
+        old, bounds = self._drive_limits, []
+        self._drive_limits = {}
+        for speed, force in zip(speeds, forces, strict=True):
+            key = gripper.name, speed, force
+            limits = old.get(key) or DriveLimits(
+                gripper=gripper, speed=speed, force=force
+            )
+            old[key] = self._drive_limits[key] = limits
+            bounds.append(limits)
         name, role = self._gripper_controller(gripper)
         if not rows.size:
             return

@@ -271,7 +271,7 @@ class Copies:
         started, which = self._kernel.start(
             self._laws[controller][rows],
             joints,
-            now=self._ticks[rows] * self._period,
+            now=self.time[rows],
             times=times,
             positions=positions,
             velocities=velocities,
@@ -314,7 +314,7 @@ class Copies:
         if self._kernel is None or not self.load(rows):
             return False
         laws = self._laws[controller][rows]
-        here = self._kernel.desired(laws, joint, self._ticks[rows] * self._period)
+        here = self._kernel.desired(laws, joint, self.time[rows])
         if here is None:
             return False
         ends = np.asarray(openings)[rows].tolist()

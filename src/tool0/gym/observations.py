@@ -86,7 +86,7 @@ class Observer:
         """Return what the copies are observed to be now; nothing is shared."""
         copies = self._copies
         values = np.concatenate(copies.values(), axis=1)
-        state = np.minimum(np.maximum(values, self._low), self._high)
+        state: Array = np.minimum(np.maximum(values, self._low), self._high)
         if self._mode == "state":
             return state
         if self._mode == "dict":

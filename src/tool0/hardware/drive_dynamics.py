@@ -141,7 +141,7 @@ class DriveDynamics:
         positions: Sequence[Sequence[float]],
         rotors: Mapping[int, float],
     ) -> Matrix:
-        """Return the change of ``joints``' velocities in a step per effort, in k states.
+        """Return changes of ``joints``' velocities in a step per effort, in k states.
 
         Shape (k, n, n) [rad/s/(N·m)], by the masses of the description and the
         ``rotors``, by joint [kg·m²].  ``servo_masses`` has the other arguments.

@@ -73,7 +73,8 @@ class BatchKernel:
         self._pool = ctypes.c_void_p(pool)
         weakref.finalize(self, compiled.tool0_close_pool, self._pool)
         self._robots = address(self.robots)
-        self._counts = tuple(map(address, (left, ticks, untold, self.results)))
+        counts = address(left), address(ticks), address(untold)
+        self._counts = *counts, address(self.results)
         self._read = compiled.tool0_read_many
         self._read.restype = None
 
@@ -100,7 +101,7 @@ class BatchKernel:
             refresh_masses(self._compiled, self.robots[masses], hardware)
         if mobilities.any():
             refresh_mobilities(self._compiled, self.robots[mobilities], hardware)
-        return masses | mobilities
+        return np.asarray(masses | mobilities)
 
     def read(self, which: BoolArray, n_joints: int) -> FloatArray:
         """Return positions, velocities and efforts of robots, shape (3, n, n_joints).

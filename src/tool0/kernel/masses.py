@@ -32,9 +32,7 @@ def refresh_mobilities(
 ) -> None:
     """Compute the mobilities that are due, as ``refresh_masses``."""
     matrices, positions = _mass_matrices(compiled, robots, hardware)
-    mobilities = np.ascontiguousarray(
-        hardware.mobilities(matrices, positions.tolist())
-    )
+    mobilities = np.ascontiguousarray(hardware.mobilities(matrices, positions.tolist()))
     compiled.tool0_set_mobilities_many(
         address(robots), len(robots), address(mobilities)
     )

@@ -29,7 +29,7 @@ class ObjectArrays(NamedTuple):
 
     @property
     def angular(self) -> Array:
-        """The angular velocities in the root's axes [rad/s], shape (n, n_objects, 3)."""
+        """Angular velocities in the root's axes [rad/s], shape (n, n_objects, 3)."""
         return rotated_by(self.quat, self.turning)
 
 
@@ -46,7 +46,9 @@ class ObjectReader:
     def __init__(self, first: ObjectStates, n: int) -> None:
         """Read objects such as those of the ``first`` copy."""
         self._names = first.names
-        self._movable = [k for k, name in enumerate(first.names) if name in first.starts]
+        self._movable = [
+            k for k, name in enumerate(first.names) if name in first.starts
+        ]
         self._static: list[Mapping[str, ObjectState]] = []
         self._poses = np.zeros((n, len(first.names), 7))
         """Those of the static objects; the others are zero."""
