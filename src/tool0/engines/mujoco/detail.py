@@ -19,9 +19,8 @@ from tool0.description.transform import Transform
 from tool0.engines.mujoco.model import VISUAL_GROUP, compile_spec
 
 CELL: Final = 0.006
-"""Edge of the cubes in which the corners of a coarse mesh are merged into one [m]."""
-SHARE: Final = 0.65
-"""Largest part of a pixel that a cell may cover."""
+"""Edge of the cubes in which the corners of a coarse mesh are merged into one [m]: a
+mesh is coarse where a pixel is at least as wide, so that corners move by half of one."""
 WORTH: Final = 0.85
 """Part of its triangles that a mesh may keep to be replaced."""
 HIDDEN_GROUP: Final = 5
@@ -124,7 +123,7 @@ class Detail:
         forward = [row[2] for row in frame.rotation]
         away = (data.geom_xpos[self._fine] - frame.position) @ forward - self._radii
         pixel = 2.0 * math.tan(camera.field_of_view / 2.0) / camera.height
-        is_coarse = SHARE * pixel * away >= CELL
+        is_coarse = pixel * away >= CELL
         group = self._model.geom_group
         group[self._fine] = np.where(is_coarse, HIDDEN_GROUP, VISUAL_GROUP)
         group[self._coarse] = np.where(is_coarse, VISUAL_GROUP, HIDDEN_GROUP)
