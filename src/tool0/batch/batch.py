@@ -501,8 +501,8 @@ class Batch:
         if self._copies.holds(opening):
             check.on_device("opening", opening, (), "", is_held=True)
         else:
-            openings = ends = check.rows("opening", opening, (), rows)
-            for end in ends[rows].tolist():
+            openings = check.rows("opening", opening, (), rows)
+            for end in openings[rows].tolist():
                 if not 0.0 <= end <= geometry.max_opening:
                     geometry.position(end)  # raises ModelError
         speeds, forces = (
