@@ -20,7 +20,7 @@ from tool0.engines.mujoco.model import VISUAL_GROUP, compile_spec
 
 CELL: Final = 0.006
 """Edge of the cubes in which the corners of a coarse mesh are merged into one [m]: a
-mesh is coarse where a pixel is at least as wide, so that corners move by half of one."""
+mesh is coarse where a pixel is at least as wide; corners move by half of one."""
 WORTH: Final = 0.85
 """Part of its triangles that a mesh may keep to be replaced."""
 HIDDEN_GROUP: Final = 5
