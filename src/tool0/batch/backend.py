@@ -15,6 +15,7 @@ from tool0.description.drive_limits import DriveLimits
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import resized
 from tool0.errors import ConfigError, ControlError, EngineUnavailableError
+from tool0.kernel.memory import IntArray
 from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 
@@ -153,7 +154,7 @@ class BatchBackend(Protocol):
         self,
         rows: Indices,
         controller: int,
-        joints: Sequence[int],
+        joints: IntArray,
         *,
         times: Array,
         positions: Array,

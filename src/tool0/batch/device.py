@@ -18,6 +18,7 @@ from tool0.engines.mujoco.copies import ObjectArrays, mujoco_engine
 from tool0.engines.mujoco.warp_worlds import WarpWorlds, check_device
 from tool0.errors import GoalRejectedError
 from tool0.kernel.device import DeviceControl, DeviceState, is_on_device
+from tool0.kernel.memory import IntArray
 from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 from tool0.simulation.core import Core
@@ -190,7 +191,7 @@ class DeviceCopies:
         self,
         rows: Indices,
         controller: int,
-        joints: Sequence[int],
+        joints: IntArray,
         *,
         times: Array,
         positions: Array,
@@ -205,7 +206,7 @@ class DeviceCopies:
         refused = self._control.start(
             rows,
             controller,
-            joints,
+            joints.tolist(),
             now=self.time[rows],
             times=times,
             positions=positions,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, final
 
 from tool0.batch.arguments import Arguments, Which
 from tool0.batch.copy_sensor import Array, CopySensor, SensorKind
+from tool0.batch.one_thread import OneThread
 from tool0.description.robot import RobotDescription
 from tool0.protocol.sensors import DEFAULT_CUTOFF
 from tool0.sensing.force_torque import measured_link, ticks_between_samples
@@ -34,8 +34,8 @@ class BatchForceTorque:
         cores: Sequence[Core],
         copies: BatchBackend,
         *,
-        alone: Callable[[], AbstractContextManager[None]],
-        changing: Callable[[], AbstractContextManager[None]],
+        alone: OneThread,
+        changing: OneThread,
     ) -> None:
         """Measure at a link, by its name or that of a sensor; see ``measured_link``.
 
@@ -72,7 +72,7 @@ class BatchForceTorque:
         period = self._cores[0].control_period
         ticks = ticks_between_samples(rate, period)
         kind = SensorKind(self._link, ticks, 1.0 / (ticks * period), cutoff)
-        with self._changing():
+        with self._changing:
             sensor = CopySensor(kind, self._cores)
             self._stop()
             self._copies.start_sensor(sensor)
@@ -81,13 +81,13 @@ class BatchForceTorque:
 
     def stop(self) -> None:
         """Stop sampling and forget the tare; stopping twice is allowed."""
-        with self._changing():
+        with self._changing:
             self._stop()
 
     def zero(self, which: Which | None = None) -> None:
         """Tare the sensor of copies until it is started again; resets keep the tare."""
         rows = Arguments(len(self._cores), "force_torque.zero").which(which)
-        with self._changing():
+        with self._changing:
             self._running().zero(rows)
 
     def read(self) -> Array:
@@ -98,14 +98,14 @@ class BatchForceTorque:
         Raises:
             ControlError: If this is a GPU.
         """
-        with self._alone():
+        with self._alone:
             found = self._running().passed
         found.flags.writeable = False
         return found
 
     def read_raw(self) -> Array:
         """Return the same without the filter, shape (n, 6)."""
-        with self._alone():
+        with self._alone:
             found = self._running().raw
         found.flags.writeable = False
         return found

@@ -6,9 +6,10 @@ from typing import final
 
 import numpy as np
 
+from tool0.batch.arguments import are_finite
 from tool0.batch.batch import Batch
 from tool0.gym.actions import ArmActions
-from tool0.gym.bounds import finite
+from tool0.gym.bounds import columns, finite
 from tool0.gym.options import EnvOptions
 from tool0.gym.task import ArmState, Mask
 from tool0.gym.workspace import Workspace
@@ -31,7 +32,7 @@ class ArmCopies:
         self.space, self.actions = space, ArmActions(space, options)
         self._batch, self._options, self._has_wrench = batch, options, has_wrench
         names, gripper = batch.joint_names, space.gripper
-        self._joints = [names.index(joint) for joint in space.chain.joint_names]
+        self._joints = columns([names.index(x) for x in space.chain.joint_names])
         self._drive = names.index(gripper.joint)
         self.force = min(max(GRIP_FORCE, gripper.force[0]), gripper.force[1])
         """Of its gripper at each pad [N]."""
@@ -84,20 +85,24 @@ class ArmCopies:
         """
         batch, options = self._batch, self._options
         q = batch.position[:, self._joints]
-        is_sound = np.isfinite(q).all(axis=1) & ~batch.diverged
+        which = None
+        if not are_finite(q) or np.count_nonzero(batch.diverged):
+            which = np.isfinite(q).all(axis=1) & ~batch.diverged
         self._last_opening = opening
         moved = self.actions.positions(actions, self.target, q)
-        self.target = np.where(is_sound[:, None], moved, self.target)
+        if which is not None:
+            moved = np.where(which[:, None], moved, self.target)
+        self.target = moved
         batch.command(
             self.target,
             duration=options.period,
             joints=self.space.chain.joint_names,
-            which=is_sound,
+            which=which,
         )
         widest = self.space.gripper.max_opening
         openings = self.actions.openings(actions)
         is_new = np.abs(openings - self._opening_target) > DEADBAND * widest
-        if is_new.any():
+        if np.count_nonzero(is_new):
             self._opening_target = np.where(is_new, openings, self._opening_target)
             batch.move_gripper(
                 self._opening_target,

@@ -14,7 +14,7 @@ from tool0.batch.batch import Batch
 from tool0.batch.saved import BatchState
 from tool0.gym.actions import Actions
 from tool0.gym.arms import ArmCopies
-from tool0.gym.bounds import FARTHEST, finite
+from tool0.gym.bounds import FARTHEST, columns, finite
 from tool0.gym.checks import check_functions, check_objects, check_start
 from tool0.gym.held import grasped
 from tool0.gym.looks import Looks
@@ -55,7 +55,9 @@ class Copies:
         )
         """The arms, in the order of actions and observations."""
         self.actions = Actions([arm.actions for arm in self.arms])
-        self._objects = [batch.object_names.index(x) for x in self.task.objects]
+        self._objects = columns(
+            [batch.object_names.index(x) for x in self.task.objects]
+        )
         self._start = batch.position[0].copy()
         for arm in self.arms:
             arm.put(self._start, arm.space.start)
@@ -66,6 +68,7 @@ class Copies:
             cameras = self.workspace.cameras
             self._looks = Looks(batch, options.ranges, scene.objects, cameras)
         self._state: State | None = None
+        self._goals: tuple[Array, Array] | None = None
         check_functions(self.task, self.state)
 
     def _make_batch(self, n: int, threads: int | None, device: str) -> Batch:
@@ -86,7 +89,7 @@ class Copies:
         for arm, own in zip(twin.arms, self.arms, strict=True):
             arm.copy_from(own)
         twin._goal = self._goal.copy()
-        twin._state = None
+        twin._state = twin._goals = None
         return twin
 
     # ---- time -----------------------------------------------------------------------
@@ -137,7 +140,7 @@ class Copies:
             batch.step(round(MOVING / batch.control_period), is_held)
         for arm in self.arms:
             arm.settle(which)
-        self._state = None
+        self._state = self._goals = None
 
     def _disturbances(self, rng: np.random.Generator) -> tuple[Array, Array]:
         """Return random masses and frictions of the objects."""
@@ -178,7 +181,7 @@ class Copies:
         for arm, each, state in zip(self.arms, given, measured, strict=True):
             arm.act(each, state.opening)
         self.batch.step(self.options.ticks)
-        self._state = None
+        self._state = self._goals = None
 
     # ---- what there is --------------------------------------------------------------
 
@@ -188,6 +191,13 @@ class Copies:
         if self._state is None:
             self._state = self._measure()
         return self._state
+
+    def goals(self) -> tuple[Array, Array]:
+        """Return the goals that are achieved now, and those to achieve, (n, g)."""
+        if self._goals is None:
+            task, state = self.task, self.state
+            self._goals = task.achieved(state), task.desired(state)
+        return self._goals
 
     def _measure(self) -> State:
         batch = self.batch
@@ -211,9 +221,11 @@ class Copies:
         if self.options.reward == "sparse":
             found = np.where(success, 0.0, -1.0)
         elif self.options.observation == "goal":
-            found = self.goal_rewards(task.achieved(state), task.desired(state))
+            found = self.goal_rewards(*self.goals())
         else:
             found = task.reward(state, success)
+        if not np.count_nonzero(self.batch.diverged):
+            return found
         return np.where(self.batch.diverged, task.worst_reward, found)
 
     def goal_rewards(self, achieved: Array, desired: Array) -> Array:
@@ -226,8 +238,8 @@ class Copies:
 
     def successes(self) -> Mask:
         """Return whether the task is done, shape (n,)."""
-        state, task = self.state, self.task
-        done = task.is_success(task.achieved(state), task.desired(state))
+        task = self.task
+        done = task.is_success(*self.goals())
         return done & ~self.batch.diverged
 
     def checked(self, actions: ArrayLike) -> Array:

@@ -90,14 +90,13 @@ class Observer:
         """Return what the copies are observed to be now; nothing is shared."""
         copies = self._copies
         numbers = np.concatenate(values(copies), axis=1)
-        state = numbers.clip(self._low, self._high)
+        state: Array = np.minimum(np.maximum(numbers, self._low), self._high)
         if self._mode == "state":
             return state
         if self._mode == "dict":
             return {name: state[:, part].copy() for name, part in self.slices.items()}
         if self._mode == "goal":
-            achieved = copies.task.achieved(copies.state)
-            desired = copies.task.desired(copies.state)
+            achieved, desired = copies.goals()
             return {
                 "observation": state,
                 "achieved_goal": achieved.clip(-FARTHEST, FARTHEST),

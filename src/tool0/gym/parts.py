@@ -7,7 +7,6 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from tool0.description.transform_arrays import quats_wxyz
 from tool0.gym.bounds import (
     FARTHEST,
     FASTEST_OBJECT,
@@ -43,12 +42,12 @@ def values(copies: Copies) -> list[Array]:
     """Return the observed state by its parts, each of shape (n, m)."""
     state, task = copies.state, copies.task
     found = []
-    for arm in state.arms.values():
+    for own, arm in zip(copies.arms, state.arms.values(), strict=True):
         found += [
             arm.q,
             arm.qd,
             arm.tcp_position,
-            quats_wxyz(arm.tcp_rotation),
+            own.space.tool.quats(arm.tcp_rotation),
             arm.opening[:, None],
             arm.opening_target[:, None],
         ]
@@ -64,8 +63,8 @@ def values(copies: Copies) -> list[Array]:
         ]
         if task.objects[k] in copies.resized:
             found.append(state.object_size[:, k])
-    goal = task.desired(state)
-    found += [goal, goal - task.achieved(state)]
+    achieved, desired = copies.goals()
+    found += [desired, desired - achieved]
     for given in task.observe(state).values():
         found.append(finite(np.asarray(given, np.float64).reshape(copies.n, -1)))
     return found

@@ -229,7 +229,8 @@ class Task(abc.ABC):
 
     def reward(self, state: State, success: Mask) -> Array:
         """Return the dense rewards, shape (n,): progress - 1, and 0 with success."""
-        return np.where(success, 0.0, np.clip(self.progress(state), 0.0, 1.0) - 1.0)
+        progress = np.minimum(np.maximum(self.progress(state), 0.0), 1.0)
+        return np.where(success, 0.0, progress - 1.0)
 
     def observe(self, state: State) -> Mapping[str, Array]:
         """Return further parts of observations by name, shapes (n,) or (n, m)."""
@@ -256,7 +257,7 @@ class Task(abc.ABC):
 
 def length(vectors: Array) -> Array:
     """Return the lengths of vectors (…, k), shape (…)."""
-    return np.asarray(np.sqrt((vectors * vectors).sum(axis=-1)))
+    return np.asarray(np.sqrt(np.add.reduce(vectors * vectors, axis=-1)))
 
 
 def nearness(distance: Array, rate: float = NEARNESS) -> Array:

@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "export.h"
@@ -15,7 +16,8 @@ typedef struct {
     Robot *const *robots;
     int n;
     const int32_t *most;
-    int32_t *done, *results;
+    int64_t *left, *ticks, *untold;
+    int32_t *results;
     int next; /* the copy that the next free thread takes */
 } Work;
 
@@ -36,9 +38,15 @@ static void take_copies(Work *work)
         int i = __atomic_fetch_add(&work->next, 1, __ATOMIC_RELAXED);
         if (i >= work->n)
             return;
-        int done = 0;
-        work->results[i] = tool0_run(work->robots[i], work->most[i], &done);
-        work->done[i] = done;
+        int64_t left = work->left[i];
+        work->results[i] = RUN_DONE;
+        if (!work->robots[i] || left <= 0)
+            continue;
+        int done = 0, most = left < work->most[i] ? (int)left : work->most[i];
+        work->results[i] = tool0_run(work->robots[i], most, &done);
+        work->left[i] -= done;
+        work->ticks[i] += done;
+        work->untold[i] += done;
     }
 }
 
@@ -118,23 +126,21 @@ TOOL0_EXPORT void tool0_close_pool(void *opened)
         free_pool(pool);
 }
 
-/* Execute up to most[i] ticks of each robot, as tool0_run, in the threads of a pool.
+/* Execute a batch's work, in the threads of a pool.
 
    A thread that wakes up after the last copy was taken is not waited for.  In a process
    that was forked after the pool was opened, the caller does all the work. */
-TOOL0_EXPORT void tool0_run_many(void *opened, Robot *const *robots, int n,
-                                 const int32_t *most, int32_t *done, int32_t *results)
+static void run(Pool *pool, const Work *work)
 {
-    Pool *pool = opened;
     if (is_copy(pool)) {
-        pool->work = (Work){robots, n, most, done, results, 0};
+        pool->work = *work;
         take_copies(&pool->work);
         return;
     }
     pthread_mutex_lock(&pool->lock);
-    pool->work = (Work){robots, n, most, done, results, 0};
+    pool->work = *work;
     pool->has_work = 1;
-    for (int i = 1; i < n && i <= pool->n_threads; i++)
+    for (int i = 1; i < work->n && i <= pool->n_threads; i++)
         pthread_cond_signal(&pool->changed);
     pthread_mutex_unlock(&pool->lock);
     take_copies(&pool->work);
@@ -143,4 +149,37 @@ TOOL0_EXPORT void tool0_run_many(void *opened, Robot *const *robots, int n,
     while (pool->n_busy)
         pthread_cond_wait(&pool->finished, &pool->lock);
     pthread_mutex_unlock(&pool->lock);
+}
+
+/* Execute the ticks that are left of each robot, up to most[i], as tool0_run; robots that
+   are NULL are left out.  Their numbers are subtracted from `left`, and added to `ticks`
+   and `untold`.  Returns whether an event ended a run, or ticks are left. */
+TOOL0_EXPORT int tool0_run_many(void *pool, Robot *const *robots, int n,
+                                const int32_t *most, int64_t *left, int64_t *ticks,
+                                int64_t *untold, int32_t *results)
+{
+    Work work = {robots, n, most, left, ticks, untold, results, 0};
+    run(pool, &work);
+    for (int i = 0; i < n; i++)
+        if (robots[i] && (results[i] != RUN_DONE || left[i] > 0))
+            return 1;
+    return 0;
+}
+
+/* Copy positions, velocities and efforts of the joints of those robots for which is_read
+   is true to an array of shape (3, n, n_joints). */
+TOOL0_EXPORT void tool0_read_many(Robot *const *robots, int n, int n_joints,
+                                  const char *is_read, double *found)
+{
+    double *position = found, *velocity = position + n * n_joints;
+    double *effort = velocity + n * n_joints;
+    size_t size = (size_t)n_joints * sizeof(double);
+    for (int i = 0; i < n; i++) {
+        if (!is_read[i])
+            continue;
+        int at = i * n_joints;
+        memcpy(&position[at], robots[i]->position, size);
+        memcpy(&velocity[at], robots[i]->velocity, size);
+        memcpy(&effort[at], robots[i]->effort, size);
+    }
 }

@@ -65,7 +65,7 @@ closed pads of a linkage vibrate."""
 MESH_SUFFIXES = (".stl", ".obj", ".msh")
 """Suffixes of mesh files that MuJoCo reads."""
 
-_VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # as mujoco_menagerie has them
+VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # as mujoco_menagerie has them
 
 
 def build_spec(
@@ -302,7 +302,7 @@ def _add_shapes(
     for number, visual in enumerate(link.visuals if visuals else ()):
         geom = add_geom(spec, handle, visual, frame)
         geom.name = f"{link.name}/visual{number}"
-        geom.group = _VISUAL_GROUP
+        geom.group = VISUAL_GROUP
         geom.mass = 0.0
         geom.contype = geom.conaffinity = 0
         if visual.rgba is not None:

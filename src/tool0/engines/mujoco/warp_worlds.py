@@ -13,7 +13,7 @@ import warp as wp
 from mujoco_warp import OverflowType
 from numpy.typing import NDArray
 
-from tool0.engines.mujoco.copies import ObjectArrays, object_arrays_of
+from tool0.engines.mujoco.copies import ObjectArrays, ObjectReader
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.engines.mujoco.warp_kernels import (
     find_touching,
@@ -90,6 +90,7 @@ class WarpWorlds:
         """
         self._device = device
         self._engine = engine
+        self._objects = ObjectReader(engine.world.states, n)
         self._n, self._n_joints = n, len(engine.joint_names)
         model = copy.copy(engine.model)
         # MuJoCo Warp never resets a diverged world, and rejects the flag that says so.
@@ -245,7 +246,7 @@ class WarpWorlds:
         """Return the objects' states in the root."""
         states, k = self._engine.world.states, self._n_joints
         q, qd = _doubles(self._measured)[:, k:], _doubles(self.velocity)[:, k:]
-        return object_arrays_of(states, q, qd, [states.static])
+        return self._objects.read(q, qd, [states.static])
 
     def place(self, name: str, rows: Indices, position: Array, quat: Array) -> None:
         """Put a movable object at rest at positions (len(rows), 3), quat_wxyz (…, 4).
