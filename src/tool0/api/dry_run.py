@@ -56,18 +56,18 @@ class JointPeak:
     joint: str
     """Its name."""
     value: float
-    """[rad/s] or [N·m], an absolute value."""
+    """Absolute value of the quantity [rad/s] or [N·m]."""
     share: float
-    """Fraction of its limit."""
+    """Fraction of the joint's limit."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DryRun:
-    """What a program did in the simulation."""
+    """Result of a program in the simulation."""
 
     end: ProgramRun
-    """How it ended, after how long."""
+    """State of the run at its end, with its duration."""
     touches: tuple[TouchReport, ...]
     """Touches in the order of their times."""
     speed: JointPeak

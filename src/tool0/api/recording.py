@@ -36,7 +36,7 @@ QUANTITIES: Final = (
     "desired_position",
     "desired_velocity",
 )
-"""What is recorded of each joint, in the order of the columns."""
+"""Quantities recorded of each joint, in the order of the columns."""
 
 _INTERVAL: Final = 0.1
 """Interval at which received snapshots are packed [wall s]."""

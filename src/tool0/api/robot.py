@@ -83,11 +83,11 @@ class JointValues:
     time: float
     """Simulated time [s]."""
     position: Mapping[str, float]
-    """[rad | m]"""
+    """Positions [rad | m]."""
     velocity: Mapping[str, float]
-    """[rad/s | m/s]"""
+    """Velocities [rad/s | m/s]."""
     effort: Mapping[str, float]
-    """[N·m | N]"""
+    """Efforts [N·m | N]."""
 
 
 @final
@@ -123,7 +123,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def info(self) -> SimulationInfo:
-        """What does not change: engine, control period, ground, limits, YAML."""
+        """Constant properties: engine, control period, ground, limits, YAML."""
         return self._info
 
     @cached_property

@@ -75,7 +75,7 @@ class ControllerManager:
         """Load nothing yet.
 
         ``config`` has the controllers that can be loaded, ``joints`` their limits, and
-        ``model`` what the robot has besides joints.
+        ``model`` describes the rest of the robot.
         """
         self._hardware = hardware
         self.config = config

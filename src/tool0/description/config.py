@@ -82,8 +82,8 @@ class DescriptionConfig:
     """Several robots, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0: name, arm,
     gripper if any, position of the base and, if given, roll, pitch, yaw [m, rad]."""
     namespaces: bool = False
-    """In ROS, give each robot of a cell a namespace and a controller manager of its
-    own; a cell's file can say so, too."""
+    """Whether each robot of a cell has a namespace and a controller manager of its own
+    in ROS; a cell's file can also say so."""
     args: Mapping[str, Argument] | None = None
     """Arguments of the xacro file; they override the other options."""
     relax_inertia: bool = False
@@ -197,7 +197,7 @@ class CellRobot:
     """ros_control YAML instead of its built-in controllers.  It is written for the
     robot alone: the names of joints and controllers get the prefix."""
     location: SourceLocation | None = None
-    """Where it was read from, for messages."""
+    """Source of the robot's entry, for messages."""
 
     def __post_init__(self) -> None:
         if not _ROBOT_NAME.fullmatch(self.name):

@@ -39,7 +39,7 @@ class JointFrames(NamedTuple):
     rotations: list[Array]
     """m arrays of shape (n, 3, 3)."""
     origins: Array
-    """[m], shape (n, m, 3)."""
+    """Origins of the frames [m], shape (n, m, 3)."""
     axes: Array
     """Unit vectors, shape (n, m, 3)."""
 

@@ -44,7 +44,7 @@ MESHES = ("tool0", "upstream")
 GRIPPER_MODELS = ("mimic", "linkage")
 
 _LINKAGE_FILE = "linkage.yaml"
-"""Of grippers with a linkage model."""
+"""File name of the linkage model of grippers that have one."""
 _PREFIX = re.compile(r"\w*")
 _UPRIGHT = 0.01
 """Largest tilt of an arm that stands on a pedestal [rad]."""

@@ -44,9 +44,10 @@ from tool0.errors import DescriptionError, ModelError, SourceLocation
 logger = logging.getLogger(__name__)
 
 MAX_SIZE, MAX_MASS = 100.0, 1e6
-"""[m, kg]: beyond them the physics of either engine diverges."""
+"""Largest size [m] and mass [kg]: beyond them the physics of either engine diverges."""
 MAX_FRICTION = 1e6
-"""[1] A larger friction changes no motion, and only spoils the engines' numerics."""
+"""Largest coefficient of friction.  A larger one changes no motion, and only spoils the
+engines' numerics."""
 
 _WORLD = "world"
 """The name of a root link that Gazebo takes for the world itself."""
@@ -87,11 +88,11 @@ class RigidModel:
     """The name of each part of the shape."""
     T_model_link: Transform = field(default_factory=Transform)
     T_model_shape: Transform = field(default_factory=Transform)
-    """Where the origin of the shape, which is the object's, sits in the model."""
+    """Pose in the model of the shape's origin, which is the object's."""
     placement: Transform = field(default_factory=Transform)
     """The model's own ``<pose>``, in the pose that it is asked to have."""
     mass: float | None = None
-    """[kg]; None stands still."""
+    """Mass [kg]; None for a body that stands still."""
     friction: float = DEFAULT_FRICTION
     rgba: RGBA = _UNPAINTED
 

@@ -67,7 +67,7 @@ class Quantity:
 LENGTH: Final = Quantity("length", {"m": 1.0, "mm": 1e-3}, 1.0)
 ANGLE: Final = Quantity("angle", {"rad": 1.0, "deg": math.radians(1.0)}, 10.0)
 SPEED: Final = Quantity("speed", {"m/s": 1.0, "mm/s": 1e-3}, 10.0)
-"""Of a tool: no arm is as fast."""
+"""Speed of a tool; no arm reaches 10 m/s."""
 
 Metres = Annotated[float, LENGTH]
 Radians = Annotated[float, ANGLE]

@@ -30,7 +30,7 @@ class ObjectStatus(IntEnum):
     MET_OPENING = 1
     MET_CLOSING = 2
     ARRIVED = 3
-    """At the requested position: there is no object, or it was lost."""
+    """The fingers are at the requested position: there is no object, or it was lost."""
 
 
 class Fault(IntEnum):

@@ -96,7 +96,7 @@ class RtdeClient:
             self._negotiate()
             self.version = self._controller_version()
             self.rate = 500.0 if self.version.is_e_series else 125.0
-            """Of the controller, and of the packages [Hz]."""
+            """Rate of the controller and of its packages [Hz]."""
             self.columns, self._recipe, self._layout = self._set_up(outputs, optional)
             self._inputs = {
                 name: self._set_up_input(fields)

@@ -43,12 +43,12 @@ _ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 
 class _BodyMotion(NamedTuple):
-    """How a body moves, in the axes of the root."""
+    """Motion of a body, in the axes of the root."""
 
     angular_velocity: Vector3
-    """[rad/s]"""
+    """Angular velocity [rad/s]."""
     angular_acceleration: Vector3
-    """[rad/s²]"""
+    """Angular acceleration [rad/s²]."""
     acceleration: Vector3
     """Acceleration of its origin relative to free fall [m/s²]: at rest it points up."""
 

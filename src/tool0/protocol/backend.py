@@ -92,7 +92,7 @@ class States(Observed, Protocol):
 
     @property
     def cameras(self) -> CameraRenderer | None:
-        """What draws the states; None if nothing does."""
+        """Renderer of camera images; None if there is none."""
 
     def refresh(self) -> None:
         """Publish a snapshot soon, also while time is held."""

@@ -42,7 +42,7 @@ class LiveStates:
         """
         self.description = description
         self.bus = Bus()
-        """Where the robot publishes its states and events."""
+        """Bus on which the robot publishes its states and events."""
         self.goals = GoalRegistry()
         self.cameras: Final = None
         self._close: Callable[[], None] | None = close

@@ -34,7 +34,8 @@ class ReplaySamples(Struct, frozen=True, kw_only=True):
     times: list[float]
     """Ascending simulated times [s]."""
     values: list[list[float | None]]
-    """Of each signal in SI units, in the order of the request; null where it has none.
+    """Values of each signal in SI units, in the order of the request; null where it has
+    none.
 
     Of many samples these are the least and the greatest of equal intervals."""
 

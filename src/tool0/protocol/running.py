@@ -27,7 +27,7 @@ class Run(Request[None], frozen=True):
     """Advance simulated time; without real time, only this request does."""
 
     duration: Annotated[float, Meta(ge=0.0)]
-    """[s]"""
+    """Simulated time to advance by [s]."""
 
 
 class SetSpeed(Request[None], frozen=True):

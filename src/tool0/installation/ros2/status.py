@@ -34,7 +34,7 @@ OPTIONAL: Final = {
 """Package → the function of the node that requires it."""
 INSTALL: Final = "tool0 ros2 install"
 _TIMEOUT: Final = 30.0
-"""Of the program below [wall s]; it takes about 1 s."""
+"""Timeout of the program below [wall s]; it takes about 1 s."""
 _PROGRAM: Final = """\
 import importlib, json, platform, sys
 
