@@ -28,7 +28,7 @@ _SHARPEST_ARC = -0.5
 
 
 class ToolState(NamedTuple):
-    """Where a tool is on its path."""
+    """Pose of a tool on its path."""
 
     T: Array
     """Its pose, shape (4, 4)."""

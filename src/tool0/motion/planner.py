@@ -307,7 +307,7 @@ class _Record:
     def __init__(self, start: Cubics) -> None:
         self._parts = [start]
         self.time = 0.0
-        """At the end [s]."""
+        """Time at the end of the motion [s]."""
 
     def add(self, motion: Cubics) -> None:
         times, q, qd = motion

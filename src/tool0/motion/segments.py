@@ -55,7 +55,7 @@ class JointSegment:
         self._start, self.end = start, end
         self.length = float(np.abs(end - start).max())
         self.rate = (end - start) / max(self.length, 1e-300)
-        """Of each joint per x, shape (6,)."""
+        """Change of each joint per x, shape (6,)."""
         self.grid = np.array([0.0, self.length])
 
     def at(self, x: Array) -> tuple[Array, Array]:

@@ -27,7 +27,7 @@ class ToolPath(Protocol):
 
     @property
     def noun(self) -> str:
-        """What it is, for messages: ``line``."""
+        """Noun for messages: ``line``."""
 
     @property
     def length(self) -> float:

@@ -27,7 +27,8 @@ _DIGITS: Final = 5
 _THREADS: Final = 4
 """They encode, or wait for the thread that renders."""
 _LEVEL: Final = 1
-"""Of zlib: a quarter of the time of the default level, for half as many bytes more."""
+"""Level of zlib: a quarter of the time of the default level, for 1.5 times the
+bytes."""
 
 
 @final

@@ -25,9 +25,9 @@ from tool0.server.session import Session
 logger = logging.getLogger(__name__)
 
 FRAME_PERIOD: Final = 1 / 60
-"""[wall s]"""
+"""Shortest period between frames [wall s]."""
 STATUS_PERIOD: Final = 0.1
-"""[wall s]; also between checks for notifications."""
+"""Period of the status, and of checks for notifications [wall s]."""
 HEARTBEAT: Final = 0.2
 """Longest wall time between frames, also of a paused robot [s]."""
 

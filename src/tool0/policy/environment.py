@@ -1,4 +1,4 @@
-"""What a policy drives: an episode of a task, or a robot that has been brought up."""
+"""Environments that a policy drives: an episode of a task, or a running robot."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class ActionRefusedError(PolicyError):
 
 
 class Outcome(NamedTuple):
-    """What an action led to."""
+    """Result of an action."""
 
     reward: float = 0.0
     terminated: bool = False
@@ -48,7 +48,7 @@ class Environment(Protocol):
 
     @property
     def action_names(self) -> tuple[str, ...]:
-        """What each of the m numbers of an action is."""
+        """Meaning of each of the m numbers of an action."""
 
     @property
     def limits(self) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""Where a policy is: a Python callable, a LeRobot policy, or a server."""
+"""Location of a policy: a Python callable, a LeRobot policy, or a server."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from tool0.policy.environment import Array, Outcome, Picture
 from tool0.policy.seen import Seen
 
 VIDEO_SIZE: Final = (320, 240)
-"""Of pictures, if observations have none [pixels]."""
+"""Size of the pictures of a video, if observations have none [pixels]."""
 
 
 @final

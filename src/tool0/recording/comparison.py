@@ -19,14 +19,15 @@ _POSE: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Divergence:
-    """Where the repetition first differs from the recording."""
+    """First place at which the repetition differs from the recording."""
 
     time: float
     """Simulated time [s]."""
     what: str
     """Such as ``position of elbow_joint``."""
     recorded: float | str
-    """[rad | m], [rad/s | m/s], [N·m | N], [m]; a text for outcomes of requests."""
+    """Recorded value [rad | m], [rad/s | m/s], [N·m | N], [m]; a text for outcomes of
+    requests."""
     found: float | str
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""What a recording has besides arrays: events and requests."""
+"""Events and requests in a recording: all that is not arrays."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class RecordedEvent:
     severity: str
     """``info``, ``warning`` or ``error``."""
     text: str
-    """In words."""
+    """Description of the event."""
     data: Mapping[str, Any]
     """Details, by name."""
 

@@ -1,4 +1,4 @@
-"""What happened, in words and as JSON: on ``/rosout`` and ``/tool0/events``."""
+"""Events as text and as JSON: on ``/rosout`` and ``/tool0/events``."""
 
 from __future__ import annotations
 
@@ -124,7 +124,8 @@ class ContactWatch:
     def __init__(self, model: RobotModel) -> None:
         self._links = frozenset(link.name for link in model.links)
         self._seen: dict[tuple[str, str], float] | None = None
-        """When each pair touched last [s]; None before the first snapshot."""
+        """Simulated time at which each pair touched last [s]; None before the first
+        snapshot."""
 
     def begun(self, snapshot: Snapshot) -> list[Contact]:
         """Return the contacts of robot and surroundings that are new."""

@@ -95,7 +95,7 @@ class McapFile:
 
     @property
     def size(self) -> int:
-        """What was written so far [bytes]."""
+        """Bytes that were written so far."""
         return self._output.tell()
 
     def write(

@@ -66,7 +66,7 @@ class Part:
 
     @property
     def size(self) -> int:
-        """What was written [bytes]."""
+        """Bytes that were written."""
         return self._file.size
 
     @property

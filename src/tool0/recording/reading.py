@@ -110,7 +110,7 @@ class RecordingFile:
 
     @property
     def info(self) -> RecordingInfo:
-        """What the recording says about itself: versions, engine, when it began."""
+        """Static content of the recording: versions, engine, start."""
         return self._info
 
     @property
@@ -263,7 +263,7 @@ class RecordingFile:
 
     @cached_property
     def events(self) -> Sequence[RecordedEvent]:
-        """What happened, in the order of the file."""
+        """Events in the order of the file."""
         return self._texts(EVENTS, RecordedEvent)
 
     @cached_property
@@ -306,7 +306,7 @@ class RecordingFile:
 
     @cached_property
     def simulation(self) -> SimulationInfo:
-        """What did not change while it was recorded."""
+        """Properties that were constant while it was recorded."""
         return self._decoded(SIMULATION, SimulationInfo)
 
     @cached_property

@@ -66,9 +66,9 @@ class Recorder:
         self._files: deque[Path] = deque()
         self._n_parts = 0
         self._size_before = 0
-        """Of the files that are complete [bytes]."""
+        """Size of the completed files [bytes]."""
         self._duration_before = 0.0
-        """Of these [s]."""
+        """Duration of the completed files [s]."""
         self._dropped = 0
         self._error: str | None = None
         self._seen: Snapshot | None = None

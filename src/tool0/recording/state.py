@@ -1,4 +1,4 @@
-"""What changes rarely in a snapshot: written when it changes, as JSON."""
+"""The part of a snapshot that rarely changes: written when it changes, as JSON."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ _WRITTEN: Final = tuple(
 
 @final
 class Derived(Struct, frozen=True, kw_only=True):
-    """What is no field of a snapshot, but follows from one; as in ``StateChange``."""
+    """Values that follow from a snapshot, but are no field of it; as in
+    ``StateChange``."""
 
     targets: Mapping[str, float] = {}
     modes: Mapping[str, MotionMode] = {}

@@ -19,7 +19,8 @@ _ENCODERS: Final = ("libx264", "libopenh264")
 """H.264 encoders, the better one first; PyAV's wheels have both."""
 _OPTIONS: Final = {"libx264": {"crf": "20", "preset": "fast"}}
 _BITS_PER_PIXEL: Final = 0.15
-"""For the encoder without a quality option; ample for smooth surfaces."""
+"""Bits per pixel for the encoder without a quality option; ample for smooth
+surfaces."""
 
 
 def require_encoder(path: Path | str) -> None:

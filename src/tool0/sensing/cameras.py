@@ -33,7 +33,7 @@ Drawn = TypeVar("Drawn")
 
 @final
 class View(NamedTuple):
-    """What an image is to show."""
+    """Settings of an image."""
 
     camera: Camera
     state: Snapshot

@@ -53,8 +53,8 @@ class CollisionFinder:
         self._finder: OverlapFinder | None = None
         self._beside_lock = Lock()
         self._beside: OverlapFinder | None = None
-        """For single objects, in the thread of the tick: it waits for no path, and the
-        scene is not compiled again for each."""
+        """Finder for single objects, in the thread of the tick: it does not wait for
+        paths, and the scene is not compiled again for each object."""
 
     def on_way(
         self, state: Snapshot, positions: Mapping[str, float]

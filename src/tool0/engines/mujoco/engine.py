@@ -42,7 +42,7 @@ _BRAKE_MOBILITY = 1000.0
 the brake's torque [rad/s²].  A brake with its whole torque creeps at 1e-4 rad/s at
 most, however light the joint is without its load."""
 _MOST_FRICTION = 1e6
-"""Of a drive without an effort limit [N·m | N]."""
+"""Dry friction of the brake of a drive without an effort limit [N·m | N]."""
 
 
 def _log_warning(message: str) -> None:

@@ -42,7 +42,7 @@ LinkPair = tuple[str, str]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SampledCollisions:
-    """How often links collided in random poses."""
+    """Counts of the random poses in which links collided."""
 
     n_samples: int
     collided: Mapping[LinkPair, int]

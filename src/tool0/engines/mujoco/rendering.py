@@ -46,7 +46,7 @@ HAZE = (3.0, 9.0)
 DIFFUSE, HEAD_DIFFUSE, HEAD_AMBIENT = 0.5, 0.32, 0.38
 """Intensities of the lamp, and of the light from the camera."""
 ROBOT, GROUND, NOTHING = -1, -2, -3
-"""What a pixel shows that shows no object."""
+"""Values of pixels that show no object."""
 STAND_IN_RGBA = (0.6, 0.62, 0.65, 1.0)
 """Colour of collision shapes that replace a mesh."""
 
@@ -69,7 +69,7 @@ class Renderer:
         """
         self._robot = model = with_readable_visuals(model)
         self.size = width, height
-        """Of the largest image [pixels]."""
+        """Width and height of the largest image [pixels]."""
         self._robot_spec = build_spec(model, dt=0.001, visuals=True, ground=ground)
         _furnish(self._robot_spec, width, height)
         self._mesh_files: Mapping[str, bytes] = {}

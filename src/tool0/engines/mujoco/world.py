@@ -48,7 +48,7 @@ class SavedWorld:
     """The state of a world that is not in ``MjData``."""
 
     objects: Mapping[str, SceneObject]
-    """With their sizes, masses and frictions, by name."""
+    """Objects with their sizes, masses and frictions, by name."""
     static: Mapping[str, ObjectState]
     contacts: tuple[float, tuple[Contact, ...]]
 
@@ -384,7 +384,7 @@ class Attachment:
     body: str
     """MuJoCo's body that the link is part of."""
     position: Vector3
-    """Of the object, in the body [m]."""
+    """Position of the object, in the body [m]."""
     quat_wxyz: Quaternion
 
 

@@ -41,14 +41,15 @@ EMPTY: Final = 0.05
 SILENCE: Final = 0.1
 """Without a message for that long, the arm slows down to rest [s]."""
 BRAKE_TIME: Final = 0.024
-"""In which the curve's clock stops [s], unless a joint would decelerate more than
+"""Time in which the curve's clock stops [s], unless a joint would decelerate more than
 ``BRAKE_DECELERATION``; the joints' servos need some time more."""
 BRAKE_DECELERATION: Final = 40.0
-"""Of a joint, when the clock stops [rad/s²]: as fast as UR's own streams change."""
+"""Largest deceleration of a joint when the clock stops [rad/s²]: as fast as UR's own
+streams change."""
 FADE_TIME: Final = 0.02
 """Shortest time in which a difference fades [s]."""
 FADE_ACCELERATION: Final = 12.0
-"""Which a fading difference adds to a joint [rad/s²]."""
+"""Largest acceleration that a fading difference adds to a joint [rad/s²]."""
 FADE_SPEED: Final = 0.05
 """Which a fading difference adds to a joint, at most [rad/s]: the arm that catches up
 is hardly faster than the speed slider says."""
@@ -82,7 +83,8 @@ class MessageKind(IntEnum):
     REPLACE = 2
     """A knot that replaces those that are due from its period on."""
     RESTART = 3
-    """As ``REPLACE``, also after the arm has come to rest by itself."""
+    """A knot that replaces others as ``REPLACE``, also after the arm came to rest
+    itself."""
     BRAKE = 4
     """Come to rest on the curve; the period is that of the deceleration."""
     END = 5
@@ -95,7 +97,7 @@ that belong to it."""
 
 
 class ProgramMode(IntEnum):
-    """What the program does."""
+    """State of the program."""
 
     STARTING = 0
     FOLLOWING = 1
@@ -110,7 +112,7 @@ class StopCause(IntEnum):
     """Why the program brought the arm to rest."""
 
     TOLD = 1
-    """By ``BRAKE``."""
+    """The program received ``BRAKE``."""
     SILENT = 2
     """No message for ``SILENCE``."""
     RAN_OUT = 3
@@ -120,7 +122,7 @@ class StopCause(IntEnum):
 
 
 class CommandKind(IntEnum):
-    """What a command does: functions of URScript."""
+    """Kind of a command: a function of URScript."""
 
     FORCE_MODE = 1
     END_FORCE_MODE = 2

@@ -67,7 +67,7 @@ class _Fingers(NamedTuple):
     geometry: ParallelGripper
     counts: Counts
     place: int
-    """Of the driven joint, in the order of the engine."""
+    """Place of the driven joint in the engine's order."""
 
 
 @final
@@ -115,7 +115,7 @@ class RealRobotEngine(OwnDrives):
         try:
             rtde = self.connection.rtde
             self.reader = StateReader(rtde, first_package(rtde))
-            """What the robot reports, newest first."""
+            """Reports of the robot, newest first."""
         except BaseException:
             self.connection.close()
             raise
@@ -136,9 +136,9 @@ class RealRobotEngine(OwnDrives):
         self.guard: Callable[[WantedMotion, float], str] = lambda motion, now: ""
         """Returns why a motion may not be sent; empty if it may."""
         self._key: tuple[object, ...] = ()
-        """Of the motion that was looked at last."""
+        """Key of the motion that the guard looked at last."""
         self._looked = -math.inf
-        """When that was [s]."""
+        """Time of that look [s]."""
         self._failure = ""
         self._report = self._first_report(options)
 

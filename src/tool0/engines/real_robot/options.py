@@ -1,4 +1,4 @@
-"""Where a real robot is, and how its gripper is reached."""
+"""Options of a real robot: its address, and the way to its gripper."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class RealRobotOptions:
     """This machine's address, as the robot reaches it; that of the connection to the
     robot, if left out."""
     callback_port: int = 0
-    """Where tool0's program on the robot connects; a free port, if 0."""
+    """Port at which tool0's program on the robot connects; a free one, if 0."""
     gripper: str = ""
     """``urcap``, ``modbus``, ``modbus:HOST:PORT``, ``rtu:/dev/ttyUSB0`` or ``none``; by
     default the URCap, if the description has a gripper."""

@@ -42,7 +42,8 @@ INPUTS: Final = {
         *("standard_analog_output_0", "standard_analog_output_1"),
     ),
 }
-"""What tool0 writes: a recipe for each kind, so that one does not disturb another."""
+"""Fields that tool0 writes: a recipe for each kind, so that one does not disturb
+another."""
 
 _PLAYING, _PAUSED = frozenset({2, 5}), frozenset({3, 4})
 """RTDE's ``runtime_state``: playing and resuming, pausing and paused; others are

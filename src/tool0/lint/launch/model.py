@@ -23,7 +23,7 @@ Origin: TypeAlias = Literal[
     "missing",
     "switched off",
 ]
-"""Where an argument's value comes from; ``value`` is one that cannot be overridden."""
+"""Origin of an argument's value; ``value`` is one that cannot be overridden."""
 
 
 @final

@@ -55,7 +55,7 @@ class XacroFile:
     written: str
     """Its name, as written in the including file."""
     location: SourceLocation
-    """Where it is included."""
+    """Location of the element that includes the file."""
     reason: str = ""
     """Why it could not be read."""
     defaults: Mapping[str, str] = field(default_factory=dict)

@@ -14,7 +14,7 @@ from tool0.lint.robot.facts import JointFacts, Robot
 
 _WORLD = "world"
 _DENSEST = 22600.0
-"""Of osmium [kg/m³]: https://en.wikipedia.org/wiki/Osmium."""
+"""Density of osmium [kg/m³], the densest: https://en.wikipedia.org/wiki/Osmium."""
 _ROUNDING = 1e-3
 """The slack of the triangle inequality, for numbers that a CAD program rounded."""
 _LONGEST = 10.0
@@ -25,7 +25,7 @@ _LIGHT = 0.5
 _STRONG = {"revolute": 100.0, "continuous": 100.0, "prismatic": 1000.0}
 """Efforts that no motor of such a finger has [N·m | N]: a 2F-85 has 23 N·m at most."""
 _MOST_LINKS = 100
-"""Of a finger; a longer chain is no finger."""
+"""Largest number of links of a finger."""
 
 
 def inertia_findings(robot: Robot) -> Iterator[Finding]:

@@ -61,7 +61,7 @@ class Made:
     arguments: Mapping[str, Value] = field(default_factory=dict)
     """Positional ones, too, by name."""
     places: Mapping[str, SourceLocation] = field(default_factory=dict)
-    """Where each argument stands."""
+    """Location of each argument."""
 
     def get(self, name: str) -> Value:
         """Return an argument; None if it is not given."""

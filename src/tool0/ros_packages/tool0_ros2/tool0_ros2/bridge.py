@@ -1,4 +1,4 @@
-"""What the parts of the node have in common: their context, and the updates."""
+"""Shared by the parts of the node: their context, and the updates."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -120,7 +120,7 @@ class Reporter:
 
 @dataclass
 class Context:
-    """What a part of the node is given."""
+    """Context of a part of the node."""
 
     connection: Connection
     """Requests to the simulation."""
@@ -133,7 +133,7 @@ class Context:
     report: Reporter
     """The node's log."""
     refresh: Callable[[], None]
-    """To be called when what a part ``wants`` has changed; others notice it within
+    """Call this when the ``wants`` of a part have changed; other parts notice it within
     half a second."""
     new_node: Callable[[str], Any]
     """Returns another rclpy.Node of this name in the namespace, for services that may
@@ -143,7 +143,7 @@ class Context:
     info: SimulationInfo
     """The response to ``read_info``."""
     options: Any
-    """Those of the command line: ``tf_rate``, ``camera_rate`` [Hz], …"""
+    """Options of the command line: ``tf_rate``, ``camera_rate`` [Hz], …"""
 
     def ask(self, request: Request[T], use: str) -> T | None:
         """Return the response to a request, or None where the robot has no answer.
@@ -161,7 +161,7 @@ class Context:
 
 @dataclass
 class ControllerContext(Context):
-    """What the part of a controller is given."""
+    """Context of the part of a controller."""
 
     name: str
     """The full name of the controller: that in requests."""

@@ -39,7 +39,7 @@ MAX_RATE = 500.0
 _FIELDS: Final = (
     *("joint_names", "position", "velocity", "effort", "controllers", "control_boxes"),
 )
-"""What every update has."""
+"""Fields that every update has."""
 _MOTION_FIELDS: Final = ("motions", "command")
 _REFRESH_PERIOD = 0.5
 """Between two looks at what subscribers want [wall s]."""
@@ -85,7 +85,7 @@ class _Worker:
 
 
 class _Namespace:
-    """What is in one namespace: the whole robot, or one robot of a cell."""
+    """Contents of one namespace: the whole robot, or one robot of a cell."""
 
     def __init__(
         self,
