@@ -177,7 +177,7 @@ class MovePlan:
 
     @property
     def duration(self) -> float:
-        """Of the whole motion [s]."""
+        """Duration of the whole motion [s]."""
         return self.path.duration
 
     @property

@@ -31,7 +31,7 @@ class ToolPath(Protocol):
 
     @property
     def length(self) -> float:
-        """Of the tool's way [m]."""
+        """Length of the tool's way [m]."""
 
     @property
     def angle(self) -> float:

@@ -43,8 +43,7 @@ _LAG_STEP: Final = 0.002
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointDifference:
-    """Difference of a joint between the recording and the simulation, without the
-    lag."""
+    """Difference of a joint between recording and simulation, without the lag."""
 
     position_rms: float
     """Root mean square of the position difference [rad | m]."""

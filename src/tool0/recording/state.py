@@ -19,8 +19,7 @@ _WRITTEN: Final = tuple(
 
 @final
 class Derived(Struct, frozen=True, kw_only=True):
-    """Values that follow from a snapshot, but are no field of it; as in
-    ``StateChange``."""
+    """Values that follow from a snapshot, not its fields; as in ``StateChange``."""
 
     targets: Mapping[str, float] = {}
     modes: Mapping[str, MotionMode] = {}

@@ -28,11 +28,11 @@ START_TIMEOUT: Final = 60.0
 FIRST_PAUSE: Final = 0.5
 """Before the process starts again after its death [wall s]; twice as long each time."""
 LONGEST_PAUSE: Final = 30.0
-"""[wall s]"""
+"""Longest pause before the process starts again [wall s]."""
 UNABLE: Final = 78
 """Exit status of a program that lacks what it needs: it would only fail again."""
 _GRACE: Final = 3.0
-"""For the process to end by itself [wall s]."""
+"""Time in which the process has to end when it is stopped [wall s]."""
 _LAST_LINES: Final = 12
 _LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[[\d.]+\] (\[.*)")
 _LEVELS: Final = {

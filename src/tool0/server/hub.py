@@ -45,9 +45,9 @@ _ADVANCING: Final = (Run, Step)
 """Requests that may execute the ticks of a simulation without real time: those are
 nobody's to pay."""
 _POST_COST: Final = 0.1e-3
-"""Of a streamed request in the thread of the tick [s]."""
+"""Processor time of a streamed request in the thread of the tick [s]."""
 _STREAM_COST: Final = 2e-3
-"""Of starting or ending a stream, which takes threads of its own [s]."""
+"""Processor time of starting or ending a stream, which takes threads of its own [s]."""
 
 
 class Service(Protocol):

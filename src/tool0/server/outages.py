@@ -72,12 +72,14 @@ class Outages:
 
     def __init__(self) -> None:
         self._freeze: FreezeMeter | None = None
-        """From the first look on: a server may wait long for its first peer."""
+        """Meter of freezes; made at the first look, since a server may wait long for
+        its first peer."""
         self._duration = 0.0
         self._until = 0.0
         self._errors: dict[Session, tuple[str, float]] = {}
         self._refused: dict[Session, float] = {}
-        """When a setpoint of a stream was refused last [wall s]."""
+        """Time at which a setpoint of each session's stream was refused last [wall
+        s]."""
 
     def look(self) -> bool:
         """Return whether the process was frozen since the last call."""

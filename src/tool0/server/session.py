@@ -46,16 +46,16 @@ MAX_TEXTS: Final = 1 << 18
 """Messages that may wait until they are decoded [bytes], each with ``_OVERHEAD``.  Then
 nothing more is read."""
 _OVERHEAD: Final = 64
-"""[bytes]"""
+"""Size that is added to that of each waiting message [bytes]."""
 MAX_BACKLOG: Final = 4096
 """Requests of one connection that may wait for each other, in chunks: 16 MiB.  Further
 ones are rejected, so that what is behind them is always read."""
 _SENT_AT_ONCE: Final = 1 << 14
 """Replies that are sent together [bytes]: sending costs more than encoding them."""
 _REPLY_COST: Final = 0.1e-3
-"""Of sending a reply [s]."""
+"""Processor time of sending a reply [s]."""
 _REQUEST_COST: Final = 0.3e-3
-"""Of a request in other threads: that of the tick, and waking it [s]."""
+"""Processor time of a request in other threads: that of the tick, and waking it [s]."""
 _OVERTAKEN: Final = ControlError(
     "a stop overtook this request, which would have undone it; send it again"
 )
@@ -86,7 +86,7 @@ class Transport(Protocol):
 
     @property
     def account(self) -> Account:
-        """What is charged for the peer."""
+        """Account that is charged for the peer's work."""
 
     async def send(self, texts: Sequence[bytes]) -> None:
         """Send messages; ConnectionError if the peer has disconnected."""
@@ -133,7 +133,7 @@ class Session:
         self._wake = asyncio.Event()
         self._queue: deque[bytes] = deque()
         self._n_unread = 0
-        """In the queue [bytes]."""
+        """Size of the messages in the queue [bytes]."""
         self._was_read = asyncio.Event()
         self._snapshots: deque[bytes] = deque()
         self.missed = 0

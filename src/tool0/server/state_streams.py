@@ -38,7 +38,8 @@ from tool0.server.session import Session
 logger = logging.getLogger(__name__)
 
 POLL_PERIOD: Final = 0.004
-"""[wall s]: twice the shortest snapshot period; nothing is missed in between."""
+"""Period of polling for states [wall s]: twice the shortest snapshot period; nothing is
+missed in between."""
 _FLUSH_PERIOD: Final = 0.05
 """Wall time after which a state that was held back is sent anyway [s]."""
 _FAST_PERIOD: Final = 0.02
@@ -47,11 +48,11 @@ some 0.4 ms, since both need the interpreter."""
 _COMPANION_LOGGERS: Final = ("tool0.ros2", "tool0.ur")
 """Loggers with what these processes have logged themselves."""
 _ROUNDING: Final = 1e-6
-"""[s]"""
+"""Tolerance of times [s]."""
 
 
 class _Pace(NamedTuple):
-    """How a stream learns of new states."""
+    """Way in which a stream learns of new states."""
 
     rate: float
     """Rate of its subscription to the bus [Hz]."""
@@ -96,8 +97,8 @@ class StateStream:
         self._last: Snapshot | None = None
         """The newest that was sent."""
         self._due_time = -math.inf
-        """Of the last one that was due by the rate [s]: changes come in between, and
-        delay none."""
+        """Time of the last state that was due by the rate [s]: changes come in between,
+        and delay none."""
         self._pace = _Pace.of(request, states.snapshot.speed)
         self._subscription: Subscription | None = None
         self._is_waking = False

@@ -37,7 +37,7 @@ class Executed(Struct, frozen=True, gc=False):
     step: int
     """Ticks since the start; unlike ``tick``, a reset does not set it back."""
     tick: int
-    """As of a snapshot: ticks since the start or the last reset."""
+    """Ticks since the start or the last reset, as in a snapshot."""
     time: float
     """Simulated time [s]."""
     request: Struct
@@ -45,7 +45,7 @@ class Executed(Struct, frozen=True, gc=False):
     error: str | None
     """Why it failed."""
     n_items: int
-    """How many items the sequences of the request have."""
+    """Lengths of the request's sequences."""
 
 
 @final

@@ -66,7 +66,8 @@ controller stops it, or not."""
 MOST_PLANS: Final = 100
 """Plans that are kept; the oldest are forgotten."""
 MOVED: Final = 1e-3
-"""By how much joints and objects may move between planning and executing [rad | m]."""
+"""Distance by which joints and objects may move between planning and executing [rad |
+m]."""
 _ROWS: Final = 200
 """Poses of a plan at which its clearance is measured."""
 
@@ -92,9 +93,9 @@ class _Moving:
     """The arms of a motion, and where they are."""
 
     chains: tuple[ArmChain, ...]
-    """With the limits that apply."""
+    """Chains of the arms, with the limits that apply."""
     positions: Mapping[str, float]
-    """Of all joints, commanded where they are commanded [rad | m]."""
+    """Positions of all joints, commanded where they are commanded [rad | m]."""
 
     @property
     def joints(self) -> tuple[Joint, ...]:

@@ -20,7 +20,7 @@ from tool0.protocol.planning import PlanTarget
 from tool0.simulation.tool_poses import pose_in_base, tool_in_flange
 
 ROUNDING: Final = 1e-3
-"""By how much a target may be beyond a joint's limit [rad]."""
+"""Distance by which a target may be beyond a joint's limit [rad]."""
 _FREE_TURNS: Final = 24
 """Angles about a free axis that are tried."""
 

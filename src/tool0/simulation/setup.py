@@ -1,4 +1,4 @@
-"""What a simulation is started with; it makes the cores, of a bring-up or a batch."""
+"""Setup of a simulation: it makes the cores of a bring-up or a batch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the controllers want drives to do that follow motions by themselves."""
+"""Motions that controllers command of drives that follow motions on their own."""
 
 from __future__ import annotations
 

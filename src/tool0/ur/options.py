@@ -68,10 +68,10 @@ class UrOptions:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UrArm:
-    """Where an arm is served as a UR."""
+    """Address at which an arm is served as a UR."""
 
     address: str
-    """With the ports of a UR, and its gripper's socket on 63352."""
+    """Address with the ports of a UR, and its gripper's socket on 63352."""
     modbus_port: int | None = None
     """Modbus port of its gripper at this address; None without one."""
     serial_port: str | None = None

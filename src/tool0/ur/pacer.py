@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 CATCH_UP: Final = 0.1
-"""How late a step may begin and still count from when it was due [s]."""
+"""Longest delay with which a step begins and still counts from when it was due [s]."""
 AT_ONCE: Final = 0.02
 """Within which a program goes on after a step, if it waits for nothing else [s]."""
 _ROUNDING: Final = 1e-9
@@ -28,9 +28,9 @@ class Pacer:
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._due = -math.inf
-        """When the last interval ended [s]."""
+        """Time at which the last interval ended [s]."""
         self._went_on = -math.inf
-        """When the program saw that, and went on [s]."""
+        """Time at which the program saw that, and continued [s]."""
 
     @property
     def start(self) -> float:

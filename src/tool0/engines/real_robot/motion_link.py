@@ -40,8 +40,7 @@ _HELLO_TIMEOUT: Final = 2.0
 
 
 class Knot(NamedTuple):
-    """Positions and velocities of the joints that are due at a period of the
-    program."""
+    """Positions and velocities of the joints in a period of the program."""
 
     step: int
     positions: Sequence[float]

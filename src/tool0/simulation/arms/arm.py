@@ -65,19 +65,19 @@ class Arm(abc.ABC):
         self.name, self.parts = name, parts
         self.box = box
         self.motion = ArmMotion(name, parts, model, hardware, manager)
-        """For a program that has taken the arm."""
+        """Motion of the arm for a program that has taken it."""
         self.mode = ControllerMode(self.motion.spec, hardware, manager)
         """Freedrive and force mode of a controller."""
         self._hardware, self._manager = hardware, manager
         self._joints = frozenset(joint.name for joint in parts.joints)
-        """Which a program takes."""
+        """Joints that a program takes."""
         self._stopped_with = self._joints.union(moving_with_it)
-        """Which move only if the arm may."""
+        """Joints that move only if the arm may."""
         self._modes = Modes()
         self._stopped: tuple[str, ...] = ()
         """The controllers that play starts."""
         self._stopped_at = 0.0
-        """When the protective stop occurred [s]."""
+        """Simulated time at which the protective stop occurred [s]."""
         self._resumes = False
         """Whether the controllers of a taken arm start when it is released."""
 

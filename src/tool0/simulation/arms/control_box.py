@@ -33,10 +33,10 @@ REAL_RAMP: Final = (10.0, 1.0)
 """The same for a real robot, down and up [1/s].  It limits its speed at once; it hears
 of an increase a little late, and what it does meanwhile must stay small."""
 MOST_VOLTAGE: Final = 10.0
-"""Of an analogue pin [V]."""
+"""Largest voltage of an analogue pin [V]."""
 _WIRED: Final = "the inputs of a real robot are what their wires say"
 CURRENTS: Final = (0.004, 0.020)
-"""Of an analogue pin [A]."""
+"""Range of the current of an analogue pin [A]."""
 
 
 @final

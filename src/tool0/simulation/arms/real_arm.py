@@ -66,9 +66,9 @@ class RealArm(Arm):
         )
         self._drives = drives
         self._report: RobotReport | None = None
-        """What the controller reported last."""
+        """Newest report of the controller."""
         self._task: ComplianceTask | None = None
-        """By which the arm pushes with a force, or gives way, by itself."""
+        """Task by which the arm itself pushes with a force, or gives way."""
 
     def follow(self, report: RobotReport, now: JointState) -> None:
         """Show what the controller of the robot reports, and stop what it stopped.

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from tool0.simulation.handlers.program_run import ProgramExecution
 
 _LONGEST_RETURN = 2.0
-"""Of an arm that is released while a program is to begin [wall s]."""
+"""Longest wait for an arm that is released while a program is to begin [wall s]."""
 
 
 def _context(simulation: Simulation, program: Program) -> RobotContext:

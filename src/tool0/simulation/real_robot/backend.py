@@ -104,7 +104,8 @@ class RealRobotBackend:
         self._inner = SimulationBackend(simulation)
         self._enabling = Enabling(simulation, engine)
         self._guard: PathGuard | None = None
-        """From the first enabling on: it loads what the rest does not need."""
+        """Guard of paths, made at the first enabling: it loads what the rest does not
+        need."""
         self._handlers: Mapping[type[Request[Any]], Callable[[Any], None]] = {
             EnableMotion: self._enable,
             DisableMotion: lambda _: self._enabling.disable(),

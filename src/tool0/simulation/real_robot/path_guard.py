@@ -21,12 +21,13 @@ _SAMPLES: Final = 500
 _MOST_SAMPLES: Final = 6 * _SAMPLES
 """They are 1260 s."""
 AHEAD: Final = 0.3
-"""For how long a stream is assumed to go on as it does [s]."""
+"""Time for which a stream is assumed to continue as it does [s]."""
 JUMP: Final = 0.05
 """Largest distance of a joint from the start of a motion [rad]."""
 _ROUNDING: Final = 1e-6
 _SPEED_ROUNDING: Final = 0.02
-"""Of the speed slider, and of splines that are a little faster between their knots."""
+"""Tolerance of speeds: of the speed slider, and of splines that are a little faster
+between their knots."""
 
 
 @final

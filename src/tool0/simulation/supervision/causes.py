@@ -14,8 +14,8 @@ from tool0.sensing.stalls import LARGEST_LAG, external_contacts
 from tool0.simulation.core import Core
 
 RECENT: Final = 0.1
-"""For how long a contact counts as a cause after it has ended [s]: what hits the ground
-rebounds."""
+"""Time for which a contact counts as a cause after it has ended [s]: what hits the
+ground rebounds."""
 _AT_LIMIT: Final = 0.02
 """Distance from a limit at which a joint is held by it [rad]."""
 _FULL: Final = 0.98
@@ -28,7 +28,7 @@ class TrackedJoint(NamedTuple):
 
     name: str
     number: int
-    """In the engine's order."""
+    """Number of the joint in the engine's order."""
     lower: float
     upper: float
     """Its limits [rad]."""

@@ -139,7 +139,7 @@ class _Watch:
     def forget(self) -> None:
         """Forget forces, as after a reset."""
         self._checked = -math.inf
-        """When all joints were checked [s]."""
+        """Time at which all joints were checked last [s]."""
         self._forces.forget()
 
     # ---- safety limits --------------------------------------------------------------

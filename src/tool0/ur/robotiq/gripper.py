@@ -94,7 +94,7 @@ class RobotiqGripper:
         self.command = POWER_ON
         """The requests of clients."""
         self.address: tuple[str, int] | None = None
-        """Where the URCap's socket listens, once it does: host and port."""
+        """Host and port of the URCap's socket, once it listens."""
         self._activation = Activation.RESET
         self._object = ObjectStatus.MOVING
         self._fault = Fault.NONE

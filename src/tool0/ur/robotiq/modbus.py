@@ -18,7 +18,8 @@ COMMAND: Final = 1000
 STATUS: Final = 2000
 """First register of the status, 0x07D0."""
 REGISTERS: Final = BLOCK_BYTES // 2
-"""Of either; the last five are reserved: they read 0, and writing them does nothing."""
+"""Number of registers of either block; the last five are reserved: they read 0, and
+writing them does nothing."""
 MAX_READ: Final = 125
 MAX_WRITTEN: Final = 123
 MAX_WRITTEN_AND_READ: Final = 121
@@ -27,7 +28,7 @@ _FUNCTIONS: Final = {
     *(ModbusFunction.READ_HOLDING, ModbusFunction.READ_INPUT, ModbusFunction.WRITE_ONE),
     *(ModbusFunction.WRITE, ModbusFunction.READ_AND_WRITE),
 }
-"""Those that the gripper has."""
+"""Functions that the gripper has."""
 _RANGE, _RANGES = struct.Struct(">HH"), struct.Struct(">HHHH")
 
 

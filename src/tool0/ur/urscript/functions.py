@@ -1,4 +1,4 @@
-"""How the library describes its functions: names, parameters, implementations."""
+"""Descriptions of the library's functions: names, parameters, implementations."""
 
 from __future__ import annotations
 
@@ -61,7 +61,8 @@ class Function:
     is_physical: bool
     """Whether it takes time of the robot, which secondary programs must not."""
     cost: int = 0
-    """As how many further statements it counts: 4 µs of the processor, each."""
+    """Number of further statements that a call counts as: 4 µs of the processor,
+    each."""
 
     @property
     def signature(self) -> str:

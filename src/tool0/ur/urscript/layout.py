@@ -11,7 +11,7 @@ from lark.lark import PostLex
 from tool0.ur.urscript_errors import Place, URScriptError
 
 MAX_NESTING: Final = 100
-"""Of blocks and brackets together, and of signs in a row."""
+"""Largest depth of blocks and brackets together, and of signs in a row."""
 _CLOSERS: Final = {"_CLOSE": "(", "RSQB": "["}
 _OPENERS: Final = {"_OPEN": ")", "LIST_OPEN": "]"}
 _BLOCKS: Final = ("IF", "WHILE", "DEFINE")

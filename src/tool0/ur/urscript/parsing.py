@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from lark import Token
 
 MAX_SIZE: Final = 1_000_000
-"""Of a program [characters]."""
+"""Largest size of a program, in characters."""
 _SHOWN: Final = 30
 _NEVER: Final = {
     "for": "URScript has no 'for'; count in a 'while'",
