@@ -28,7 +28,7 @@ from tool0.simulation.simulation import Simulation
 
 ENGINE: Final = "mujoco"
 LOOK: Final = 0.02
-"""Between two looks at the contacts [s]."""
+"""Time between two looks at the contacts [s]."""
 
 
 @final
@@ -54,7 +54,7 @@ class JointPeak:
     """The joint of an arm that came nearest to a limit."""
 
     joint: str
-    """Its name."""
+    """Name of the joint."""
     value: float
     """Absolute value of the quantity [rad/s] or [N·m]."""
     share: float

@@ -160,7 +160,7 @@ class Bin:
     """A box that is open above, its sides along the root's axes."""
 
     lower: Vector3
-    """Its corner, outside, in the root [m]."""
+    """Lower corner of the box, outside, in the root [m]."""
     upper: Vector3
     """The opposite corner, outside, in the root [m]."""
 

@@ -28,7 +28,7 @@ class Gripper:
 
     @property
     def geometry(self) -> ParallelGripper:
-        """How the opening follows from its joint, and the ranges of speed and force."""
+        """Opening as a function of the joint's position; ranges of speed and force."""
         return self._geometry
 
     @property

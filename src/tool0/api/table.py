@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from tool0.description.model import RobotModel
 
 ITEM, BIN, TABLE = "cube", "bin", "table"
-"""Their names in the scene ``table_and_bin``."""
+"""Names of the object, the bin and the table in the scene ``table_and_bin``."""
 TABLE_TOP = -0.02
 """Height of that scene's table, in the robot's root [m]."""
 ARM_LENGTH = 0.81725

@@ -41,7 +41,7 @@ _POLL: Final = 0.5
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Progress:
-    """How far a collection is."""
+    """Progress of a collection."""
 
     n_episodes: int
     n_requested: int

@@ -26,7 +26,7 @@ MANIFEST: Final = "manifest.json"
 EPISODES: Final = "episodes.jsonl"
 _DATA_PATH: Final = "data/chunk-{:03d}/episode_{:06d}.parquet"
 _COUNTS: Final = {"length", "success", "bytes"}
-"""What the index is read for."""
+"""Columns for which the index is read."""
 _PART: Final = ".part"
 _WRITERS: Final = 8
 """Files that are written at a time."""

@@ -29,7 +29,7 @@ from tool0.recording.reading import RecordingFile, open_recording
 from tool0.recording.video import cameras_of
 
 OBJECT: Final = "object."
-"""Before the name of an object, in the name of its observation."""
+"""Prefix of the name of an object, in the name of its observation."""
 _POSE: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 

@@ -39,7 +39,7 @@ class Resampled:
         ticks, self._rows = np.unique(tick, return_index=True)
         steps = np.diff(ticks)
         interval = 1.0 / (rate * period)
-        """Between two times [ticks]."""
+        """Interval between two times [ticks]."""
         usual = int(np.median(steps)) if len(steps) else 1
         if interval < usual * (1.0 - 1e-9):
             raise ConfigError(

@@ -100,7 +100,8 @@ class ControllerManager:
         """The running controllers in load order, with their joints; a new tuple
         whenever a controller starts or stops."""
         self.running_specs: tuple[ControllerSpec, ...] = ()
-        """Their parameters; the same ones when a controller restarts."""
+        """Parameters of the running controllers; the same ones when a controller
+        restarts."""
         self._observers: tuple[Callable[[JointState], None], ...] = ()
         self._setpoints: tuple[tuple[str, Callable[[], Setpoint | None]], ...] = ()
         """Name and setpoint function of each running controller."""

@@ -64,7 +64,7 @@ class Camera:
     far: float = 10.0
     """Depth beyond which points are invisible [m]."""
     location: SourceLocation | None = field(default=None, compare=False, repr=False)
-    """Its source location, for messages."""
+    """Location of the camera in the user's file, for messages."""
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):

@@ -28,7 +28,7 @@ class Finding:
     severity: Severity = "error"
     """``error``: it fails or does something unintended; ``warning``: suspicious."""
     key: str = ""
-    """Its subject: a parameter's full name, an element, a joint."""
+    """Subject of the finding: a parameter's full name, an element, a joint."""
     message: str
     """Description of the problem, and why it matters."""
     remedy: str = ""

@@ -25,7 +25,7 @@ class HardwareInterface:
     """One number that controllers command or read, in SI units."""
 
     name: str
-    """Such as ``position``."""
+    """Name such as ``position``."""
     lower: float = -math.inf
     """Smallest command."""
     upper: float = math.inf

@@ -482,15 +482,15 @@ class RobotModel:
     transmissions: tuple[Transmission, ...] = ()
     """The drives: one per driven joint."""
     grippers: tuple[ParallelGripper, ...] = ()
-    """Its parallel grippers."""
+    """Parallel grippers of the robot."""
     loops: tuple[LoopJoint, ...] = ()
     """Pairs of links connected in a point, beyond the tree."""
     self_collide: bool = False
     """Whether all its links collide with each other, whatever each says."""
     hardware: tuple[HardwareComponent, ...] = field(default=(), hash=False)
-    """Its ``<ros2_control>`` tags; without them, ``<transmission>`` defines drives."""
+    """The ``<ros2_control>`` tags; without them, ``<transmission>`` defines drives."""
     initial_positions: Mapping[str, float] = field(default_factory=dict, hash=False)
-    """Where ``<ros2_control>`` lets joints start, by joint [rad | m]."""
+    """Start positions of joints in ``<ros2_control>``, by joint [rad | m]."""
     locations: dict[str, SourceLocation] = field(
         default_factory=dict, compare=False, repr=False
     )

@@ -64,7 +64,7 @@ class Solution:
     positions: Mapping[str, float]
     """Joint → position [rad], from base to tip."""
     branch: Branch
-    """Its branch, one of eight."""
+    """Branch of the posture, one of eight."""
     distance: float
     """Distance from ``near``: each joint's turn divided by its largest velocity, as the
     root of the sum of squares [s]."""

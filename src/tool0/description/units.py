@@ -78,7 +78,7 @@ FAR: Final = 100.0
 LARGEST_MOVABLE: Final = 5.0
 """A body that can move is smaller in some direction [m]."""
 LARGEST_FIXED: Final = 20.0
-"""So is one that cannot: ground may be a block [m]."""
+"""Size from which a fixed body is probably in mm: ground may be a block [m]."""
 
 
 def read_number(text: str, *quantities: Quantity) -> tuple[float, Quantity | None]:

@@ -17,7 +17,7 @@ HEADER: Final = struct.Struct(">HHHB")
 MAX_LENGTH: Final = 254
 """Largest size of the unit and a request or a response together [bytes]."""
 ERROR: Final = 0x80
-"""Added to the function of a response that is an exception."""
+"""Number added to the function of a response that is an exception."""
 
 
 class ModbusFunction(IntEnum):

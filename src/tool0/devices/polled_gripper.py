@@ -16,9 +16,9 @@ from tool0.errors import TransportError
 logger = logging.getLogger(__name__)
 
 PERIOD: Final = 0.016
-"""Between two readings [s]: about what the URCap manages."""
+"""Period of readings [s]: about what the URCap manages."""
 RETRY: Final = 1.0
-"""Between attempts to connect [s]."""
+"""Pause between attempts to connect [s]."""
 _ACTIVE: Final = CommandRegisters(activate=True)
 
 

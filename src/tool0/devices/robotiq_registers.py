@@ -18,7 +18,7 @@ class Activation(IntEnum):
     """gSTA: how far the activation is."""
 
     RESET = 0
-    """Not activated, or an automatic release."""
+    """The gripper is not activated, or in an automatic release."""
     IN_PROGRESS = 1
     COMPLETE = 3
 

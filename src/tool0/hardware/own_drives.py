@@ -102,7 +102,8 @@ class OwnDrives(abc.ABC):
     @property
     @abc.abstractmethod
     def start_delay(self) -> float:
-        """How long before its start the robot should know of a motion from rest [s]."""
+        """Time by which the robot should know of a motion from rest before it starts
+        [s]."""
 
     @property
     @abc.abstractmethod

@@ -31,14 +31,14 @@ class ToolState(NamedTuple):
     """Pose of a tool on its path."""
 
     T: Array
-    """Its pose, shape (4, 4)."""
+    """Pose of the tool, shape (4, 4)."""
     V: Array
-    """Its motion, linear above angular [m/s, rad/s], shape (6,)."""
+    """Motion of the tool, linear above angular [m/s, rad/s], shape (6,)."""
 
 
 @final
 class BlendPath:
-    """From one path into another; s is the part of the blend's time, from 0 to 1."""
+    """Blend from one path into another; s is the part of its time, from 0 to 1."""
 
     noun = "blend"
 

@@ -155,7 +155,7 @@ class Tail(NamedTuple):
 
     @property
     def brake(self) -> SpeedProfile:
-        """To rest at the target."""
+        """Profile that brings the tool to rest at the target."""
         return braking(self.remaining, self.speed, self.acceleration)
 
 

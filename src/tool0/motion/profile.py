@@ -13,7 +13,7 @@ from tool0.kinematics.chain import Array
 
 _NOTHING = 1e-12
 _COPIES = 8
-"""Whose mean is a smoothed profile."""
+"""Number of shifted copies whose mean is a smoothed profile."""
 
 
 class Phase(NamedTuple):

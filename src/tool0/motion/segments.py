@@ -86,7 +86,7 @@ class JointSegment:
 
 @final
 class ToolSegment:
-    """Along a path of the tool."""
+    """Segment along a path of the tool."""
 
     def __init__(
         self, tool: ToolOfArm, path: ToolPath, start: Array, length: float

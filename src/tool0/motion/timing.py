@@ -89,10 +89,10 @@ class TimedSegment:
     zone_out: float
     """Length of the blend into the next move, in x; 0 to rest."""
     profile: SpeedProfile
-    """Between the two."""
+    """Profile between the blends."""
     acceleration: float
     motion: Cubics
-    """Between the two."""
+    """Motion between the blends."""
     radius: float
     """The blend radius at its end, which may have been reduced [m]."""
     warnings: tuple[TimingWarning, ...]

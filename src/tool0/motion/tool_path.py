@@ -35,7 +35,7 @@ class ToolPath(Protocol):
 
     @property
     def angle(self) -> float:
-        """By which the tool turns [rad]."""
+        """Angle by which the tool turns [rad]."""
 
     def tool(self, s: Array) -> Array:
         """Return the tool's pose at each s, shape (n, 4, 4)."""

@@ -25,7 +25,7 @@ MAX_WIDTH: Final = 1280
 _DIGITS: Final = 5
 """Decimals of positions [rad | m]: smaller motions are invisible."""
 _THREADS: Final = 4
-"""They encode, or wait for the thread that renders."""
+"""Number of threads that encode, or wait for the thread that renders."""
 _LEVEL: Final = 1
 """Level of zlib: a quarter of the time of the default level, for 1.5 times the
 bytes."""

@@ -70,7 +70,7 @@ class RobotPartsInfo(Struct, frozen=True, kw_only=True):
     base: str
     """The link that carries this robot and no other."""
     joints: list[str]
-    """Its movable joints, those of its gripper included."""
+    """Movable joints of the robot, those of its gripper included."""
     gripper: str | None
     """The name of its gripper; null without one."""
     tip: str
@@ -293,7 +293,7 @@ class ReplayInfo(Struct, frozen=True, kw_only=True):
     """The recording that is replayed; its notices are those of ``view``."""
 
     file: str
-    """Its name, without folders."""
+    """Name of the file, without folders."""
     start: float
     """Simulated time of its first snapshot [s]."""
     end: float

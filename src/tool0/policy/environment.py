@@ -14,8 +14,8 @@ Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
 TOLERANCE = 0.1
-"""How far beyond its limits a number of an action may be and is only clipped, part of
-the range: networks overshoot a little."""
+"""Part of its range by which a number of an action may be beyond its limits and is only
+clipped: networks overshoot a little."""
 
 
 @final

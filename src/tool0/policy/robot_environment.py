@@ -42,8 +42,8 @@ _LOOKAHEADS: Final = (0.03, 0.2)
 _DEADBAND: Final = 0.02
 """Change of a gripper's target that moves it, part of the range of its joint."""
 _SILENCE: Final = 0.3
-"""After such a pause a stream counts as ended [wall s]: the arm itself ends it after
-0.5 s."""
+"""Pause after which a stream counts as ended [wall s]: the arm itself ends it after 0.5
+s."""
 _LONGEST_STOP: Final = 2.0
 """Longest wait for an arm to stop, as for ``GoalHandle.wait`` [s]."""
 _POLL: Final = 0.1

@@ -100,7 +100,7 @@ class ProgramPath:
 
 
 class _UnknownEndError(Exception):
-    """Where a step ends can only be known when it begins."""
+    """The end of a step can only be known when the step begins."""
 
 
 class StepError(Exception):

@@ -69,7 +69,8 @@ class ReturnArm(ArmRequest[None], frozen=True):
     """Stop an arm, and start its controllers again once it is at rest."""
 
     by: Name | None = None
-    """Only if this program still moves it: nobody else who took it is stopped."""
+    """Program that must still move the arm: no other program that took it is
+    stopped."""
 
 
 class ExecutePath(ArmRequest[int], frozen=True):
@@ -101,19 +102,19 @@ class SampledPath(Protocol):
 
     @property
     def times(self) -> Array:
-        """Of the knots [s], increasing from 0, shape (n,)."""
+        """Times of the knots [s], increasing from 0, shape (n,)."""
 
     @property
     def positions(self) -> Array:
-        """[rad], shape (n, 6)."""
+        """Joint positions [rad], shape (n, 6)."""
 
     @property
     def velocities(self) -> Array:
-        """[rad/s], shape (n, 6)."""
+        """Joint velocities [rad/s], shape (n, 6)."""
 
     @property
     def accelerations(self) -> Array | None:
-        """[rad/s²], shape (n, 6); None between cubics."""
+        """Joint accelerations [rad/s²], shape (n, 6); None between cubics."""
 
 
 def path_request(

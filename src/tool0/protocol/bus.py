@@ -207,8 +207,8 @@ class Bus:
         """Readers that wait for a change: mostly none, and waking takes time."""
         self.latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
-        """Since there are subscribers that want them: freeing a snapshot that has left
-        the processor's cache takes longer than making one."""
+        """Recent snapshots, while there are subscribers that want them: freeing a
+        snapshot that has left the processor's cache takes longer than making one."""
         self._keeps_recent = False
         self._history: deque[Snapshot] = deque(maxlen=HISTORY_LENGTH)
         self._history_time = -math.inf

@@ -12,7 +12,7 @@ class HardwareInterfaceState(Struct, frozen=True, kw_only=True):
     """A command or state interface."""
 
     name: str
-    """Such as ``elbow_joint/position``."""
+    """Name such as ``elbow_joint/position``."""
     is_available: bool
     """Whether controllers can use it."""
     is_claimed: bool

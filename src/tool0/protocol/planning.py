@@ -119,7 +119,7 @@ class Plan(Struct, frozen=True, kw_only=True):
 
     @property
     def duration(self) -> float:
-        """Of the motion [s]."""
+        """Duration of the motion [s]."""
         return self.times[-1]
 
 

@@ -50,8 +50,8 @@ class ProgramCheck(Struct, frozen=True, kw_only=True):
     warnings: tuple[ProgramProblem, ...]
     """Differences from the request: a smaller blend, a slower move."""
     motion: PlannedMotion
-    """Up to the first problem.  Each loop is planned once; a move until contact goes
-    all its way."""
+    """Motion up to the first problem.  Each loop is planned once; a move until contact
+    goes all its way."""
 
 
 class ProgramRun(Struct, frozen=True, kw_only=True):

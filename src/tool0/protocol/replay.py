@@ -47,4 +47,4 @@ class ReadReplay(Request[ReplaySamples], frozen=True):
     start: Time = 0.0
     end: Time = 1e9
     points: Annotated[int, Meta(ge=2, le=1_000_000)] = 2000
-    """About the most samples of each signal."""
+    """Approximate largest number of samples of each signal."""

@@ -24,7 +24,7 @@ class Divergence:
     time: float
     """Simulated time [s]."""
     what: str
-    """Such as ``position of elbow_joint``."""
+    """Name of the quantity, such as ``position of elbow_joint``."""
     recorded: float | str
     """Recorded value [rad | m], [rad/s | m/s], [N·m | N], [m]; a text for outcomes of
     requests."""

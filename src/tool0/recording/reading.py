@@ -237,7 +237,7 @@ class RecordingFile:
     @cached_property
     @reads(CONTACTS)
     def contacts(self) -> Sequence[tuple[Contact, ...]]:
-        """What touched what in each snapshot, with forces, in the root's axes.
+        """Contacts of each snapshot with their forces, in the root's axes.
 
         Each sample stays until the next, as for ``wrenches``.
         """
@@ -273,7 +273,7 @@ class RecordingFile:
 
     @property
     def gripping(self) -> Iterator[tuple[int, tuple[str, ...]]]:
-        """When grippers begin to press on something from two sides, or end to.
+        """Changes of the grippers that press on something from two sides.
 
         Yields the number of a snapshot, and the grippers that do from there on.
         """

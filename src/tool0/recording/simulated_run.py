@@ -52,7 +52,7 @@ class JointDifference:
     effort_rms: float
     """Root mean square of the effort difference [N·m | N]."""
     recorded_effort: float
-    """Its root mean square, to compare with [N·m | N]."""
+    """Root mean square of the recorded effort, to compare with [N·m | N]."""
 
 
 @final
@@ -65,7 +65,7 @@ class SimulatedRun:
     effort: Array
     """Simulated efforts [N·m | N], shape (n, n_joints)."""
     lag: float
-    """How much later the recorded arms move [s]: the one at which the positions
+    """Time by which the recorded arms move later [s]: the one at which the positions
     differ least."""
     joints: Mapping[str, JointDifference]
     """Differences by driven joint, in the order of the recording."""

@@ -20,8 +20,8 @@ logger = logging.getLogger(__name__)
 STALL_TIME = 0.5
 """Time for which a joint must push at its limit without moving to be stalled [s]."""
 LARGEST_LAG = 0.05
-"""How far the measured position may be behind its setpoint [s at full speed]: a guess,
-for UR does not publish its bound.  For a UR5 it is 0.16 rad."""
+"""Largest distance of the measured position behind its setpoint [s at full speed]: a
+guess, for UR does not publish its bound.  For a UR5 it is 0.16 rad."""
 LAG_PERIOD = 0.1
 """Simulated time between comparisons of the joints with their setpoints [s]: they take
 some 20 µs."""
@@ -147,7 +147,7 @@ class _Drive:
         self.lag = 0.0
         """Distance from its setpoint [rad | m]."""
         self.lagging_since = math.inf
-        """Since when it is far from it, without moving [s]."""
+        """Time at which it began to be far from it without moving [s]."""
         self._most = LARGEST_LAG * limits.velocity
         self._lags_at = 0.0
 

@@ -28,7 +28,8 @@ MAX_CHARGE: Final = 0.01
 _ACTIVE: Final = 0.1
 """A client that has used nothing for so long leaves its part to others [wall s]."""
 _LONGEST_WAIT: Final = 0.05
-"""Until an account is looked at again: others may have left meanwhile [wall s]."""
+"""Longest wait of an account until it is looked at again: others may have left
+meanwhile [wall s]."""
 _SHORTEST_WAIT: Final = 1e-3
 """Shortest wait of an account [wall s]."""
 

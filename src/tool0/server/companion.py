@@ -26,7 +26,8 @@ C = TypeVar("C", bound="Companion")
 START_TIMEOUT: Final = 60.0
 """Longest wait for the process to be up [wall s]."""
 FIRST_PAUSE: Final = 0.5
-"""Before the process starts again after its death [wall s]; twice as long each time."""
+"""Pause before the process starts again after its death [wall s]; twice as long each
+time."""
 LONGEST_PAUSE: Final = 30.0
 """Longest pause before the process starts again [wall s]."""
 UNABLE: Final = 78

@@ -144,7 +144,7 @@ class Session:
         self._texts: deque[bytes | str | None] = deque()
         """Messages that are not decoded yet; None is the end."""
         self._n_texts = 0
-        """Their size [bytes]."""
+        """Size of these messages [bytes]."""
         self._has_text, self._has_room = asyncio.Event(), asyncio.Event()
         self._waiting: deque[_Waiting | None] = deque()
         """Requests; None is the end."""

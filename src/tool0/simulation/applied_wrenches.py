@@ -27,8 +27,8 @@ class AppliedWrench:
     torque: Vector3
     """Torque [N·m], in the axes of the robot's root."""
     point: Vector3 | None = None
-    """Where the force acts at its start [m], in the robot's root; None is the body's
-    centre of mass.  The lever moves with the body but does not rotate."""
+    """Point at which the force acts at its start [m], in the robot's root; None is the
+    body's centre of mass.  The lever moves with the body but does not rotate."""
     start: float = 0.0
     """Simulated time at which they begin [s]; now, if that is past."""
     duration: float = math.inf
@@ -43,7 +43,7 @@ class AppliedWrenches:
         self._world = world
         self._waiting: tuple[AppliedWrench, ...] = ()
         self._acting: tuple[tuple[float, str, Wrench], ...] = ()
-        """Until when, on what, and the wrench at its centre of mass."""
+        """End time, body, and wrench at its centre of mass, of each that acts."""
 
     @property
     def is_idle(self) -> bool:

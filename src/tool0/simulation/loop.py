@@ -84,7 +84,7 @@ class Loop:
         self.when_frozen: Callable[[float], None] = lambda duration: None
         """Called in real time, before the next tick, when the process was frozen: for
         how long [wall s].  Not with an engine in a process of its own, which may be
-        late by itself."""
+        late on its own."""
         executor.when_goal_starts = lambda goal: goal.when_finished(
             lambda done: bus.announce(GoalFinished(done, core.time))
         )

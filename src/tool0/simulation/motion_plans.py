@@ -99,7 +99,7 @@ class _Moving:
 
     @property
     def joints(self) -> tuple[Joint, ...]:
-        """Of all arms, each from base to tip."""
+        """Joints of all arms, each from base to tip."""
         return tuple(joint for chain in self.chains for joint in chain.joints)
 
     @property

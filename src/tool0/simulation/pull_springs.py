@@ -55,7 +55,7 @@ class _Pull(NamedTuple):
 
 @final
 class PullSprings:
-    """At most one spring for each link.  Only the thread of the tick may use them."""
+    """Springs, at most one for each link.  Only the thread of the tick may use them."""
 
     def __init__(
         self, model: RobotModel, joint_names: Sequence[str], wrenches: AppliedWrenches

@@ -67,7 +67,7 @@ class Simulation:
     ) -> None:
         description, config = setup.description, setup.choice.config
         self.setup = setup
-        """Its start, from which the journal leads to its present state."""
+        """Setup of its start; from it the journal leads to the present state."""
         self.description = description
         self.executor = executor
         self.core = core = executor.core
@@ -106,7 +106,7 @@ class Simulation:
         self.goals = GoalRegistry()
         self.programs = ProgramStore(description.model.name)
         self.program_runs = ProgramRuns()
-        """Only for the thread of the tick."""
+        """Runs of programs; only for the thread of the tick."""
         loop.when_observed = self.program_runs.look
         self.journal = Journal(core, loop)
         """The requests that changed the simulation, since its start."""

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
 CATCH_UP: Final = 0.1
 """Longest delay with which a step begins and still counts from when it was due [s]."""
 AT_ONCE: Final = 0.02
-"""Within which a program goes on after a step, if it waits for nothing else [s]."""
+"""Time within which a program continues after a step, if it waits for nothing else
+[s]."""
 _ROUNDING: Final = 1e-9
 
 
@@ -34,7 +35,7 @@ class Pacer:
 
     @property
     def start(self) -> float:
-        """When an interval begins that is waited for now [s]."""
+        """Time at which the interval that is waited for now begins [s]."""
         now = self._box.time
         follows = 0.0 <= now - self._went_on <= AT_ONCE
         return self._due if follows and 0.0 <= now - self._due <= CATCH_UP else now

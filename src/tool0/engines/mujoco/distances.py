@@ -36,7 +36,7 @@ class Shape(NamedTuple):
     owner: str
     """The link, object or plane it belongs to, or ``ground``."""
     body: int
-    """What it moves with."""
+    """Body that the shape moves with."""
 
 
 @final

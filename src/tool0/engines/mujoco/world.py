@@ -370,7 +370,8 @@ def _body_names(model: Any) -> set[str]:
 
 
 ContactPoint = tuple[Vector3, float, Vector3, Vector3]
-"""Its position, its weight in the mean, and the force and torque there."""
+"""Position of a contact point, its weight in the mean, and the force and torque
+there."""
 MIN_WEIGHT = 1e-12
 """Keeps the mean point defined if the force is zero [N]."""
 

@@ -25,9 +25,10 @@ from pathlib import Path
 from typing import Final
 
 SCALE: Final = 1e7
-"""Per radian, and per rad/s: 32 bits are ±214 rad in steps of 1e-7 rad."""
+"""Integer steps per radian, and per rad/s: 32 bits are ±214 rad in steps of 1e-7
+rad."""
 COMMAND_SCALE: Final = 1e6
-"""Per unit of the arguments of commands."""
+"""Integer steps per unit of the arguments of commands."""
 N_KNOT: Final = 14
 """Integers of a message: its kind, a period, six positions, six velocities."""
 N_COMMAND: Final = 30
@@ -36,10 +37,10 @@ N_ARGUMENTS: Final = N_COMMAND - 2
 N_RING: Final = 64
 """Knots that the program keeps."""
 EMPTY: Final = 0.05
-"""How long after its last knot the program follows a motion that does not end with it
-[s]."""
+"""Time after its last knot for which the program follows a motion that does not end
+with it [s]."""
 SILENCE: Final = 0.1
-"""Without a message for that long, the arm slows down to rest [s]."""
+"""Time without a message after which the arm slows down to rest [s]."""
 BRAKE_TIME: Final = 0.024
 """Time in which the curve's clock stops [s], unless a joint would decelerate more than
 ``BRAKE_DECELERATION``; the joints' servos need some time more."""
@@ -51,8 +52,8 @@ FADE_TIME: Final = 0.02
 FADE_ACCELERATION: Final = 12.0
 """Largest acceleration that a fading difference adds to a joint [rad/s²]."""
 FADE_SPEED: Final = 0.05
-"""Which a fading difference adds to a joint, at most [rad/s]: the arm that catches up
-is hardly faster than the speed slider says."""
+"""Largest speed that a fading difference adds to a joint [rad/s]: the arm that catches
+up is hardly faster than the speed slider says."""
 FAR: Final = 0.1
 """A curve goes on for longer than that, but for its end [s]; a stream does not."""
 MOST_JUMP: Final = (0.1, 1.5)
@@ -64,7 +65,7 @@ LOOKAHEAD: Final = 2.0 / math.sqrt(GAIN)
 """``lookahead_time`` of servoj [s]: an error then decays without oscillation."""
 
 LONGEST_VECTOR_PERIOD: Final = 0.004
-"""Between those of an e-Series and of a CB3 [s]."""
+"""Control period between those of an e-Series and of a CB3 [s]."""
 FIRST_REGISTER: Final = 24
 """Output registers that the program writes: integers from this one on.  UR keeps those
 below for fieldbuses."""
@@ -103,7 +104,7 @@ class ProgramMode(IntEnum):
     FOLLOWING = 1
     BRAKING = 2
     RESTING = 3
-    """After braking, until a ``RESTART``."""
+    """The arm has braked; it rests until a ``RESTART``."""
     GUIDED = 4
     """Freedrive."""
 

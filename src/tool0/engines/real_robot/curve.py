@@ -17,15 +17,16 @@ HORIZON: Final = 0.2
 """Time by which knots are sent ahead [s]: the arm stays on its path if tool0 is
 late."""
 SPACING: Final = 0.012
-"""Between two knots [s].  A cubic is off by h⁴/384 of the fourth derivative, and by
-h²/32 of a step in the acceleration between two knots: 45 µrad for 10 rad/s²."""
+"""Time between two knots [s].  A cubic is off by h⁴/384 of the fourth derivative, and
+by h²/32 of a step in the acceleration between two knots: 45 µrad for 10 rad/s²."""
 RENEWAL: Final = 0.04
-"""Between two curves in place of each other [s], if the next one is ``CLOSE``."""
+"""Time after which a curve is sent again in place of the last one [s], if the next one
+is ``CLOSE``."""
 CLOSE: Final = 1e-3
 """Difference of motions that may wait for the next renewal [rad]."""
 MOST_LAG: Final = 0.04
-"""How far the program's periods may be off before it gets new knots [s]: a real
-controller misses none, a simulated one may."""
+"""Difference of the program's periods from ours after which it gets new knots [s]: a
+real controller misses none, a simulated one may."""
 STREAM_AHEAD: Final = 0.05
 """Time for which a stream's velocities are assumed to last [s]; with the program's
 ``EMPTY``, the arm slows down 0.1 s after the last setpoint."""

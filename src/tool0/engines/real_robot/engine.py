@@ -49,7 +49,7 @@ logger = logging.getLogger(__name__)
 _HOLDING: Final = frozenset({ObjectStatus.MET_CLOSING, ObjectStatus.MET_OPENING})
 LOST: Final = "the connection to the robot was lost"
 STREAM_LOOK: Final = 0.1
-"""Between two looks at where a stream leads [s]."""
+"""Time between two looks at where a stream leads [s]."""
 CAUSES: Final = {
     StopCause.SILENT: "the robot did not hear of tool0 for 0.1 s",
     StopCause.RAN_OUT: "the robot ran out of knots: tool0 or the network was late",

@@ -6,7 +6,7 @@ import math
 from typing import Final, final
 
 MEMORY: Final = 10.0
-"""After which a late package is forgotten, or up to twice that [s]."""
+"""Time after which a late package is forgotten, or up to twice that [s]."""
 DRIFT: Final = 1e-4
 """Largest difference of the two clocks' rates."""
 MARGIN: Final = 0.025
@@ -46,7 +46,7 @@ class Lateness:
 
     @property
     def start_delay(self) -> float:
-        """How long before its start a motion should be sent [s].
+        """Time before its start at which a motion should be sent [s].
 
         What a tick sends is late by the way of the state to it, and by the way back.
         """

@@ -28,8 +28,8 @@ from tool0.errors import TransportError
 logger = logging.getLogger(__name__)
 
 BEAT: Final = 0.005
-"""Between two messages that say nothing but that tool0 is there [s]: many, so that TCP
-soon notices a lost one."""
+"""Period of the messages that only say that tool0 is alive [s]: many, so that TCP soon
+notices a lost one."""
 _KNOT: Final = struct.Struct(">14i")
 _COMMAND: Final = struct.Struct(">30i")
 _HELLO: Final = struct.Struct(">2i")

@@ -13,7 +13,7 @@ from tool0.engines.real_robot.rtde_fields import EFFORTS, Fields
 from tool0.errors import TransportError
 
 LOST_AFTER: Final = 0.3
-"""Without a package for that long, the link counts as lost [s]: TCP repeats a lost
+"""Time without a package after which the link counts as lost [s]: TCP repeats a lost
 segment within 0.2 s.  The arm does not wait for that: without knots, tool0's program
 has brought it to rest by then."""
 OFFSETS: Final = 25
@@ -69,8 +69,8 @@ class StateReader:
         self._offset = 0
         """Difference between the robot's periods and ours."""
         self._program_offsets: deque[int] = deque(maxlen=OFFSETS)
-        """Between the robot's periods and those of tool0's program, lately: the program
-        writes its period late by some, never early."""
+        """Recent differences between the robot's periods and those of tool0's program:
+        the program writes its period late by some, never early."""
         self._last_step = 0
         self._use(client)
         self._offset = self._robot_period(package)

@@ -46,7 +46,8 @@ class ProbeResult:
     what: str
     state: ProbeState
     found: str
-    """Its version and location, or what is missing and why it is needed."""
+    """Version and location of the component, or what is missing and why it is
+    needed."""
     remedy: str = ""
     """The command that installs what is missing; empty if there is none."""
 

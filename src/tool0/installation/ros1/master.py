@@ -25,7 +25,7 @@ UNREGISTER_TIMEOUT = 5.0
 """Time for the master to forget our node [wall s]; on a busy machine each of tens of
 calls takes a while."""
 _QUIET = 0.05
-"""So long must the master not know our node [wall s]."""
+"""Time for which the master must not know our node [wall s]."""
 _SUBSCRIBED_BY_ROSPY = "/rosout_disable_topics_generation"
 """A parameter that it subscribes to with its first warning, and for ever."""
 _POLL_PERIOD = 0.01

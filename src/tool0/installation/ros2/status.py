@@ -64,7 +64,7 @@ class Ros2Status:
     rclpy: str | None = None
     """Version of rclpy."""
     rmw: str | None = None
-    """Its middleware, as ``rmw_fastrtps_cpp``."""
+    """Name of the middleware, such as ``rmw_fastrtps_cpp``."""
     size: int | None = None
     """Size on disk of tool0's own ROS 2 [bytes]."""
     missing: dict[str, str] = field(default_factory=dict)

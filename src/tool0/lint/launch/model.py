@@ -184,7 +184,7 @@ class Node:
     settings: tuple[NamedText, ...] = ()
     """Every other attribute, as ``output`` and ``respawn``."""
     parameters: tuple[Parameter, ...] = ()
-    """Its own, and private ones before it in the file."""
+    """Parameters of the node, and private ones before it in the file."""
     rosparams: tuple[Rosparam, ...] = ()
     remaps: tuple[Statement, ...] = ()
     """The remaps that apply to the node, its own last."""

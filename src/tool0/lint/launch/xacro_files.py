@@ -53,7 +53,7 @@ class XacroFile:
     file: Path | None
     """None if its name is unknown."""
     written: str
-    """Its name, as written in the including file."""
+    """Name of the file as written in the including file."""
     location: SourceLocation
     """Location of the element that includes the file."""
     reason: str = ""

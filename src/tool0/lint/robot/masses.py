@@ -19,7 +19,7 @@ _ROUNDING = 1e-3
 """The slack of the triangle inequality, for numbers that a CAD program rounded."""
 _LONGEST = 10.0
 _SIZES = (0.02, 3.0)
-"""How far the radius of gyration may be from the link's own size, as a factor of it."""
+"""Range of the radius of gyration, as a factor of the link's own size."""
 _LIGHT = 0.5
 """Moving mass below which a joint is a finger rather than an arm [kg]."""
 _STRONG = {"revolute": 100.0, "continuous": 100.0, "prismatic": 1000.0}

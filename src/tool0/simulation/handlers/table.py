@@ -39,8 +39,8 @@ class Entry:
     noted in the journal, from which a session can be repeated.  Others plan, and then
     answer such a request."""
     prepare: Prepare | None
-    """Called before an ``in_tick`` handler, in the caller's thread: what takes long and
-    depends on nothing that moves.  The handler gets its result."""
+    """Called before an ``in_tick`` handler, in the caller's thread, for work that takes
+    long and depends on nothing that moves.  The handler gets its result."""
     publishes: bool
     """Whether a snapshot follows, so that the next reader sees the effect."""
 

@@ -31,7 +31,7 @@ class TrackedJoint(NamedTuple):
     """Number of the joint in the engine's order."""
     lower: float
     upper: float
-    """Its limits [rad]."""
+    """Limits of the joint [rad]."""
     error: float
     """Largest distance from the setpoint [rad]."""
     effort: float

@@ -34,7 +34,7 @@ class _Body:
     name: str
     links: frozenset[str]
     force: list[float] = field(default_factory=lambda: [0.0] * 3)
-    """Filtered force that it exerts [N]."""
+    """Filtered force that the body exerts [N]."""
 
 
 @final

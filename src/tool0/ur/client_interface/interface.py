@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 PRIMARY, SECONDARY, REALTIME = 30001, 30002, 30003
 READ_ONLY: Final = 10
-"""Added to these numbers for ports that take no programs."""
+"""Number added to these for ports that take no programs."""
 STATE_PERIOD: Final = 0.1
 """Period of the robot's state on the primary and secondary interfaces, and, while time
 does not pass, on all [s]."""

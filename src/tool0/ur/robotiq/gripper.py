@@ -28,8 +28,8 @@ from tool0.ur.waiting import seen
 R = TypeVar("R")
 
 POLL_PERIOD: Final = 0.02
-"""Between two looks at fingers that move [s], and before the first one at a new goal:
-by then, the state of the simulation knows it."""
+"""Period of looking at fingers that move [s], and pause before the first look at a new
+goal: by then, the state of the simulation knows it."""
 MOVED: Final = 0.0005
 """Change of the opening from which fingers at rest are looked at again [m]: an object
 that is lost lets them close further."""

@@ -28,7 +28,7 @@ class ModbusTcp:
 
     @property
     def number(self) -> int:
-        """Of the port, once it listens."""
+        """Number of the port, once it listens."""
         return self._port.number
 
     async def start(self, host: str, port_base: int) -> None:

@@ -33,7 +33,7 @@ GRAVITY: Final = 9.80665
 """Standard gravity, of an arm that stands upright [m/s²]."""
 
 _STEP: Final = 1e-5
-"""Over which velocities are compared [s]."""
+"""Time over which velocities are compared [s]."""
 
 JOINT_MODES: Final = {
     RobotMode.POWER_OFF: 239,

@@ -29,7 +29,8 @@ BASE, TOOL, CUSTOM = 0, 1, 2
 ASYNCHRONOUS: Final = 1
 """Value of integer register 1: the client does not wait for the end of the motion."""
 CANCEL_DECELERATION: Final = 2.0
-"""Before a motion that replaces an asynchronous one [rad/s²]: stopj's default."""
+"""Deceleration before a motion that replaces an asynchronous one [rad/s²]: stopj's
+default."""
 
 
 @final

@@ -102,7 +102,7 @@ class Code:
 
     @property
     def name(self) -> str:
-        """Of the definition."""
+        """Name of the definition."""
         return self.definition.name
 
     @property

@@ -38,7 +38,8 @@ SLICE: Final = 100
 PER_PERIOD: Final = 500
 """Statements of a program in one control period; the rest waits for the next one."""
 MAX_UPDATES: Final = 20
-"""Until a change is shown, at most; another client may have changed it back."""
+"""Largest number of updates until a change is shown; another client may have changed it
+back."""
 MAX_SPIN: Final = 1_000_000
 """Statements of a thread without one that takes time, such as sync()."""
 

@@ -35,7 +35,7 @@ class Parameter:
 
     @property
     def text(self) -> str:
-        """As a signature shows it; in brackets, what may be left out."""
+        """Parameter as a signature shows it; in brackets, if it may be left out."""
         if self.is_required:
             return self.name
         if self.default is None:
@@ -66,7 +66,7 @@ class Function:
 
     @property
     def signature(self) -> str:
-        """As the manual writes it: ``movej(q, a=1.4, …)``."""
+        """Signature as the manual writes it: ``movej(q, a=1.4, …)``."""
         return f"{self.name}({', '.join(item.text for item in self.parameters)})"
 
 

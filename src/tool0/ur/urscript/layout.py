@@ -18,7 +18,7 @@ _BLOCKS: Final = ("IF", "WHILE", "DEFINE")
 _INFIX: Final = frozenset(
     {"OR", "XOR", "AND", "NOT", "COMPARE", "EQUAL", "SIGN", "FACTOR", "COMMA"}
 )
-"""After these, a statement goes on in the next line."""
+"""Tokens after which a statement continues in the next line."""
 _LAST: Final = frozenset(
     {"NAME", "INTEGER", "FLOAT", "STRING", "TRUE", "FALSE", "_CLOSE", "RSQB"}
 )

@@ -29,7 +29,7 @@ class URScriptProgram:
 
     @property
     def name(self) -> str:
-        """Of its ``def``; that of the source for bare statements."""
+        """Name of the program's ``def``; that of the source for bare statements."""
         return self._code.name
 
     @property

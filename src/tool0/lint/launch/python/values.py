@@ -56,7 +56,7 @@ class Made:
     """An object of launch or launch_ros, as the call that makes it."""
 
     name: str
-    """Its class."""
+    """Class of the object."""
     location: SourceLocation
     arguments: Mapping[str, Value] = field(default_factory=dict)
     """Positional ones, too, by name."""

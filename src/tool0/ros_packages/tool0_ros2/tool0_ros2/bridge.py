@@ -46,11 +46,11 @@ class Update:
         self.index = index
         """Position of each movable joint, by its full name, in the lists."""
         self.position: list[float] = message["position"]
-        """Measured [rad | m]."""
+        """Measured positions [rad | m]."""
         self.velocity: list[float] = message["velocity"]
-        """Measured [rad/s | m/s]."""
+        """Measured velocities [rad/s | m/s]."""
         self.effort: list[float] = message["effort"]
-        """Applied [N·m | N]."""
+        """Applied efforts [N·m | N]."""
         self.command: list[float] = message.get("command", [])
         """The last commands, if a part of the node wants a motion."""
         self.motions: dict[str, ControllerMotion] = message.get("motions", {})
@@ -172,4 +172,4 @@ class ControllerContext(Context):
     They change when somebody sets one.
     """
     status: ControllerStatus
-    """Its entry of ``list_controllers`` when it was loaded."""
+    """Entry of the controller in ``list_controllers`` when it was loaded."""

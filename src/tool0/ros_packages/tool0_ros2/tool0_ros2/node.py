@@ -42,9 +42,9 @@ _FIELDS: Final = (
 """Fields that every update has."""
 _MOTION_FIELDS: Final = ("motions", "command")
 _REFRESH_PERIOD = 0.5
-"""Between two looks at what subscribers want [wall s]."""
+"""Period of looking for changes in what subscribers want [wall s]."""
 _WATCH_PERIOD = 1.0
-"""Between two looks at the other nodes [wall s]."""
+"""Period of looking at the other nodes [wall s]."""
 _FOLLOW_TIMEOUT = 10.0
 """Longest wait for the node of a controller [wall s]."""
 
