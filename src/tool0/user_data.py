@@ -23,8 +23,7 @@ def cache_folder() -> Path:
 
 
 def _home(variable: str, default: str) -> Path:
-    """Return a base directory of the XDG specification; a relative one does not
-    count."""
+    """Return a base directory of the XDG specification; a relative one is ignored."""
     folder = Path(os.environ.get(variable, ""))
     return folder if folder.is_absolute() else expanded(Path("~", default))
 

@@ -85,7 +85,7 @@ def bringup(
             later ones override.
         controllers: Names of the controllers to load and start.
         initial_pose: A named pose, or positions by joint [rad | m].
-        realtime: Whether time passes by itself; otherwise only ``run`` and ``wait``
+        realtime: Whether time passes in real time; otherwise only ``run`` and ``wait``
             advance it, as fast as possible.
         speed: Simulated seconds per wall second in real time.
         paused: Whether to start paused.

@@ -191,7 +191,7 @@ class ControlBox:
     def set_safety_limits(
         self, *, enabled: bool | None = None, force: float | None = None
     ) -> None:
-        """Choose what stops the arm protectively by itself.
+        """Configure the automatic protective stops.
 
         Args:
             enabled: Whether a path error, the force of a contact or a command beyond a

@@ -136,8 +136,8 @@ class ControllerHandle:
             stamp: Simulated time at which the trajectory starts [s]; now, if left out.
             path_tolerance: Largest error on the way, by joint [rad | m]; below 0
                 disables the check.
-            goal_tolerance: Largest error at the end, by joint [rad | m]; likewise.
-            goal_time_tolerance: Grace after the last point [s]; likewise.
+            goal_tolerance: Largest error at the end, by joint [rad | m], as above.
+            goal_time_tolerance: Grace after the last point [s], as above.
 
         Raises:
             GoalRejectedError: If the controller refuses; its motion continues.

@@ -126,7 +126,7 @@ class Recording(AbstractContextManager["Recording"]):
     def desired_velocity(self) -> Array:
         """Desired velocities [rad/s | m/s], shape (n_samples, n_joints).
 
-        NaN likewise.
+        NaN as for ``desired_position``.
         """
         return self._of("desired_velocity")
 

@@ -142,7 +142,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def is_realtime(self) -> bool:
-        """Whether time passes by itself; otherwise ``run`` and ``wait`` advance it."""
+        """Whether time passes on its own; otherwise ``run`` and ``wait`` advance it."""
         return self.info.is_realtime
 
     @property
@@ -350,8 +350,8 @@ class Robot(AbstractContextManager["Robot"]):
 
         Args:
             name: A link or an object that can move.
-            force: [N], of constant direction in the robot's root.
-            torque: [N·m], likewise.
+            force: Force [N], of constant direction in the robot's root.
+            torque: Torque [N·m], in the same axes.
             point: Where the force acts now [m], in the root; the body's centre of mass
                 if left out.
             duration: Simulated time [s]; without end if left out.

@@ -41,7 +41,7 @@ class Manifest:
     n_episodes: int
     """Episodes in it."""
     n_requested: int
-    """Episodes it shall have."""
+    """Episodes that it should contain."""
     n_succeeded: int
     n_frames: int
     """Actions of all episodes."""

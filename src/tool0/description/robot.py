@@ -74,7 +74,7 @@ class RobotDescription:
 
     @property
     def title(self) -> str:
-        """Title for people: the names of its parts, or that of your own file."""
+        """Title shown to users: the names of its parts, or that of your own file."""
         return ", ".join(robot.title for robot in self.robots) or self.source.name
 
     @property

@@ -1,4 +1,4 @@
-"""Drives that are not ours: those of a real robot, which follow motions by themselves.
+"""Drives that are not ours: those of a real robot, which follow motions on their own.
 
 An engine with such drives takes no efforts.  Each tick gives it the motion that is
 wanted from then on, and it reports the state of the robot's own controller.
@@ -102,8 +102,7 @@ class OwnDrives(abc.ABC):
     @property
     @abc.abstractmethod
     def start_delay(self) -> float:
-        """Time by which the robot should know of a motion from rest before it starts
-        [s]."""
+        """Lead time with which the robot should know of a motion from rest [s]."""
 
     @property
     @abc.abstractmethod

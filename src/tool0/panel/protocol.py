@@ -240,7 +240,7 @@ class RecordingInfo(Struct, frozen=True, kw_only=True):
     dropped: int
     """Snapshots that are missing, because the disk was too slow."""
     error: str | None
-    """Why it ended by itself, such as a full disk."""
+    """Error that ended it early, such as a full disk."""
 
 
 class Status(Struct, frozen=True, kw_only=True, tag="status"):

@@ -77,7 +77,7 @@ class ViewFeed:
         self._source = source
         self._hub = hub
         self._sessions: dict[Session, SubscribeView] = {}
-        """Each with what its frames shall have."""
+        """Each with the contents of its frames."""
         self._book = NoticeBook()
         self._frame = source.frame()
         self._frame_texts: dict[SubscribeView, bytes] = {}

@@ -310,7 +310,7 @@ class PlanningGroup:
         return self.explained(found, q)
 
     def explained(self, pair: int, q: Array) -> str:
-        """Return what is wrong with a pair in a pose, for people."""
+        """Return what is wrong with a pair in a pose, for messages."""
         if pair == TILTED:
             return "the tool is tilted more than it may be"
         first, second = self.names[pair]

@@ -72,7 +72,7 @@ class Environment(Protocol):
         """
 
     def picture(self) -> Picture | None:
-        """Return a picture for people, shape (height, width, 3), if there are any."""
+        """Return a picture for videos, shape (height, width, 3), if there are any."""
 
     def end(self) -> None:
         """End the episode; what moved stops."""

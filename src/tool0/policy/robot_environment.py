@@ -127,7 +127,7 @@ class RobotEnvironment:
 
     @property
     def is_realtime(self) -> bool:
-        """Whether time passes by itself."""
+        """Whether the simulation runs in real time."""
         return self._robot.is_realtime
 
     def begin(self, seed: int) -> None:

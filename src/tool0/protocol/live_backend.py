@@ -1,4 +1,4 @@
-"""A backend of parts: states that come by themselves, and a function for each request.
+"""A backend of parts: states that arrive on their own, a function for each request.
 
 It is what a robot needs that is no simulation: its time is the wall clock's.
 """
@@ -84,7 +84,7 @@ class LiveStates:
         )
 
     def refresh(self) -> None:
-        """States come by themselves."""
+        """States arrive without being requested."""
 
     def snapshot_with_arms(self) -> Snapshot:
         return self.snapshot

@@ -51,7 +51,7 @@ class SimulationInfo(Struct, frozen=True, kw_only=True):
     control_period: float
     """Simulated time of a tick [s]."""
     is_realtime: bool = True
-    """Whether time passes by itself."""
+    """Whether simulated time passes without requests."""
     spawn_z: float = 0.0
     """Height of the robot's root above the world's origin [m]."""
     ground: float | None = None

@@ -167,7 +167,7 @@ class Episodes:
 
         Raises:
             ControlError: If there is none.
-            RecordingError: If its recording has ended by itself, or a reset has
+            RecordingError: If its recording ended on its own, or a reset has
                 divided it: it is discarded then.
         """
         with self._lock:

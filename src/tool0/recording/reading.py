@@ -179,7 +179,7 @@ class RecordingFile:
 
     @property
     def desired_velocity(self) -> Array:
-        """Desired velocities [rad/s | m/s], shape (n, n_joints); NaN likewise."""
+        """Desired velocities [rad/s | m/s], shape (n, n_joints); NaN as above."""
         return self._commands[1]
 
     @cached_property

@@ -65,7 +65,7 @@ def write_video(
         speed: Seconds of the recording per second of the video.
         start: Simulated time of the first image [s]; that of the first snapshot, if
             left out.
-        end: Simulated time of the last image [s]; likewise.
+        end: Simulated time of the last image [s], as ``start``.
         when_written: Called after each image with the share that is done, up to 1.
 
     Raises:

@@ -86,7 +86,7 @@ class ControllerManagerBridge:
                 bridges[status.name][1].publish(snapshot)
 
     def close(self) -> None:
-        """Stop following; the node unregisters everything by itself.
+        """Stop following; the node itself unregisters everything.
 
         This waits for a registration in progress, which would outlive the node.
         """

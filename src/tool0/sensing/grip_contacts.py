@@ -44,7 +44,7 @@ class GripContacts:
                 self.gripping = tuple(h.name for h in self._hands if h.is_gripping)
 
     def note(self, gripping: Collection[str]) -> None:
-        """Take over what grippers report by themselves."""
+        """Take over the contacts that grippers report themselves."""
         self.gripping = tuple(h.name for h in self._hands if h.name in gripping)
 
     def forget(self) -> None:

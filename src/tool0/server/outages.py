@@ -96,7 +96,7 @@ class Outages:
         """Return why a request is not carried out; None if it is.
 
         Setpoints that continue a stream are refused until the stream pauses, since
-        nobody has decided anew that the robot shall move.
+        nobody has confirmed again that the robot should move.
         """
         if not isinstance(request, MOVING) or not (self._until or self._refused):
             return None

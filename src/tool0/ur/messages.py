@@ -45,7 +45,7 @@ class Message(NamedTuple):
 
 @final
 class Messages:
-    """Passes messages on to those who listen, in the event loop."""
+    """Passes messages on to listeners, in the event loop."""
 
     def __init__(self) -> None:
         self.listeners: set[Callable[[Message], None]] = set()

@@ -56,7 +56,7 @@ class ProgramWatch:
 
     @property
     def _reason(self) -> str:
-        """Why the arm has stopped by itself; empty if it has not."""
+        """Why the arm has stopped on its own; empty if it has not."""
         return self._box.state.protective_stop or self._box.state.motion_failure
 
     def _tell(self) -> None:

@@ -325,7 +325,7 @@ class ArmMotionController:
         self._use(SplineMotion.stopping(start, now, deceleration), now)
 
     def stream_deceleration(self) -> float:
-        """Return how fast a stream of velocities ramps to rest by itself [rad/s²].
+        """Return the deceleration with which a stream of velocities ends [rad/s²].
 
         It is that of the leading joint; 0 without such a stream.
         """

@@ -55,7 +55,7 @@ CAUSES: Final = {
     StopCause.RAN_OUT: "the robot ran out of knots: tool0 or the network was late",
     StopCause.TOO_FAR: "a new motion was too far from the present one",
 }
-AT_REST: Final = "the arm came to rest by itself"
+AT_REST: Final = "the arm stopped on its own"
 RESTART_TIME: Final = 0.1
 """Longest time until the program shows that it follows again [s]."""
 ENDED: Final = "tool0's program on the robot has ended"
@@ -72,7 +72,7 @@ class _Fingers(NamedTuple):
 
 @final
 class RealRobotEngine(OwnDrives):
-    """A real robot: reads its state, and lets it follow motions.
+    """A real robot: reads its state, and sends it motions.
 
     Only the thread of the tick may use it, except ``brake`` and ``connection``.
     """
@@ -127,7 +127,7 @@ class RealRobotEngine(OwnDrives):
         self._is_enabled = False
         self._has_followed = False
         self._rests_since = 0
-        """The tick up to which the program has not rested by itself."""
+        """The tick up to which the program has not come to rest on its own."""
         self._patience = round(RESTART_TIME / self._period)
         self._is_guided = False
         """Whether the arm follows nothing: a hand guides it, or its mode just ends."""
@@ -411,7 +411,7 @@ class RealRobotEngine(OwnDrives):
         self._show(is_enabled=enabled)
 
     def forgive(self) -> None:
-        """Follow again after the arm came to rest by itself: whoever asked has seen."""
+        """Follow again after the arm came to rest on its own: the user has seen it."""
         self._failure = ""
         self._curve.restart()
 
@@ -458,7 +458,7 @@ class RealRobotEngine(OwnDrives):
         self._report = RobotReport(link=link, motion_failure=self._failure, **boxes)
 
     def _watch_program(self, mode: int) -> None:
-        """Note that the program brought the arm to rest by itself."""
+        """Note that the program brought the arm to rest on its own."""
         if mode != ProgramMode.RESTING or not self._has_followed or self._failure:
             self._rests_since = self._arm_state.tick
         elif self._arm_state.tick - self._rests_since > self._patience:
@@ -467,7 +467,7 @@ class RealRobotEngine(OwnDrives):
             self._fail(CAUSES.get(StopCause(cause), AT_REST) if cause else AT_REST)
 
     def _note_loss(self) -> None:
-        """Nothing goes on by itself after that, also if the link is there again."""
+        """Nothing resumes on its own after that, even if the link is restored."""
         logger.warning("%s", LOST)
         self.connection.link.disconnect()
         self.connection.note_loss()
@@ -493,7 +493,7 @@ def _only_arm(model: RobotModel) -> tuple[str, ArmParts]:
     if len(arms) != 1:
         raise ConfigError(
             f"a real robot is one arm; this description has {len(arms)}: "
-            "bring up each arm by itself"
+            "bring up each arm separately"
         )
     return next(iter(arms.items()))
 

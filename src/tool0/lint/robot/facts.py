@@ -66,7 +66,7 @@ class JointFacts:
 
     @property
     def is_movable(self) -> bool:
-        """Whether its type lets it move."""
+        """Whether a joint of its type can move."""
         return self.type in MOVABLE
 
     @property

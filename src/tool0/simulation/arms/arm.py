@@ -132,7 +132,7 @@ class Arm(abc.ABC):
             self._set(now, robot=RobotMode.RUNNING)
 
     def stop_protectively(self, reason: str, now: JointState) -> None:
-        """Stop the arm until the stop is unlocked; ``reason`` is for people.
+        """Stop the arm until the stop is unlocked; ``reason`` is shown to users.
 
         An arm in a protective stop keeps the first reason.
         """
@@ -283,7 +283,7 @@ class Arm(abc.ABC):
         It does so in the name of an active controller; without one, it must be taken.
 
         Raises:
-            ControlError: If neither is so, or it may not move.
+            ControlError: If neither holds, or it may not move.
         """
         if controller_name is not None:
             self._require_modes()
@@ -393,7 +393,7 @@ class Arm(abc.ABC):
 
     @abc.abstractmethod
     def _stiffen(self, now: JointState) -> None:
-        """End that, if it is so: the arm stops where it is."""
+        """End that, if it is on: the arm stops where it is."""
 
     @abc.abstractmethod
     def _require_modes(self) -> None:

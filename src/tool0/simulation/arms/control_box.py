@@ -132,7 +132,7 @@ class ControlBox:
         self.change(payload=known)
 
     def set_safety_limits(self, is_enabled: bool | None, force: float | None) -> None:
-        """Choose what stops the arm by itself; None does not change."""
+        """Configure the automatic stops of the arm; None does not change."""
         old = self.state.safety_limits
         limits = SafetyLimits(
             is_enabled=old.is_enabled if is_enabled is None else is_enabled,

@@ -1,4 +1,4 @@
-"""Ends streams to an arm whose sender has fallen silent: nothing goes on by itself.
+"""Ends streams to an arm whose sender has stopped sending, and stops the arm.
 
 A stream is two or more targets or velocities that follow each other within their
 timeout.  After a longer silence the arm stops, and what comes then, delayed by an

@@ -62,7 +62,7 @@ _REASONS: Final[Mapping[type[Request[Any]], str]] = {
     Reset: "a real robot cannot be put into a pose; move it there",
     **dict.fromkeys(
         (ApplyWrench, PullLink, ClearWrenches),
-        "forces act on a real robot by themselves; a program cannot apply them",
+        "a program cannot apply forces to a real robot",
     ),
     **dict.fromkeys(
         (StartForceTorque, StopForceTorque, TareForceTorque, ReadForceTorque),

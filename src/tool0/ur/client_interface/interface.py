@@ -194,11 +194,11 @@ def _periods(time: float, period: float) -> int:
 
 
 def readers(peers: Iterable[Peer]) -> list[Peer]:
-    """Return those who have read what was sent before."""
+    """Return the peers that have read what was sent before."""
     return [peer for peer in peers if peer.owed < MAX_BEHIND]
 
 
 def send_to_readers(peers: Iterable[Peer], packet: bytes) -> None:
-    """Send to those who have read what was sent before."""
+    """Send to the peers that have read what was sent before."""
     for peer in readers(peers):
         peer.send(packet)

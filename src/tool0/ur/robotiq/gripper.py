@@ -429,6 +429,6 @@ class RobotiqGripper:
         return snapshot.position[self._index], snapshot.effort[self._index]
 
     def _tell(self) -> None:
-        """Wake those who wait for the registers."""
+        """Wake all that wait for the registers."""
         self._changed.set()
         self._changed = asyncio.Event()
