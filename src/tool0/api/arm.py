@@ -363,7 +363,7 @@ class Arm:
             relative_to: As for ``inverse_kinematics``; with ``tip`` itself, the target
                 is relative to where the tool is.
             free_axis: An axis of the tool about which it may be turned at the target.
-            **options: Of the search: see ``PlanOptions``.
+            **options: Options of the search: see ``PlanOptions``.
 
         Raises:
             CollisionError: If the start or the target is in collision, with the bodies.

@@ -91,7 +91,7 @@ def bringup(
         paused: Whether to start paused.
         record: An MCAP file to record to, from the start until the robot is closed
             (docs/how-to/recordings.md).
-        description: Which robot.
+        description: The robot.
         control: Its controllers and its initial pose.
         simulation: The physics, the objects around the robot, and time.
 

@@ -259,11 +259,11 @@ class ControllerHandle:
         """Send a goal to a GripperActionController, as ROS's actions do.
 
         Args:
-            position: Of the driven joint [rad | m].
+            position: Position of the driven joint [rad | m].
             max_effort: Largest effort of the drive [N·m | N]; the controller's own, if
                 left out or 0.  ROS 2's parallel gripper writes it to its
                 ``max_effort_interface``: there it is the force of the pads [N].
-            max_velocity: Of ROS 2's parallel gripper, for its
+            max_velocity: Largest velocity of ROS 2's parallel gripper, for its
                 ``max_velocity_interface``: the speed of the pads [m/s]; the
                 controller's own, if left out.
 

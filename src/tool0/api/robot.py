@@ -352,8 +352,8 @@ class Robot(AbstractContextManager["Robot"]):
             name: A link or an object that can move.
             force: Force [N], of constant direction in the robot's root.
             torque: Torque [N·m], in the same axes.
-            point: Where the force acts now [m], in the root; the body's centre of mass
-                if left out.
+            point: Point where the force acts now [m], in the root; the body's centre
+                of mass if left out.
             duration: Simulated time [s]; without end if left out.
 
         Raises:
@@ -565,7 +565,7 @@ class Robot(AbstractContextManager["Robot"]):
         """Save the measured positions of the driven joints under ``name``.
 
         Args:
-            name: Of the pose.
+            name: Name of the pose.
             robot: Only the joints of this robot; those of all, if left out.
 
         Raises:
@@ -736,7 +736,7 @@ class Robot(AbstractContextManager["Robot"]):
         """Advance simulated time, and return when it has passed.
 
         Args:
-            duration: [simulated s], 0 or more.
+            duration: Duration [simulated s], 0 or more.
 
         Raises:
             ControlError: If the simulation is paused or closed.

@@ -101,7 +101,7 @@ class PickTable:
 
         Args:
             robot: The robot.
-            height: Of the object, which stands [m].
+            height: Height of the standing object [m].
             seed: The same one yields the same poses.
         """
         rng = random.Random(seed)

@@ -54,7 +54,7 @@ class Quantity:
 
         Args:
             value: The value; one that is no finite float is left to others.
-            what: What has the value, for the message.
+            what: Name of the value, for the message.
         """
         if self.suspect <= abs(value) <= sys.float_info.max:
             hint = self.suggestion(value, lambda meant: True)
@@ -86,7 +86,7 @@ def read_number(text: str, *quantities: Quantity) -> tuple[float, Quantity | Non
 
     Args:
         text: A number, with a unit or without one.
-        quantities: What it may measure.
+        quantities: Quantities that it may measure.
 
     Raises:
         ConfigError: If it is no finite number, if it has another unit, or if it is

@@ -71,8 +71,8 @@ class RtdeClient:
         """Connect, and set up what is read and written.
 
         Args:
-            host: Of the controller.
-            port: Of RTDE.
+            host: Host name or address of the controller.
+            port: Port of RTDE.
             outputs: Fields to read, at the controller's rate.
             optional: Further ones, if the controller has them.
             inputs: Recipes of fields to write, by a name.

@@ -113,8 +113,8 @@ class DriveDynamics:
             joints: The n joints, by the engine's numbers.
             declared: The mass matrices of the model's joints with declared payloads,
                 shape (k, n_joints, n_joints).
-            positions: Of the model's joints [rad | m], shape (k, n_joints): they count
-                if payloads are declared.
+            positions: Positions of the model's joints [rad | m], shape (k, n_joints):
+                they count if payloads are declared.
         """
         rows = [self.to_model.index(i) for i in joints]
         chosen = own = np.ascontiguousarray(declared[:, rows][:, :, rows])

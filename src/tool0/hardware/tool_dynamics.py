@@ -123,9 +123,9 @@ class ToolDynamics:
         """Return force and torque on the flange, in the link's axes at its origin.
 
         Args:
-            position: Of the model's movable joints, in their order [rad | m].
-            velocity: [rad/s | m/s]
-            acceleration: [rad/s² | m/s²]
+            position: Positions of the model's movable joints, in their order [rad | m].
+            velocity: Velocities [rad/s | m/s].
+            acceleration: Accelerations [rad/s² | m/s²].
             contacts: All contacts at that instant; those at other links are ignored.
         """
         frames = [*self._dynamics.frames(position), ROOT]

@@ -53,8 +53,8 @@ class BlendPath:
         """Make the path; poses have shape (4, 4).
 
         Args:
-            start: Where the first path is left.
-            end: Where the second path is entered.
+            start: State in which the first path is left.
+            end: State in which the second path is entered.
             T_base_waypoint: Pose of the tool where the two paths meet.
             is_arc: Whether the tool follows a circular arc, and s is the part of its
                 length; start and end must be equally far from the waypoint, on

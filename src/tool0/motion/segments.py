@@ -94,8 +94,8 @@ class ToolSegment:
         """Solve for the path.
 
         Args:
-            tool: What follows the path.
-            path: Of the tool.
+            tool: Tool that follows the path.
+            path: Path of the tool.
             start: Joint positions at its start [rad], shape (6,).
             length: x at its end.
 

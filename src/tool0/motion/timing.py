@@ -118,10 +118,10 @@ def timed_segment(
     """Return the fastest motion along a segment within the limits.
 
     Args:
-        segment: Where the move goes.
+        segment: Path of the move.
         move: Its speeds and its radius.
         tail: The end of the move before, to blend with; None from rest.
-        limits: Of the joints.
+        limits: Limits of the joints.
         entry: Part of the speed that it may have after the blend.
         is_symmetric: Whether the blend may not be longer than the tail.
 

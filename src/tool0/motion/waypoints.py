@@ -148,8 +148,8 @@ def time_way(joints: Sequence[Joint], way: SmoothWay, *, speed: float) -> Path:
     would exceed its limits of velocity, acceleration or jerk.
 
     Args:
-        joints: Of the positions, with their limits.
-        way: Where to.
+        joints: Joints of the positions, with their limits.
+        way: Positions to pass.
         speed: Fraction of each joint's largest velocity.
     """
     fastest = speed * np.array([joint.max_velocity for joint in joints])

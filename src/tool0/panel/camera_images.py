@@ -79,7 +79,7 @@ class CameraImages:
         Args:
             name: The camera.
             kind: ``color``, or ``depth`` as ``depth_pixels`` has it.
-            width: Of the image [pixels]; the height follows from the camera.
+            width: Width of the image [pixels]; the height follows from the camera.
             after: Number of the image that the page has; 0 for none.
 
         Raises:

@@ -94,7 +94,7 @@ class Entrance:
         Args:
             listener: The listening socket.
             make_protocol: Makes a protocol from the state of its ASGI scopes.
-            budget: Of all connections.
+            budget: Budget of all connections.
         """
         self._budget = budget
         self._make_protocol = make_protocol

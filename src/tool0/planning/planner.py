@@ -84,7 +84,7 @@ def plan_free_motion(
     """Return the fastest collision-free motion that was found to any of the goals.
 
     Args:
-        group: What must stay apart.
+        group: Shapes that must stay apart.
         joints: The joints that move, with their limits.
         start: Their positions [rad | m], shape (n_joints,).
         goals: Targets within the limits, shape (n, n_joints), n >= 1.

@@ -88,7 +88,7 @@ def within_limits(
 
     Args:
         action: Shape (m,).
-        environment: What takes it.
+        environment: Environment that takes it.
         clips: Whether one that is far beyond is clipped, too.
 
     Raises:

@@ -69,7 +69,7 @@ class RobotEnvironment:
             robot: It stays open when the environment is closed.
             rate: Actions per simulated second [Hz].
             cameras: Cameras whose images are observed, by name.
-            instruction: What is to be done, in words.
+            instruction: Description of the task.
             should_stop: Asked while time passes; with True, the wait ends.
 
         Raises:

@@ -37,7 +37,7 @@ class TaskEnvironment:
         Args:
             task: As ``tool0.collect.collect`` takes it.
             options: Keywords of the environment.
-            instruction: What is to be done, in words; the task's own if left out.
+            instruction: Description of the task; the task's own if left out.
             draws: Whether pictures are wanted.
 
         Raises:

@@ -43,8 +43,8 @@ class Observed(Protocol):
 
         Args:
             is_over: Polled repeatedly.
-            timeout: [s] of simulated time where the caller makes time pass, otherwise
-                of wall time; None waits without limit.
+            timeout: Longest simulated time [s] where the caller makes time pass,
+                otherwise longest wall time; None waits without limit.
 
         Raises:
             EngineError: If the physics failed.

@@ -291,7 +291,7 @@ def decode_request(
     """Return the id and the request in ``text``.
 
     Args:
-        text: As it has arrived.
+        text: The message as it has arrived.
         suggests: Whether an error names what is similar, and repeats an id that is
             hard to find; both take longer than most requests.
 

@@ -36,7 +36,7 @@ class LiveStates:
         """Start with a state.
 
         Args:
-            description: Of the robot.
+            description: Description of the robot.
             first: Its state now.
             close: Ends what publishes the states; called once.
         """
@@ -121,7 +121,7 @@ class LiveBackend:
         """Offer what has a handler.
 
         Args:
-            states: Of the robot.
+            states: States of the robot.
             handlers: Request class → the function that answers it.  Those that read
                 the description and the newest state have one already.
             reason: Why it offers nothing else: ``this robot has no objects``.

@@ -123,7 +123,7 @@ def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
     """Return ``value`` as one of type ``kind``, or raise RequestError.
 
     Args:
-        method: What the value is given to, for the message.
+        method: Method to which the value is given, for the message.
         name: The name of the parameter.
         value: The value.
         kind: A type, with bounds.

@@ -59,8 +59,8 @@ def write_video(
         recording: The recording.
         path: The file; an existing one is replaced.
         camera: A camera, or the name of one of the robot or its scene.
-        width: Of the video [pixels]; even.
-        height: Of the video [pixels]; even.
+        width: Width of the video [pixels]; even.
+        height: Height of the video [pixels]; even.
         fps: Images per second of the video.
         speed: Seconds of the recording per second of the video.
         start: Simulated time of the first image [s]; that of the first snapshot, if

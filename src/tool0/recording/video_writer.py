@@ -43,8 +43,9 @@ class VideoWriter:
 
         Args:
             path: The file: an MP4, whatever its name.
-            width: Of each image [pixels]; even, because colour has half the resolution.
-            height: Of each image [pixels]; even.
+            width: Width of each image [pixels]; even, because colour has half the
+                resolution.
+            height: Height of each image [pixels]; even.
             fps: Images per second, 1 … 1000.
 
         Raises:

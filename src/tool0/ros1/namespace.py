@@ -47,7 +47,7 @@ class RosNamespace:
         Args:
             node: The node of the process.
             robot: The robot; its cell knows the prefixes of the others.
-            urdf: What is in the namespace, by its own names; None for what belongs to
+            urdf: Contents of the namespace, by its own names; None for what belongs to
                 no single robot of a cell.
             name: The robot's name in a cell, if it has a namespace of its own.
             tf_prefix: Prefix of every frame.

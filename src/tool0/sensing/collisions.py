@@ -66,7 +66,7 @@ class CollisionFinder:
         left out.
 
         Args:
-            state: Where everything is now.
+            state: Present state of the robot and the objects.
             positions: Joint → target [rad | m]; other joints stay.
 
         Raises:
@@ -129,7 +129,7 @@ class CollisionFinder:
         Args:
             position: The pose [rad | m], shape (n_joints,), in the model's order.
             usual: Another pose, which was accepted before.
-            objects: What is around the robot, where it starts.
+            objects: Objects around the robot, with their start poses.
         """
         with self._lock, contextlib.suppress(ModelError):
             finder = self._finder = self._fitting(self._finder, objects)
@@ -169,9 +169,10 @@ class CollisionFinder:
         """Raise PenetrationError if an object would be inside a link of the robot.
 
         Args:
-            position: Of the joints [rad | m], shape (n_joints,), in the model's order.
+            position: Positions of the joints [rad | m], shape (n_joints,), in the
+                model's order.
             item: The object.
-            at: Where it is placed; where it starts, if left out.
+            at: Pose of the object; its start pose, if left out.
         """
         with self._beside_lock, contextlib.suppress(ModelError):
             finder = self._beside = self._fitting(self._beside, (item,))

@@ -215,7 +215,7 @@ def _served_name(
     """Return the name at which a robot is served, and serve it if it is ours.
 
     Args:
-        robot: Of this process or another one, or the name itself.
+        robot: A robot of this process or another one, or the robot's name.
         label: Part of the name, if one has to be made.
         stack: Ends the service.
     """

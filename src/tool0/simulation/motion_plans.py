@@ -168,9 +168,9 @@ class MotionPlans:
         """Return a collision-free motion of one arm that is not kept.
 
         Args:
-            target: Where to.
+            target: Target of the motion.
             positions: Commanded positions of all joints [rad | m].
-            joints: Of the arm from base to flange, with the limits that apply.
+            joints: Joints of the arm from base to flange, with the limits that apply.
 
         Raises:
             Tool0Error: As ``plan``.

@@ -37,7 +37,7 @@ def goals_of(
         model: The robot.
         chain: The arm, with the limits that apply.
         target: Joint positions or a pose.
-        positions: Of all joints, where they are commanded [rad | m].
+        positions: Positions of all joints, where they are commanded [rad | m].
 
     Raises:
         UnreachableError: If there are none, with the reason.

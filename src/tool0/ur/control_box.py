@@ -85,9 +85,9 @@ class UrControlBox:
 
         Args:
             channel: The connection to the bring-up.
-            arm: As ``list_arms`` names it.
+            arm: Name of the arm in ``list_arms``.
             first: The first state of ``box_states``.
-            limits: Of each driven joint; those of the URDF, if left out.
+            limits: Limits of each driven joint; those of the URDF, if left out.
             allow_sockets: Whether programs may connect to other machines.
         """
         self.allow_sockets = allow_sockets
@@ -380,9 +380,9 @@ class UrControlBox:
         """Return the joint positions nearest to ``near`` with the TCP at a pose [rad].
 
         Args:
-            pose: In the base frame.
+            pose: Pose of the TCP in the base frame.
             near: The setpoint, if left out [rad].
-            tcp: In the flange; that of the box, if left out.
+            tcp: TCP in the flange; that of the box, if left out.
 
         Raises:
             UnreachableError: If there are none, with the reason.

@@ -98,7 +98,7 @@ class Port:
         """Listen to nothing yet.
 
         Args:
-            name: For messages: ``RTDE``.
+            name: Name for messages, such as ``RTDE``.
             serve: Serves one client, and returns when it has left.
             limit: Longest line that a client may send [bytes].
         """

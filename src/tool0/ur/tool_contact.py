@@ -73,8 +73,8 @@ class ToolHistory:
         """Return how many updates ago the tool came into contact; 0 without one.
 
         Args:
-            direction: In which the tool meets things, in the base frame's axes; of any
-                length; zero stands for all directions.
+            direction: Direction in which the tool meets things, in the base frame's
+                axes; of any length; zero stands for all directions.
         """
         first = self._force_along(self._moments[-1], direction)
         if first < CONTACT_FORCE:

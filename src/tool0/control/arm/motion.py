@@ -298,9 +298,9 @@ class ArmMotionController:
         """Ramp down to rest, from any mode.
 
         Args:
-            deceleration: Of the leading joint [rad/s²]; of the path's clock [1/s], if
-                the arm is to stay on the path.
-            now: [s]
+            deceleration: Deceleration of the leading joint [rad/s²]; of the path's
+                clock [1/s], if the arm is to stay on the path.
+            now: Present time [s].
             along_path: Whether it does, if it is on one.
         """
         splines = self._splines

@@ -57,8 +57,8 @@ class DistanceModel:
         Args:
             robot: Its links.
             ground: Height of the ground in the robot's root [m]; None without.
-            objects: What stands around the robot; ``place`` says where.
-            held: What it carries.
+            objects: Objects around the robot; ``place`` sets their poses.
+            held: Objects that it carries.
             planes: Bounds of the space.
 
         Raises:

@@ -140,11 +140,11 @@ def control_program(host: str, port: int, token: int, period: float) -> str:
     """Return the program, which connects to ``host`` at ``port``.
 
     Args:
-        host: Of tool0, as the robot reaches it.
-        port: Where tool0 listens.
-        token: Which tool0 expects first on each connection.
-        period: Of the controller [s]: an e-Series computes with lists, a CB3, whose
-            period is longer, with their elements.
+        host: Host name or address of tool0, as the robot reaches it.
+        port: Port at which tool0 listens.
+        token: Number that tool0 expects first on each connection.
+        period: Period of the controller [s]: an e-Series computes with lists, a CB3,
+            whose period is longer, with their elements.
     """
     names = {
         "HOST": host,

@@ -178,7 +178,7 @@ class PrivateApt:
             folder: Created if needed; lists and downloads in it are reused.
             mirror: Address of a Debian mirror.
             keyring: The keys by which the release must be signed.
-            architecture: In Debian's notation.
+            architecture: Architecture in Debian's notation.
 
         Raises:
             EngineUnavailableError: If the list cannot be fetched or is not signed.

@@ -85,8 +85,8 @@ def make_package(
     Args:
         definitions: The folder.
         prefix: The root of the ROS 2.
-        work: For intermediate files.
-        libraries: What to link with: those of other packages.
+        work: Folder for intermediate files.
+        libraries: Libraries of other packages to link with.
     """
     package = definitions.name
     with Path(os.devnull).open("w") as nowhere, redirect_stdout(nowhere):

@@ -250,7 +250,7 @@ def mark_complete(prefix: Path, *, distro: str, size: int) -> None:
 
     Args:
         prefix: The folder.
-        distro: As ``kilted``.
+        distro: Name such as ``kilted``.
         size: Size on disk [bytes].
     """
     marker = {"format": _FORMAT, "distro": distro, "size": size}

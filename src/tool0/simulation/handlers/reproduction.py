@@ -78,9 +78,9 @@ def restarted(
     """Bring the same robot up again, without real time, and return it.
 
     Args:
-        start: What ``reproduction`` returned.
+        start: Result of ``reproduction``.
         folder: An empty one, for files that the bring-up reads.
-        meshes: Where the files of ``start.meshes`` are now, by their URIs.
+        meshes: Paths of the files of ``start.meshes`` now, by their URIs.
 
     Raises:
         Tool0Error: If that fails, for instance because the engine is missing.

@@ -104,8 +104,8 @@ class Signal:
         """Keep a signal up to date from now on.
 
         Args:
-            spec: Where it is.
-            client: Of its unit's address; None if that must not be reached.
+            spec: Location of the signal.
+            client: Client of its unit's address; None if that must not be reached.
             is_running: Whether a program runs.
         """
         self.spec = spec
@@ -236,8 +236,8 @@ class Signals:
         """Add a signal; it replaces one of the same name.
 
         Args:
-            name: Of the signal.
-            spec: Where it is.
+            name: Name of the signal.
+            spec: Location of the signal.
             is_allowed: Whether its unit may be reached; the signal is invalid if not.
 
         Raises:

@@ -82,9 +82,9 @@ class RobotiqGripper:
 
         Args:
             link: The control box.
-            name: As ``Grip`` calls it.
+            name: Name in ``Grip``.
             geometry: Its opening, speed and force.
-            joint_index: Of its driven joint in the updates.
+            joint_index: Index of its driven joint in the updates.
         """
         self.name = name
         self.counts = Counts(geometry)

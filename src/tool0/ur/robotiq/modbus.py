@@ -47,7 +47,7 @@ def respond(gripper: RobotiqGripper, request: bytes, *, is_tcp: bool = False) ->
 
     Args:
         gripper: The gripper.
-        request: Of at least one byte, its length not checked so far.
+        request: At least one byte; its length is not checked so far.
         is_tcp: Whether command and status are at register 0, too, as in Robotiq's
             grippers that have Modbus TCP themselves.
     """

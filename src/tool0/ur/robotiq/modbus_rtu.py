@@ -107,7 +107,7 @@ class ModbusRtu:
 
         Args:
             gripper: The gripper.
-            link: What clients open: a symbolic link that exists meanwhile.
+            link: Path that clients open: a symbolic link that exists meanwhile.
         """
         self.link = link
         self._receiver = RtuReceiver(gripper)

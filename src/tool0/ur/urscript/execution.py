@@ -179,7 +179,7 @@ class Execution:
         """Prepare to run.
 
         Args:
-            name: Of the program's source, for messages.
+            name: Name of the program's source, for messages.
             box: The control box.
             moves: Its arm's moves.
             is_secondary: Whether it runs beside the program, also while that is paused.

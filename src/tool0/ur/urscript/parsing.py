@@ -55,7 +55,7 @@ def parse(text: str, name: str) -> syntax.Block:
 
     Args:
         text: The program; lines end with LF, CRLF or CR.
-        name: Of the program, for messages.
+        name: Name of the program, for messages.
 
     Raises:
         URScriptError: The text is no program, with line and column.

@@ -69,7 +69,7 @@ def compile_program(text: str, name: str = "program") -> URScriptProgram:
 
     Args:
         text: The program; lines end with LF, CRLF or CR.
-        name: Of the source, for messages.
+        name: Name of the source, for messages.
 
     Raises:
         URScriptError: What is wrong, with line and column.

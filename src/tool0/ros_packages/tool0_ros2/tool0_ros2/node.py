@@ -157,7 +157,7 @@ class RobotNode:
 
         Args:
             connection: Not started yet.
-            options: Of the command line; ``tf_rate`` and others.
+            options: Options of the command line; ``tf_rate`` and others.
         """
         self._connection = connection
         connection.on_message = self._take
