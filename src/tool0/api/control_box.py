@@ -107,7 +107,7 @@ class ControlBox:
         )
 
     def clear_payload(self) -> None:
-        """Reset the payload to what the description has at the flange."""
+        """Reset the payload to that of the description at the flange."""
         self._channel.call(SetPayload(arm=self._arm))
 
     def play(self) -> None:
@@ -151,7 +151,7 @@ class ControlBox:
         self._channel.call(UnlockProtectiveStop(arm=self._arm))
 
     def restart_safety(self) -> None:
-        """Clear what the safety system has stopped; the arm is switched off then."""
+        """Clear the stops of the safety system; the arm is switched off then."""
         self._channel.call(RestartSafety(arm=self._arm))
 
     def enable_motion(

@@ -178,7 +178,7 @@ class _Observer:
         )
 
     def outcome(self, end: ProgramRun) -> DryRun:
-        """Return what was seen."""
+        """Return the observations."""
         return DryRun(
             end=end,
             touches=tuple(self._touches.values()),

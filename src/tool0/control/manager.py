@@ -315,7 +315,7 @@ class ControllerManager:
         return tuple(skipped)
 
     def _take_shared(self, item: LoadedController, state: JointState) -> None:
-        """Take the joints from what drives them for a mode that shares them."""
+        """Take the joints from their controllers for a mode that shares them."""
         for other in self._loaded.values():
             if other.arm_mode is not None and set(other.held) & set(item.claims):
                 self._disengage(other, state)
@@ -417,7 +417,7 @@ class ControllerManager:
 
     @staticmethod
     def _may_share(first: LoadedController, second: LoadedController) -> bool:
-        """Return whether the arm deviates from what one of them commands."""
+        """Return whether the arm deviates from the commands of one of them."""
         return any(
             one.arm_mode is not None and other.type in one.arm_mode.companions
             for one, other in ((first, second), (second, first))

@@ -71,7 +71,7 @@ Poses = Mapping[str, Mapping[str, float]]
 def load_description(
     config: DescriptionConfig, *, spawn_z: float = SPAWN_Z
 ) -> RobotDescription:
-    """Return what ``config`` describes; a catalogue arm stands in ``world``.
+    """Return the robot of ``config``; a catalogue arm stands in ``world``.
 
     Its pedestal reaches to the ground, ``spawn_z`` [m] below ``world``.
 

@@ -242,7 +242,7 @@ def _replace_impossible_inertia(robot: Element) -> None:
 
 
 def _urdf_mass(model: RobotModel, extensions: list[Element]) -> float | None:
-    """Return the mass of all links [kg]; None of what stands still."""
+    """Return the mass of all links [kg]; None if the model stands still."""
     if model.root == _WORLD or any(_flag(item, "static") for item in extensions):
         return None
     mass = sum(link.inertial.mass for link in model.links if link.inertial is not None)
@@ -265,7 +265,7 @@ def _urdf_colour(model: RobotModel, extensions: list[Element]) -> RGBA:
 
 
 def _gazebo_colour(element: Element | None) -> RGBA | None:
-    """Return what ``Gazebo/Red`` and the like look like; None for textures."""
+    """Return the colour of ``Gazebo/Red`` and the like; None for textures."""
     name = "" if element is None else text_of(element)
     return _GAZEBO_COLOURS.get(name.removeprefix("Gazebo/").lower())
 

@@ -271,7 +271,7 @@ def _find_mesh(uri: str, location: SourceLocation | None) -> Path:
 
 
 def _size_problem(path: Path) -> str:
-    """Return what is wrong with a mesh's size, before all of it is read."""
+    """Return the problem with a mesh's size, before all of it is read."""
     try:
         size = path.stat().st_size
         with path.open("rb") as file:

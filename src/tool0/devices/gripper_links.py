@@ -51,7 +51,7 @@ class GripperLink(Protocol):
     """A connection to a gripper.  Its methods raise TransportError if it is lost."""
 
     def read(self) -> GripperReading | None:
-        """Return what the gripper reports; None if it has no power."""
+        """Return the gripper's status; None if it has no power."""
 
     def write(self, command: CommandRegisters) -> None:
         """Send it a command."""

@@ -68,7 +68,7 @@ class RtdeClient:
         inputs: Mapping[str, Sequence[str]] | None = None,
         timeout: float = 2.0,
     ) -> None:
-        """Connect, and set up what is read and written.
+        """Connect, and set up the fields that are read and written.
 
         Args:
             host: Host name or address of the controller.
@@ -174,7 +174,7 @@ class RtdeClient:
     def _set_up(
         self, outputs: Sequence[str], optional: Sequence[str]
     ) -> tuple[Mapping[str, slice], bytes, struct.Struct]:
-        """Set up what is read: where each field is, the recipe's number, the layout."""
+        """Set up the fields to read: places, the recipe's number, the layout."""
         names = [*outputs, *optional]
         types, _ = self._recipe_of(names)
         lacking = [n for n, t in zip(names, types, strict=True) if t in _NOT_THERE]

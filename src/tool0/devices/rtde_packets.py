@@ -119,7 +119,7 @@ def layout(types: Sequence[str], *, recipe_id: bool) -> Struct:
 
 @final
 class PacketBuffer:
-    """Cuts what arrives from a client into packets."""
+    """Cuts a client's data into packets."""
 
     def __init__(self) -> None:
         self._received = bytearray()

@@ -1,4 +1,4 @@
-"""The robot as a whole: its description, what does not change, and its newest state."""
+"""The robot as a whole: its description, constant properties, and newest state."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class CameraRenderer(Protocol):
         """Return a camera, or raise RenderError."""
 
     def newest(self) -> Snapshot:
-        """Return what is to be seen now."""
+        """Return the newest snapshot, to draw it."""
 
     def render(self, camera: Camera, snapshot: Snapshot | None = None) -> CameraImage:
         """Return an image of ``snapshot``, by default the newest, from any camera.

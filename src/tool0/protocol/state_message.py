@@ -95,7 +95,7 @@ class ControllerMotion(Struct, frozen=True, kw_only=True):
 
 @final
 class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
-    """The robot at one instant: what the reader has asked for.
+    """The robot at one instant: the fields to which the reader subscribed.
 
     A sequence of numbers of joints is in the order of ``joint_names``.
     """
@@ -192,7 +192,7 @@ def state_message(
     *,
     missed: int = 0,
 ) -> StateMessage:
-    """Return what a reader wants of a snapshot, after ``before`` in a stream.
+    """Return the subscribed fields of a snapshot, after ``before`` in a stream.
 
     ``missed`` is the number of snapshots between them that the reader has lost.
     """
@@ -250,7 +250,7 @@ def snapshot_of(message: StateMessage, before: Snapshot | None = None) -> Snapsh
 
 
 def filled(snapshot: Snapshot, sample: ArmSample) -> ArmSample:
-    """Return what moves an arm, with the setpoint of a controller, as it is sent."""
+    """Return an arm's motion, with the setpoint of a controller, as it is sent."""
     return structs.replace(
         sample,
         joint_names=UNSET,

@@ -71,7 +71,7 @@ class RecordingInfo(Struct, frozen=True, kw_only=True):
 
 
 def info_from(metadata: Mapping[str, str]) -> RecordingInfo:
-    """Return what ``metadata`` wrote; msgspec.ValidationError if it is another's."""
+    """Return the values that ``metadata`` wrote; msgspec.ValidationError for others."""
     texts = {
         name
         for name, kind in RecordingInfo.__annotations__.items()

@@ -112,7 +112,7 @@ class Recorder:
         )
 
     def stop(self) -> RecordingStatus:
-        """Write what is left, and close the file; stopping twice is allowed."""
+        """Write the remaining data, and close the file; stopping twice is allowed."""
         self._is_over.set()
         self._thread.join()
         return self.status

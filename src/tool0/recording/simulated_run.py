@@ -1,4 +1,4 @@
-"""A simulated run beside a recorded one: what the physics makes of the same requests.
+"""A simulated run beside a recorded one: the same requests, with simulated physics.
 
 The recording may be of a real robot or of another engine.  Requests are carried out at
 their recorded steps, and the speed slider is as it was; what else happened to a real
@@ -77,7 +77,7 @@ def simulate_beside(
     recording: RecordingFile | Path | str,
     when_done: Callable[[int, int], None] = lambda done, total: None,
 ) -> SimulatedRun:
-    """Simulate what was requested in a recording, and compare the motions.
+    """Simulate the requests of a recording, and compare the motions.
 
     Args:
         recording: One file, from its first frame to its last.

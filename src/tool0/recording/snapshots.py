@@ -164,7 +164,7 @@ class Snapshots(Sequence[Snapshot]):
 def _arm_sample(
     joint_names: tuple[str, ...], mode: MotionMode, wrench: Sequence[float]
 ) -> ArmSample:
-    """Return what is recorded of an arm."""
+    """Return the recorded motion of an arm."""
     fx, fy, fz, tx, ty, tz = wrench
     return ArmSample(
         mode=mode,

@@ -48,7 +48,7 @@ def encode_change(
     derived: Derived,
     derived_before: Derived,
 ) -> bytes | None:
-    """Return what has changed since ``before``; None if nothing has.
+    """Return the changes since ``before``; None if there are none.
 
     How well the simulation keeps pace is no change of its own.
     """

@@ -1,4 +1,4 @@
-"""A recording as a video: what a camera would have seen, at any size and speed."""
+"""A recording as a video of any camera, at any size and speed."""
 
 from __future__ import annotations
 

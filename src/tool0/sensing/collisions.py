@@ -207,7 +207,7 @@ class CollisionFinder:
     def _moved(
         self, start: Sequence[float], positions: Mapping[str, float]
     ) -> list[float]:
-        """Return ``start`` with ``positions``, and what mimics them."""
+        """Return ``start`` with ``positions``, and with the joints that mimic them."""
         end = joint_positions(self._model, positions, start)
         return [
             after
@@ -284,7 +284,7 @@ def _robot_first(pair: Pair, moving: Collection[str]) -> Pair:
 
 
 def _note(found: dict[Pair, Collision], pair: Pair, depth: float, share: float) -> None:
-    """Add what was seen at ``share`` of the path."""
+    """Add the overlaps at ``share`` of the path."""
     known = found.get(pair)
     first, second = pair
     found[pair] = Collision(

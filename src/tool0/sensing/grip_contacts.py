@@ -1,4 +1,4 @@
-"""Whether fingers press on something from both sides: what a grip needs."""
+"""Detects that fingers press on something from both sides, as a grip does."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class GripContacts:
         self.gripping = tuple(h.name for h in self._hands if h.name in gripping)
 
     def forget(self) -> None:
-        """Forget what was gripped, as after a reset."""
+        """Forget the grips, as after a reset."""
         self.gripping = ()
         for hand in self._hands:
             hand.forget()

@@ -183,7 +183,7 @@ class Account:
 
     @contextmanager
     def working(self) -> Iterator[None]:
-        """Charge what this thread, the event loop's, does for this client."""
+        """Charge the work of this thread, the event loop's, for this client."""
         start = self._budget.begin_work()
         try:
             yield

@@ -144,7 +144,7 @@ class Hub:
                 session.drop()
 
     def look_for_outage(self) -> None:
-        """Drop what waits if this process was frozen; call it often."""
+        """Drop waiting requests if this process was frozen; call it often."""
         if self._outages.look():
             self._setpoints.drop_all()
 
@@ -308,7 +308,7 @@ class Hub:
     def _reply(
         self, ident: Ident, request: Request[Any]
     ) -> tuple[bytes, list[tuple[int, Goal]], float]:
-        """Return the reply, the goals that the request started, and what it took [s].
+        """Return the reply, the goals that the request started, and its cost [s].
 
         In a worker.
         """

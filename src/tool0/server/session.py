@@ -1,4 +1,4 @@
-"""One connection: what it sends, and the requests that wait for each other.
+"""One connection: its messages, and the requests that wait for each other.
 
 ::
 
@@ -170,7 +170,7 @@ class Session:
         return since is not None and self._loop.time() - since > STUCK_AFTER
 
     def send(self, text: bytes) -> None:
-        """Send ``text`` after what waits; a page with too much waiting is dropped."""
+        """Send ``text`` after the others; a page with too much waiting is dropped."""
         if len(self._queue) >= MAX_QUEUE and not self._transport.is_trusted:
             self.drop()
             return
@@ -304,7 +304,7 @@ class Session:
         return True
 
     def _revoke(self, stop: Request[Any]) -> None:
-        """Refuse what waits and would undo a stop that overtakes it."""
+        """Refuse waiting requests that would undo a stop that overtakes them."""
         methods = stop.revokes
         for text in [text for text in self._texts if _names(text, methods)]:
             assert text is not None  # it names something
@@ -324,7 +324,7 @@ class Session:
         return self.account.may_go_on and self._n_unread < MAX_UNREAD
 
     async def _decode(self) -> None:
-        """Decode what waits, as fast as the account allows and the peer reads."""
+        """Decode waiting messages, as fast as the account allows and the peer reads."""
         while True:
             await self._has_text.wait()
             self._has_text.clear()

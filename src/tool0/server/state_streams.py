@@ -67,7 +67,7 @@ class _Pace(NamedTuple):
 
     @staticmethod
     def of(request: Subscribe, speed: float | None) -> _Pace:
-        """Return what suits a request and the speed of simulated time."""
+        """Return the pace for a request and the speed of simulated time."""
         rate, default_rate = request.rate, 1.0 / SNAPSHOT_PERIOD
         if not request.newest_only:
             return _Pace(rate, POLL_PERIOD)
@@ -138,7 +138,7 @@ class StateStream:
                 self.opened.set_exception(error)
 
     async def _follow(self) -> None:
-        """Send what the bus has, until time passes at another speed."""
+        """Send the states of the bus, until time passes at another speed."""
         self._pace = pace = _Pace.of(self._request, self._states.snapshot.speed)
         self._subscription = await self._subscribed()
         if not self.opened.done():
@@ -196,7 +196,7 @@ class StateStream:
     # ---- to the sessions -------------------------------------------------------------
 
     def _deliver(self) -> None:
-        """Send what has arrived."""
+        """Send the states that have arrived."""
         self._is_waking = False
         if self._subscription is None:
             return  # it has just ended

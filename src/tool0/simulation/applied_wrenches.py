@@ -75,7 +75,7 @@ class AppliedWrenches:
         self._waiting = self._acting = ()
 
     def tick(self, time: float) -> None:
-        """Start and end what is due at ``time`` [s], before the engine steps."""
+        """Start and end the wrenches that are due at ``time`` [s], before a step."""
         if self.is_idle:
             return
         now = time + _ROUNDING

@@ -1,4 +1,4 @@
-"""The machine that ticks: engine, drives, controllers, arms and sensors."""
+"""The core of a simulation: engine, drives, controllers, arms and sensors."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class SavedCore:
 
 @final
 class Core:
-    """The machine that the loop ticks; an Executor moves its robot.
+    """The core that the loop ticks; an Executor moves its robot.
 
     Only the thread of the tick may use it.
     """
@@ -267,7 +267,7 @@ class Core:
         self._sensors = tuple(s for s in self._sensors if s is not sensor)
 
     def arm_samples(self) -> Mapping[str, ArmSample]:
-        """Return what moves each arm, and the wrench on its tool, between two ticks."""
+        """Return each arm's motion, and the wrench on its tool, between two ticks."""
         program = self._program
         before = self._before if program is None else program.step_start()
         return self.arms.samples(self.time, before, self.state, self._forces())

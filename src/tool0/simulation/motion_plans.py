@@ -75,7 +75,7 @@ _ROWS: Final = 200
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeptPlan:
-    """A plan, and what it was made for."""
+    """A plan, with its request."""
 
     plan: Plan
     may_touch: frozenset[str]
@@ -312,7 +312,7 @@ class MotionPlans:
     def _found(
         self, request: PlanMotion, moving: _Moving, snapshot: Snapshot
     ) -> Iterator[tuple[FreeMotion, PlanningGroup]]:
-        """Plan; what looks at motions is valid within the context."""
+        """Plan; the checker of motions is valid within the context."""
         model = self._simulation.description.model
         goals = combined(
             [
@@ -421,7 +421,7 @@ class MotionPlans:
         rules: Rules,
         keep_out: Sequence[KeepOut],
     ) -> PlanningGroup:
-        """Return what looks at motions; only with the lock."""
+        """Return the checker of motions; only with the lock."""
         simulation = self._simulation
         model = simulation.description.model
         if self._world is None:

@@ -1,4 +1,4 @@
-"""Publishes the state of a core: a snapshot, with what subscribers asked for."""
+"""Publishes the state of a core: a snapshot, with the fields that subscribers need."""
 
 from __future__ import annotations
 

@@ -180,7 +180,7 @@ class Simulation:
         self.loop.refresh()
 
     def snapshot_with_arms(self) -> Snapshot:
-        """Publish a snapshot that has what moves each arm, and return it."""
+        """Publish a snapshot with the motion of each arm, and return it."""
         return self.loop.snapshot_with_arms()
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:

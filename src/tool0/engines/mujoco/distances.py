@@ -1,4 +1,4 @@
-"""The shapes of a robot, of the objects around it and of what it holds, at rest.
+"""The shapes of a robot, of the objects around it and of those it holds, at rest.
 
 It is a model of its own, without dynamics, in which distances are measured: for every
 engine, and in any thread.
@@ -197,7 +197,7 @@ class DistanceModel:
         return int(self.model.body_parentid[body])
 
     def memory(self) -> ShapeMemory:
-        """Return what compiled code needs.
+        """Return the memory for compiled code.
 
         Raises:
             ModelError: If MuJoCo's library is not found.

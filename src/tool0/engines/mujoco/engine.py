@@ -47,7 +47,7 @@ _MOST_FRICTION = 1e6
 
 
 def _log_warning(message: str) -> None:
-    """Log what MuJoCo warns of, in place of a file in the working directory."""
+    """Log MuJoCo's warnings, in place of a file in the working directory."""
     logger.debug("MuJoCo: %s", message)
 
 

@@ -112,7 +112,7 @@ class Renderer:
         objects: tuple[SceneObject, ...],
         states: Sequence[ObjectState],
     ) -> NDArray[np.int32]:
-        """Return what each pixel shows, shape (height, width).
+        """Return the thing that each pixel shows, shape (height, width).
 
         ``ROBOT``, ``GROUND``, ``NOTHING``, or the number of an object from 0 on.
         """

@@ -156,7 +156,7 @@ class WarpWorlds:
             )
 
     def recorded(self, launch: Callable[[], None]) -> Callable[[], None]:
-        """Return what repeats the launches of ``launch`` at once: a CUDA graph.
+        """Return a CUDA graph that repeats the launches of ``launch`` at once.
 
         Its kernels must have been compiled; without CUDA, it is ``launch`` itself.
         """

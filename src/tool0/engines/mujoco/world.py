@@ -150,7 +150,7 @@ class MujocoWorld:
         self._scene = scene
 
     def saved(self) -> SavedWorld:
-        """Return what ``MjData`` does not have.
+        """Return the state that ``MjData`` does not have.
 
         Raises:
             EngineError: If an object is attached to a link.
@@ -424,7 +424,7 @@ def add_attachments(spec: Any, attachments: Mapping[str, Attachment]) -> None:
 def attachment_points(
     model: Any, data: Any, attachments: Mapping[str, Attachment]
 ) -> Iterator[tuple[tuple[str, str], ContactPoint]]:
-    """Yield what each link exerted on its object in the last step, at its origin.
+    """Yield each link's wrench on its object in the last step, at its origin.
 
     The weld acts on the object's free joint only, whose coordinates are a force in the
     world's axes and a torque in the object's.

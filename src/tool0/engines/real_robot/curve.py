@@ -74,7 +74,7 @@ class CurveSender:
     def follow(
         self, wanted: WantedMotion, now: float, step: int, measured: Sequence[float]
     ) -> None:
-        """Send what the program does not know yet.
+        """Send the knots that the program does not have yet.
 
         Args:
             wanted: The motion.
@@ -153,7 +153,7 @@ class CurveSender:
         return False
 
     def _is_close(self, wanted: WantedMotion, now: float, step: int) -> bool:
-        """Return whether what was sent serves until the next renewal."""
+        """Return whether the curve that was sent serves until the next renewal."""
         at = step + 2 * self._renewal
         knot = min(self._sent, key=lambda one: abs(one.step - at))
         if knot.step < step:

@@ -261,7 +261,7 @@ class RealRobotEngine(OwnDrives):
         return self.guard(arm, now)
 
     def _grip(self, grips: Mapping[str, WantedGrip]) -> None:
-        """Send what has changed, once: a lost command is not repeated."""
+        """Send changes once: a lost command is not repeated."""
         before, self._wanted_grips = self._wanted_grips, grips
         gripper = self.connection.gripper
         for name, fingers in self._grippers.items():

@@ -35,7 +35,7 @@ class LagMeter:
         velocities: Sequence[float],
         measured: Sequence[float],
     ) -> None:
-        """Take a setpoint and what was measured at its time into account."""
+        """Take a setpoint and the state measured at its time into account."""
         squares = sum(v * v for v in velocities)
         if squares < SLOW * SLOW:
             return

@@ -1,4 +1,4 @@
-"""A launch file as values: what it declares, starts, sets and includes.
+"""A launch file as values: its arguments, nodes, parameters and includes.
 
 Every entry has a ``place`` and names its ``texts``: each attribute that may contain an
 argument, with its display name.

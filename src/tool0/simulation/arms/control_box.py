@@ -126,7 +126,7 @@ class ControlBox:
         self.change(speed_slider=fraction)
 
     def set_payload(self, payload: Payload | None) -> None:
-        """Take this to be at the flange; None is what the description has."""
+        """Use this payload at the flange; None is that of the description."""
         self._hardware.set_payload(self._flange, payload)
         known = payload or modelled_payload(self._model, self._flange)
         self.change(payload=known)

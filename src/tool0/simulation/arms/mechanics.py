@@ -1,4 +1,4 @@
-"""Kinematics and dynamics of an arm, in the base frame of UR, for what moves it."""
+"""Kinematics and dynamics of an arm, in the base frame of UR, for its motion laws."""
 
 from __future__ import annotations
 

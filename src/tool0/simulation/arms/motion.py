@@ -195,7 +195,7 @@ class ArmMotion:
         return self.desired(now) or measured
 
     def sample(self, now: float, wrench: Wrench, failure: str) -> ArmSample:
-        """Return what moves the arm ``now`` [s].
+        """Return the motion of the arm ``now`` [s].
 
         ``wrench`` is that on its tool, ``failure`` why its motion failed, if it did.
         """

@@ -71,7 +71,7 @@ class RealArm(Arm):
         """Task by which the arm itself pushes with a force, or gives way."""
 
     def follow(self, report: RobotReport, now: JointState) -> None:
-        """Show what the controller of the robot reports, and stop what it stopped.
+        """Show the report of the robot's controller, and stop what it stopped.
 
         Nothing starts on its own: that takes ``play``.
         """

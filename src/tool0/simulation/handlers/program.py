@@ -47,7 +47,7 @@ _LONGEST_RETURN = 2.0
 
 
 def _context(simulation: Simulation, program: Program) -> RobotContext:
-    """Return what a program finds; ControlError if its arm or gripper is unknown."""
+    """Return a program's context; ControlError if its arm or gripper is unknown."""
     from tool0.programs.robot_context import RobotContext
 
     require_shallow(program)

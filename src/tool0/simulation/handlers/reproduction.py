@@ -29,7 +29,7 @@ from tool0.simulation.simulation import Simulation
 
 
 def reproduction(simulation: Simulation) -> Reproduction:
-    """Return what repeats this simulation, together with its journal."""
+    """Return the data that repeat this simulation, together with its journal."""
     setup = simulation.setup
     description, options = setup.description, setup.options
     model, choice = description.model, setup.choice

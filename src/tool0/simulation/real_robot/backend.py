@@ -1,4 +1,4 @@
-"""The backend of a real robot: what it answers, what it refuses, and what it checks."""
+"""The backend of a real robot: the requests it answers, refuses and checks."""
 
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ class Part(Protocol):
         """Return the controllers whose motion it needs in the updates now."""
 
     def publish(self, update: Update) -> None:
-        """Publish what is due.  Time may have gone back to zero."""
+        """Publish the messages that are due.  Time may have gone back to zero."""
 
     def close(self) -> None:
         """Destroy publishers, services …; the node of a controller ends afterwards."""

@@ -106,7 +106,7 @@ class Entities:
         self._spawned.pop(request.entity, None)
 
     def delete_spawned(self) -> None:
-        """Remove what was spawned here and is still there."""
+        """Remove the entities that were spawned here and still exist."""
         present = _objects(self._snapshot())
         for name in self._spawned:
             if name in present:

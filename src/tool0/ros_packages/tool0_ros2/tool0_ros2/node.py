@@ -320,7 +320,7 @@ class RobotNode:
         done.wait(_FOLLOW_TIMEOUT)
 
     def _refresh(self) -> None:
-        """Ask for what the parts want in the updates."""
+        """Subscribe to the fields that the parts need."""
         wanted = [
             name
             for space in self._namespaces
