@@ -74,7 +74,7 @@ class ArmMotion:
         self._channel.call(TakeArm(arm=self._arm, by=by))
 
     def release(self) -> None:
-        """Stop, and let the controllers start again."""
+        """Stop, and start the controllers again."""
         self._channel.call(ReturnArm(arm=self._arm))
 
     def execute_path(

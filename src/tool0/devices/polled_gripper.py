@@ -1,4 +1,4 @@
-"""A gripper that a thread reads again and again, and lets have the newest command."""
+"""A gripper that a thread polls, and to which it sends the newest command."""
 
 from __future__ import annotations
 

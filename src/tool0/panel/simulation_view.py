@@ -95,7 +95,7 @@ class SimulationView:
         }
         self._grippers: list[GripperState] = []
         self._forces: Subscription | None = None
-        """Lets the snapshots have what the frames need."""
+        """Subscription that gives the snapshots the fields that the frames need."""
         self._has_contacts = self._has_wrenches = False
 
     def scene(self) -> ViewScene:

@@ -61,7 +61,7 @@ class Environment(Protocol):
         """Return what is observed now."""
 
     def hold(self) -> Array:
-        """Return the action that lets everything stay where it is, shape (m,)."""
+        """Return the action that moves nothing, shape (m,)."""
 
     def act(self, action: Array) -> Outcome:
         """Act for one control period.

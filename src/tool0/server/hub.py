@@ -96,7 +96,7 @@ class Hub:
         self._urgent: set[asyncio.Task[bool]] = set()
         self._outages = Outages()
         self.attach_view: Callable[[Session, SubscribeView], None] | None = None
-        """Lets a session receive what the panel shows; None without a panel."""
+        """Serves the panel's view to a session; None without a panel."""
         self.when_shown: Callable[[], None] = lambda: None
         """Called when a page has drawn the robot."""
         self.when_refused: Callable[[str], None] = lambda message: None

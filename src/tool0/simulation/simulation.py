@@ -141,7 +141,7 @@ class Simulation:
             rate: Snapshots per simulated second [Hz]; the default rate if left out.
             keep_all: Miss no snapshot, however late they are taken.
             most_kept: With ``keep_all``: miss the oldest if more are waiting.
-            with_commands: Let the snapshots have the commands of the joints.
+            with_commands: Whether the snapshots have the commands of the joints.
             with_arms: Let them have what moves each arm, and the wrench on its tool.
             with_contacts: Let them have the contacts and their forces.
             forces_period: Simulated time between two snapshots that have these [s];

@@ -1,4 +1,4 @@
-"""Lets the program of a control box follow what others do with the arm."""
+"""Keeps the program of a control box consistent with other uses of the arm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Makes the message packages of a folder of definitions, in a ROS 2 of PyPI's wheels.
+"""Builds the message packages of a folder of definitions, in a ROS 2 of PyPI's wheels.
 
 usage: PYTHON generate.py DEFINITIONS PREFIX WORK
 

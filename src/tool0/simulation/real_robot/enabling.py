@@ -164,7 +164,7 @@ class Enabling:
     # ---- beginning and end ----------------------------------------------------------
 
     def enable(self, request: EnableMotion) -> None:
-        """Start tool0's program on the robot, and let the controllers hold the arm.
+        """Start tool0's program on the robot, and hold the arm by its controllers.
 
         Raises:
             ControlError: If something keeps the arm from moving, with all reasons.
