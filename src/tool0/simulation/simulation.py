@@ -142,8 +142,8 @@ class Simulation:
             keep_all: Miss no snapshot, however late they are taken.
             most_kept: With ``keep_all``: miss the oldest if more are waiting.
             with_commands: Whether the snapshots have the commands of the joints.
-            with_arms: Let them have what moves each arm, and the wrench on its tool.
-            with_contacts: Let them have the contacts and their forces.
+            with_arms: Whether they have each arm's motion, and the wrench on its tool.
+            with_contacts: Whether they have the contacts and their forces.
             forces_period: Simulated time between two snapshots that have these [s];
                 they take the tick 0.2 ms.
             latest_only: Deliver events, and the newest snapshot only.
