@@ -82,8 +82,8 @@ class DescriptionConfig:
     """Several robots, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0: name, arm,
     gripper if any, position of the base and, if given, roll, pitch, yaw [m, rad]."""
     namespaces: bool = False
-    """Whether each robot of a cell has a namespace and a controller manager of its own
-    in ROS; a cell's file can also say so."""
+    """In ROS, give each robot of a cell a namespace and a controller manager of its
+    own; a cell's file can say so, too."""
     args: Mapping[str, Argument] | None = None
     """Arguments of the xacro file; they override the other options."""
     relax_inertia: bool = False

@@ -48,7 +48,7 @@ class LowPass:
         """Initialise the filter.
 
         Args:
-            cutoff: Cutoff frequency [Hz], below half the rate.
+            cutoff: [Hz], below half the rate.
             rate: Samples per second [Hz].
 
         Raises:

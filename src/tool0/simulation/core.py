@@ -267,7 +267,7 @@ class Core:
         self._sensors = tuple(s for s in self._sensors if s is not sensor)
 
     def arm_samples(self) -> Mapping[str, ArmSample]:
-        """Return each arm's motion, and the wrench on its tool, between two ticks."""
+        """Return what moves each arm, and the wrench on its tool, between two ticks."""
         program = self._program
         before = self._before if program is None else program.step_start()
         return self.arms.samples(self.time, before, self.state, self._forces())

@@ -18,13 +18,13 @@ class ObjectArrays(NamedTuple):
     """Poses and velocities of the objects, in the scene's order."""
 
     position: Array
-    """Positions of the objects [m], shape (n, n_objects, 3)."""
+    """[m], shape (n, n_objects, 3)."""
     quat: Array
     """w, x, y, z, shape (n, n_objects, 4)."""
     linear: Array
-    """Linear velocities of the objects [m/s], shape (n, n_objects, 3)."""
+    """[m/s], shape (n, n_objects, 3)."""
     angular: Array
-    """Angular velocities of the objects [rad/s], shape (n, n_objects, 3)."""
+    """[rad/s], shape (n, n_objects, 3)."""
 
 
 def mujoco_engine(engine: Engine) -> MujocoEngine:

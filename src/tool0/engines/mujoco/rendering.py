@@ -69,7 +69,7 @@ class Renderer:
         """
         self._robot = model = with_readable_visuals(model)
         self.size = width, height
-        """Width and height of the largest image [pixels]."""
+        """Of the largest image [pixels]."""
         self._robot_spec = build_spec(model, dt=0.001, visuals=True, ground=ground)
         _furnish(self._robot_spec, width, height)
         self._mesh_files: Mapping[str, bytes] = {}
