@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from tool0.description.model import RobotModel
 
 ITEM, BIN, TABLE = "cube", "bin", "table"
-"""Their names in the scene ``table_and_bin``."""
+"""Names of the object, the bin and the table in the scene ``table_and_bin``."""
 TABLE_TOP = -0.02
-"""Of that scene, in the robot's root [m]."""
+"""Height of that scene's table, in the robot's root [m]."""
 ARM_LENGTH = 0.81725
 """Upper arm and forearm of the arm for which that scene is laid out [m]."""
 LIFT = 0.15
@@ -34,7 +34,7 @@ NEAR, FAR = 0.40, 0.65
 RIGHT, LEFT = -0.10, 0.30
 """Range of y [m]."""
 BIN_Y, BIN_HALF_WIDTH = -0.32, 0.10
-"""Of the bin [m]."""
+"""Position in y of the bin's centre, and half its width [m]."""
 GAP = 0.12
 """Distance of an object's centre from the bin, for a gripper beside it [m]."""
 ATTEMPTS = 1000
@@ -104,7 +104,7 @@ class PickTable:
 
         Args:
             robot: The robot.
-            height: Of the object, which stands [m].
+            height: Height of the standing object [m].
             seed: The same one yields the same poses.
         """
         rng = random.Random(seed)

@@ -36,7 +36,7 @@ class DriveDynamics:
         self._model, self._gravity_vector, self._dt = model, gravity, dt
         self._payloads: dict[str, Payload] = {}
         self.own = self._declared = JointDynamics(model, gravity)
-        """Without and with the declared payloads."""
+        """Dynamics without and with the declared payloads."""
         index = {name: i for i, name in enumerate(joint_names)}
         self.to_model = tuple(index[joint.name] for joint in model.movable_joints)
         """Engine index of each of the model's movable joints."""
@@ -113,8 +113,8 @@ class DriveDynamics:
             joints: The n joints, by the engine's numbers.
             declared: The mass matrices of the model's joints with declared payloads,
                 shape (k, n_joints, n_joints).
-            positions: Of the model's joints [rad | m], shape (k, n_joints): they count
-                if payloads are declared.
+            positions: Positions of the model's joints [rad | m], shape (k, n_joints):
+                they count if payloads are declared.
         """
         rows = [self.to_model.index(i) for i in joints]
         chosen = own = np.ascontiguousarray(declared[:, rows][:, :, rows])

@@ -121,7 +121,7 @@ class DriveState(NamedTuple):
 
 
 class SavedDrives(NamedTuple):
-    """The drives at one instant, with what commands them."""
+    """The drives at one instant, with their controllers."""
 
     setup: DriveSetup
     state: DriveState

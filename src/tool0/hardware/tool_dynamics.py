@@ -44,12 +44,12 @@ _ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 
 class _BodyMotion(NamedTuple):
-    """How a body moves, in the axes of the root."""
+    """Motion of a body, in the axes of the root."""
 
     angular_velocity: Vector3
-    """[rad/s]"""
+    """Angular velocity [rad/s]."""
     angular_acceleration: Vector3
-    """[rad/s²]"""
+    """Angular acceleration [rad/s²]."""
     acceleration: Vector3
     """Acceleration of its origin relative to free fall [m/s²]: at rest it points up."""
 
@@ -150,9 +150,9 @@ class ToolDynamics:
         """Return force and torque on the flange, in the link's axes at its origin.
 
         Args:
-            position: Of the model's movable joints, in their order [rad | m].
-            velocity: [rad/s | m/s]
-            acceleration: [rad/s² | m/s²]
+            position: Positions of the model's movable joints, in their order [rad | m].
+            velocity: Velocities [rad/s | m/s].
+            acceleration: Accelerations [rad/s² | m/s²].
             contacts: All contacts at that instant; those at other links are ignored.
         """
         forces = self.forces(position, velocity, acceleration)

@@ -71,7 +71,7 @@ def direct_duration(
         start: Present setpoint of the joint [rad | m].
         end: Distance between the pads at the end [m], within 0 …
             ``geometry.max_opening``.
-        speed: Of the pads towards each other [m/s].
+        speed: Speed of the pads towards each other [m/s].
         shortest: Least duration [s].
     """
     distance = abs(end - geometry.opening(start))

@@ -15,7 +15,7 @@ from tool0.policy.environment import Array, Outcome, Picture
 from tool0.policy.seen import Seen
 
 VIDEO_SIZE: Final = (320, 240)
-"""Of pictures, if observations have none [pixels]."""
+"""Size of the pictures of a video, if observations have none [pixels]."""
 
 
 @final
@@ -37,7 +37,7 @@ class TaskEnvironment:
         Args:
             task: As ``tool0.collect.collect`` takes it.
             options: Keywords of the environment.
-            instruction: What is to be done, in words; the task's own if left out.
+            instruction: Description of the task; the task's own if left out.
             draws: Whether pictures are wanted.
 
         Raises:

@@ -1,4 +1,4 @@
-"""The machine that ticks: engine, drives, controllers, arms and sensors."""
+"""The core of a simulation: engine, drives, controllers, arms and sensors."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class SavedCore:
 
 @final
 class Core:
-    """The machine that the loop ticks; an Executor moves its robot.
+    """The core that the loop ticks; an Executor moves its robot.
 
     Only the thread of the tick may use it.
     """
@@ -86,12 +86,13 @@ class Core:
         hardware.set_steps_per_command(self._steps_per_tick)
         self._kernel = Kernel(engine, hardware, manager, self.control_period)
         self._program: TickProgram | None = None
-        """What executes the ticks, while it has the state of controllers and drives."""
+        """Program that executes the ticks, while it has the state of controllers and
+        drives."""
         self._brakes: Mapping[int, float] = {}
         self._rotors: Mapping[int, float] = {}
-        """Those that the engine has."""
+        """Brakes and rotors that the engine has now, by joint."""
         self.initial_position = list(initial_position)
-        """Where it started [rad | m], shape (n_joints,)."""
+        """Start positions of the joints [rad | m], shape (n_joints,)."""
         self._start = self.initial_position
         self._commanded: set[str] = set()
         self._watch_drift()

@@ -52,8 +52,8 @@ GRIP_CONDIM = 4
 """Sliding and spinning friction: a pad is a patch, not a point."""
 IMPRATIO = 100.0
 MIMIC_SOLREF = (0.002, 1.0)
-"""As stiff as a step of 1 ms allows: mimic joints follow within the step, loops stay
-closed, and passive joints do not pass their stops."""
+"""Reference of mimic joints, as stiff as a step of 1 ms allows: they follow within the
+step, loops stay closed, and passive joints do not pass their stops."""
 MIMIC_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 STIFF_SOLIMP = (0.995, 0.999, 0.001, 0.5, 2.0)
 """Impedance of loops, of stops of passive joints, and of sliding mimic joints.

@@ -51,7 +51,7 @@ HAZE = (3.0, 9.0)
 DIFFUSE, HEAD_DIFFUSE, HEAD_AMBIENT = 0.5, 0.32, 0.38
 """Intensities of the lamp, and of the light from the camera."""
 ROBOT, GROUND, NOTHING = -1, -2, -3
-"""What a pixel shows that shows no object."""
+"""Values of pixels that show no object."""
 STAND_IN_RGBA = (0.6, 0.62, 0.65, 1.0)
 """Colour of collision shapes that replace a mesh."""
 
@@ -120,7 +120,7 @@ class Renderer:
         objects: tuple[SceneObject, ...],
         states: Sequence[ObjectState],
     ) -> NDArray[np.int32]:
-        """Return what each pixel shows, shape (height, width).
+        """Return the thing that each pixel shows, shape (height, width).
 
         ``ROBOT``, ``GROUND``, ``NOTHING``, or the number of an object from 0 on.
         """

@@ -120,14 +120,14 @@ class WarpWorlds:
                 njmax=ROWS + ROWS_PER_CONTACT * n_contacts,
             )
             self.steps = wp.zeros(n, dtype=int)
-            """Of each world since its reset: Warp's array, as the next four."""
+            """Steps of each world since its reset: Warp's array, as the next four."""
             self.divergence = wp.zeros(n, dtype=int)
             """1 for worlds that stand still."""
             self._start = engine.data.qpos.copy()
             self._parked = wp.array(self._start.astype(np.float32), dtype=float)
             self._measured = wp.zeros((n, model.nq), dtype=float)
         self.position = data.qpos
-        """Of the joints first, then of the objects, shape (n, nq)."""
+        """Positions of the joints, then of the objects, shape (n, nq)."""
         self.velocity = data.qvel
         self.motors = data.ctrl
         self.reset(np.arange(n), np.tile(self._start[: self._n_joints], (n, 1)))
@@ -157,7 +157,7 @@ class WarpWorlds:
             )
 
     def recorded(self, launch: Callable[[], None]) -> Callable[[], None]:
-        """Return what repeats the launches of ``launch`` at once: a CUDA graph.
+        """Return a CUDA graph that repeats the launches of ``launch`` at once.
 
         Its kernels must have been compiled; without CUDA, it is ``launch`` itself.
         """
@@ -205,7 +205,7 @@ class WarpWorlds:
 
     @property
     def has_diverged(self) -> NDArray[np.bool_]:
-        """Which worlds stand still since their physics failed, shape (n,)."""
+        """Worlds that stand still since their physics failed, shape (n,) of bool."""
         return np.asarray(self.divergence.numpy() != 0)
 
     def joints(self) -> tuple[Array, Array]:
