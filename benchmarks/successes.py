@@ -1,0 +1,73 @@
+"""How often a policy solves a task: many episodes at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+import tool0.gym  # noqa: F401  # registers the tasks
+from tool0.policy.report import wilson
+
+COPIES = 100
+"""Episodes at once."""
+
+Act = Callable[[NDArray[np.float64]], NDArray[np.floating]]
+"""From observations (n, m) to actions (n, k)."""
+
+
+@dataclass(frozen=True)
+class Rate:
+    """Successes of n episodes."""
+
+    n: int
+    n_succeeded: int
+    actions: float
+    """Mean number of actions of those that succeeded; NaN if none did."""
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Wilson's interval of the rate, at 95 %."""
+        return wilson(self.n_succeeded, self.n)
+
+
+def rate(
+    task: str,
+    seeds: range,
+    policy: Callable[[gymnasium.vector.VectorEnv], Act],
+    **options: object,
+) -> Rate:
+    """Return how many episodes of a task succeed, one for each seed.
+
+    Args:
+        task: Such as ``Lift``.
+        seeds: Of the episodes, without gaps.
+        policy: Makes a function of observations for an environment that begins.
+        options: Keywords of the environment.
+    """
+    steps: list[int] = []
+    for first in seeds[::COPIES]:
+        count = min(COPIES, seeds.stop - first)
+        env = gymnasium.make_vec(
+            f"tool0/{task}-v0",
+            num_envs=count,
+            autoreset_mode="Disabled",
+            terminate_on_success=False,
+            **options,
+        )
+        act = policy(env)
+        observed, info = env.reset(seed=first)
+        done = np.zeros(count, dtype=bool)
+        for step in range(1, env.spec.max_episode_steps + 1):
+            observed, _, _, _, info = env.step(act(observed))
+            fresh = info["is_success"] & ~done
+            steps += [step] * int(fresh.sum())
+            done |= fresh
+            if done.all():
+                break
+        env.close()
+    return Rate(len(seeds), len(steps), float(np.mean(steps)) if steps else math.nan)
