@@ -1,0 +1,59 @@
+"""The baselines: clones, how they are evaluated, and the table of their runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from benchmarks.baselines import clone
+from benchmarks.baselines.results import curves, starts, table, write_point, write_run
+from benchmarks.successes import rate
+
+from tool0.collect import collect
+from tool0.policy import RunOptions, evaluate
+
+SEEDS = starts(0, 4)
+
+
+@pytest.fixture(scope="module")
+def reaching(tmp_path_factory: pytest.TempPathFactory) -> clone.Clone:
+    folder = tmp_path_factory.mktemp("reach")
+    collect("Reach", 20, folder, workers=1)
+    return clone.train(*clone.pairs(folder), steps=300, seed=0)
+
+
+def test_a_clone_reaches(reaching: clone.Clone) -> None:
+    assert rate("Reach", starts(0, 20), reaching.begin).n_succeeded >= 10
+
+
+def test_episodes_at_once_are_those_of_policy_run(reaching: clone.Clone) -> None:
+    report = evaluate(
+        lambda seed: lambda state: reaching(state[None])[0],
+        "Reach",
+        SEEDS,
+        run=RunOptions(clips=True),
+    )
+    at_once = rate("Reach", SEEDS, reaching.begin)
+    assert at_once.n_succeeded == report.n_succeeded
+    assert at_once.interval == report.interval
+    if report.n_succeeded == report.n_episodes:
+        assert at_once.actions == report.mean_steps
+
+
+def test_a_policy_that_rests_reaches_nothing() -> None:
+    found = rate("Reach", SEEDS, lambda env: lambda state: np.zeros((len(state), 5)))
+    assert (found.n, found.n_succeeded) == (4, 0)
+    assert np.isnan(found.actions)
+
+
+def test_runs_become_rows_of_a_table(tmp_path: Path) -> None:
+    row = {"method": "bc", "task": "Lift", "evaluated": 100, "actions": 5000}
+    write_run(tmp_path, {**row, "seed": 0, "succeeded": 10, "cpu_seconds": 1.0})
+    write_run(tmp_path, {**row, "seed": 0, "succeeded": 90, "cpu_seconds": 60.0})
+    write_run(tmp_path, {**row, "seed": 1, "succeeded": 80, "cpu_seconds": 120.0})
+    last = table(tmp_path).splitlines()[-1]
+    assert last.startswith("| Lift | BC | 90%, 80% | 85.0% of 200 (79.4% … 89.3%) |")
+    assert last.endswith("| 5 000 | 1.0 … 2.0 |")
+    write_point(tmp_path, "ppo", "Lift", 0, 5000, 0.5, -20.0, 3)
+    assert curves(tmp_path) == {("Lift", "ppo"): {0: [(5000.0, 0.5)]}}
