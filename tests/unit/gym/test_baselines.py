@@ -13,36 +13,45 @@ from benchmarks.successes import rate
 from tool0.collect import collect
 from tool0.policy import RunOptions, evaluate
 
-SEEDS = starts(0, 4)
+SEEDS = starts(0, 20)
+Data = tuple[np.ndarray, np.ndarray]
 
 
 @pytest.fixture(scope="module")
-def reaching(tmp_path_factory: pytest.TempPathFactory) -> clone.Clone:
+def data(tmp_path_factory: pytest.TempPathFactory) -> Data:
     folder = tmp_path_factory.mktemp("reach")
     collect("Reach", 20, folder, workers=1)
-    return clone.train(*clone.pairs(folder), steps=300, seed=0)
+    return clone.pairs(folder)
 
 
-def test_a_clone_reaches(reaching: clone.Clone) -> None:
-    assert rate("Reach", starts(0, 20), reaching.begin).n_succeeded >= 10
+@pytest.fixture(scope="module")
+def reaching(data: Data) -> clone.Clone:
+    return clone.train(*data, steps=100, seed=0)
+
+
+def test_a_clone_acts_like_the_expert(data: Data, reaching: clone.Clone) -> None:
+    states, chunks = data
+    error = np.abs(reaching(states).reshape(chunks.shape) - chunks).mean()
+    assert error < 0.3 * np.abs(chunks - chunks.mean(axis=0)).mean()
 
 
 def test_episodes_at_once_are_those_of_policy_run(reaching: clone.Clone) -> None:
-    report = evaluate(
+    at_once = rate("Reach", SEEDS, reaching.begin)
+    one_by_one = evaluate(
         lambda seed: lambda state: reaching(state[None])[0],
         "Reach",
         SEEDS,
         run=RunOptions(clips=True),
     )
-    at_once = rate("Reach", SEEDS, reaching.begin)
-    assert at_once.n_succeeded == report.n_succeeded
-    assert at_once.interval == report.interval
-    if report.n_succeeded == report.n_episodes:
-        assert at_once.actions == report.mean_steps
+    assert 0 < at_once.n_succeeded < len(SEEDS)  # this clone has learned little
+    assert at_once.n_succeeded == one_by_one.n_succeeded
+    assert at_once.interval == one_by_one.interval
 
 
 def test_a_policy_that_rests_reaches_nothing() -> None:
-    found = rate("Reach", SEEDS, lambda env: lambda state: np.zeros((len(state), 5)))
+    found = rate(
+        "Reach", starts(0, 4), lambda env: lambda state: np.zeros((len(state), 5))
+    )
     assert (found.n, found.n_succeeded) == (4, 0)
     assert np.isnan(found.actions)
 
