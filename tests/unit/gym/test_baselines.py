@@ -13,7 +13,10 @@ from benchmarks.successes import rate
 from tool0.collect import collect
 from tool0.policy import RunOptions, evaluate
 
+pytestmark = pytest.mark.slow
+
 SEEDS = starts(0, 20)
+SHORT = {"max_episode_steps": 40}
 Data = tuple[np.ndarray, np.ndarray]
 
 
@@ -36,11 +39,12 @@ def test_a_clone_acts_like_the_expert(data: Data, reaching: clone.Clone) -> None
 
 
 def test_episodes_at_once_are_those_of_policy_run(reaching: clone.Clone) -> None:
-    at_once = rate("Reach", SEEDS, reaching.begin)
+    at_once = rate("Reach", SEEDS, reaching.begin, **SHORT)
     one_by_one = evaluate(
         lambda seed: lambda state: reaching(state[None])[0],
         "Reach",
         SEEDS,
+        options=SHORT,
         run=RunOptions(clips=True),
     )
     assert 0 < at_once.n_succeeded < len(SEEDS)  # this clone has learned little
