@@ -60,14 +60,14 @@ def rate(
             **options,
         )
         act = policy(env)
-        observed, info = env.reset(seed=first)
-        done = np.zeros(count, dtype=bool)
-        for step in range(1, env.spec.max_episode_steps + 1):
-            observed, _, _, _, info = env.step(act(observed))
-            fresh = info["is_success"] & ~done
-            steps += [step] * int(fresh.sum())
-            done |= fresh
-            if done.all():
-                break
+        observed, _ = env.reset(seed=first)
+        ended, step = np.zeros(count, dtype=bool), 0
+        while not ended.all():
+            observed, _, _, truncated, info = env.step(act(observed))
+            step += 1
+            steps += [step] * int((info["is_success"] & ~ended).sum())
+            ended |= info["is_success"] | truncated
+            if truncated.any():
+                env.reset(options={"reset_mask": truncated})
         env.close()
     return Rate(len(seeds), len(steps), float(np.mean(steps)) if steps else math.nan)
