@@ -25,23 +25,18 @@ from benchmarks.successes import Act, rate
 
 DT = 0.002
 """Physics step in training [s]."""
-EVERY = 5_000
+EVERY = 2_000
 """Actions between two points of a curve."""
-NETWORK = {"net_arch": [128, 128]}
-
 METHODS: dict[str, tuple[type[BaseAlgorithm], int, dict[str, Any]]] = {
     "ppo": (
         PPO,
         32,
         {
-            "n_steps": 64,
+            "n_steps": 32,
             "batch_size": 256,
-            "n_epochs": 8,
-            "learning_rate": 5e-4,
-            "gamma": 0.97,
-            "use_sde": True,
-            "sde_sample_freq": 8,
-            "policy_kwargs": NETWORK,
+            "learning_rate": 1e-3,
+            "gamma": 0.95,
+            "policy_kwargs": {"net_arch": [64, 64]},
         },
     ),
     "sac": (
@@ -49,13 +44,13 @@ METHODS: dict[str, tuple[type[BaseAlgorithm], int, dict[str, Any]]] = {
         16,
         {
             "learning_starts": 3_000,
-            "batch_size": 256,
             "train_freq": 1,
             "gradient_steps": 4,
             "learning_rate": 1e-3,
             "gamma": 0.97,
             "tau": 0.01,
-            "policy_kwargs": NETWORK,
+            "ent_coef": "auto_0.1",
+            "policy_kwargs": {"net_arch": [128, 128]},
         },
     ),
 }
