@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 import tool0.gym  # noqa: F401  # registers the tasks
 from tool0.policy.report import wilson
 
-COPIES = 100
-"""Episodes at once."""
+COPIES = 10
+"""Episodes at once: they go on until the last of them ends."""
 
 Act = Callable[[NDArray[np.float64]], NDArray[np.floating]]
 """From observations (n, m) to actions (n, k)."""
