@@ -30,7 +30,7 @@ def main() -> None:
         one.add_argument("--tasks", nargs="+", choices=list(TASKS), default=["Lift"])
         one.add_argument("--seeds", nargs="+", type=int, default=[0, 1, 2])
         one.add_argument("--folder", type=Path, required=True)
-        one.add_argument("--evaluated", type=int, default=100, help="episodes")
+        one.add_argument("--evaluated", type=int, default=50, help="episodes")
         if name in {"bc", "act"}:
             one.add_argument("--episodes", type=int, default=200, help="of the expert")
             steps = 5_000 if name == "bc" else 3_000
