@@ -60,15 +60,16 @@ METHODS: dict[str, tuple[type[BaseAlgorithm], int, dict[str, Any]]] = {
 class Curve(BaseCallback):
     """Writes success rate and mean return of the last hundred episodes."""
 
-    def __init__(self, folder: Path, method: str, task: str, seed: int) -> None:
+    def __init__(self, folder: Path, run: tuple[str, str, int], first: int) -> None:
+        """Write for a run, (method, task, seed), from ``first`` actions on."""
         super().__init__()
         self._folder = folder
-        self._run = method, task, seed
+        self._run = run
         self._start = cpu_seconds()
-        self._next = EVERY
+        self._next = first
 
     def _on_step(self) -> bool:
-        if self.num_timesteps >= self._next and self.model.ep_success_buffer:
+        if self.num_timesteps >= self._next:
             self._next += EVERY
             returned = np.mean([one["r"] for one in self.model.ep_info_buffer])
             write_point(
@@ -87,12 +88,13 @@ def run(task: str, seed: int, given: argparse.Namespace) -> None:
     torch.set_num_threads(1)
     algorithm, copies, keywords = METHODS[given.method]
     begun = cpu_seconds()
-    env = VecNormalize(
-        VecMonitor(Copies(f"tool0/{task}-v0", copies, dt=DT, threads=1)),
-        norm_reward=False,
-    )
+    many = Copies(f"tool0/{task}-v0", copies, dt=DT, threads=1)
+    env = VecNormalize(VecMonitor(many), norm_reward=False)
     model = algorithm("MlpPolicy", env, seed=seed, device="cpu", **keywords)
-    model.learn(given.actions, callback=Curve(given.folder, given.method, task, seed))
+    # The first episodes to end are successes, until each copy has ended one.
+    first = max(EVERY, copies * many.env.spec.max_episode_steps)
+    curve = Curve(given.folder, (given.method, task, seed), first)
+    model.learn(given.actions, callback=curve)
     trained = cpu_seconds()
     env.close()
 
