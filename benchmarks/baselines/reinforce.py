@@ -69,7 +69,7 @@ class Curve(BaseCallback):
         self._next = first
 
     def _on_step(self) -> bool:
-        if self.num_timesteps >= self._next:
+        if self.num_timesteps >= self._next and self.model.ep_success_buffer:
             self._next += EVERY
             returned = np.mean([one["r"] for one in self.model.ep_info_buffer])
             write_point(
