@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -33,6 +34,15 @@ class Rate:
     def interval(self) -> tuple[float, float]:
         """Wilson's interval of the rate, at 95 %."""
         return wilson(self.n_succeeded, self.n)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as plain values."""
+        return {
+            "evaluated": self.n,
+            "succeeded": self.n_succeeded,
+            "interval": self.interval,
+            "mean_actions": self.actions if self.n_succeeded else None,
+        }
 
 
 def rate(

@@ -104,10 +104,7 @@ def run(task: str, seed: int, given: argparse.Namespace) -> None:
         "episodes": given.episodes,
         "actions": len(states),
         "steps": given.steps,
-        "evaluated": found.n,
-        "succeeded": found.n_succeeded,
-        "interval": found.interval,
-        "mean_actions": found.actions,
+        **found.as_json(),
         "cpu_seconds": trained - collected,
     }
     write_run(given.folder, row)

@@ -111,10 +111,7 @@ def run(task: str, seed: int, given: argparse.Namespace) -> None:
         "task": task,
         "seed": seed,
         "actions": model.num_timesteps,
-        "evaluated": found.n,
-        "succeeded": found.n_succeeded,
-        "interval": found.interval,
-        "mean_actions": found.actions,
+        **found.as_json(),
         "cpu_seconds": trained - begun,
     }
     write_run(given.folder, row)
