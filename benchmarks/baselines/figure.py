@@ -41,7 +41,7 @@ def draw(folder: Path, path: Path) -> None:
             if by_seed := found.get((task, method)):
                 _plot(ax, by_seed, method, colour)
         ax.set_xlim(left=0)
-        ax.legend(loc="lower right", fontsize="small", frameon=False)
+        ax.legend(loc="center right", fontsize="small", frameon=False)
     for ax in axes[:, 0]:
         ax.set_ylabel("success rate")
     figure.savefig(path, dpi=110)
@@ -62,5 +62,6 @@ def _plot(
     last = min(line[0, -1] for line in lines)
     at = np.linspace(first, last, POINTS)
     mean = np.mean([np.interp(at, *line) for line in lines], axis=0)
-    label = f"{method.upper()}, mean of {len(lines)}"
+    n = len(lines)
+    label = f"{method.upper()}, " + (f"mean of {n} seeds" if n > 1 else "one seed")
     ax.plot(at / 1e3, mean, color=colour, linewidth=2.0, label=label)
