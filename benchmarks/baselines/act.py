@@ -27,7 +27,6 @@ ACT = (
 
 def run(task: str, seed: int, given: argparse.Namespace) -> None:
     """Collect the expert's episodes, train on them, and evaluate the checkpoints."""
-    start = cpu_seconds()
     folder = given.folder / "act" / f"{task}_{seed}"
     collected = collect(
         task,
@@ -37,6 +36,7 @@ def run(task: str, seed: int, given: argparse.Namespace) -> None:
         format="lerobot",
         workers=1,
     )
+    start = cpu_seconds()
     every = given.steps // given.checkpoints
     words = (
         f"{ACT} --seed={seed} --steps={given.steps} --save_freq={every} "

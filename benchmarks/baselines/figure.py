@@ -41,7 +41,7 @@ def draw(folder: Path, path: Path) -> None:
             if by_seed := found.get((task, method)):
                 _plot(ax, by_seed, method, colour)
         ax.set_xlim(left=0)
-        ax.legend(loc="center right", fontsize="small", frameon=False)
+        ax.legend(loc="upper left", fontsize="small", frameon=False)
     for ax in axes[:, 0]:
         ax.set_ylabel("success rate")
     figure.savefig(path, dpi=110)
