@@ -35,13 +35,15 @@ def draw(folder: Path, path: Path) -> None:
     for ax in axes.flat[len(tasks) :]:
         ax.set_visible(False)
     for ax, task in zip(axes.flat, tasks, strict=False):
-        ax.set(title=task, ylim=(-0.03, 1.03), xlabel="actions in thousands")
+        ax.set_title(task, loc="left")
+        ax.set(ylim=(-0.03, 1.03), xlabel="actions in thousands")
         ax.grid(alpha=0.3)
         for method, colour in COLOURS.items():
             if by_seed := found.get((task, method)):
                 _plot(ax, by_seed, method, colour)
         ax.set_xlim(left=0)
-        ax.legend(loc="upper left", fontsize="small", frameon=False)
+        above = {"loc": "lower right", "bbox_to_anchor": (1.03, 0.96)}
+        ax.legend(fontsize="small", frameon=False, **above)
     for ax in axes[:, 0]:
         ax.set_ylabel("success rate")
     figure.savefig(path, dpi=110)
