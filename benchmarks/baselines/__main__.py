@@ -4,7 +4,8 @@ python -m benchmarks.baselines bc --tasks Lift --seeds 0 1 2 --folder baselines
 python -m benchmarks.baselines ppo --tasks Reach --folder baselines
 python -m benchmarks.baselines show --folder baselines --figure baselines.png
 
-Runs are appended to runs.jsonl and curves.csv in the folder (docs/explanation/baselines.md).
+Runs are appended to runs.jsonl and curves.csv in the folder
+(docs/explanation/baselines.md).
 """
 
 from __future__ import annotations

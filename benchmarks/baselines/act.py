@@ -1,6 +1,6 @@
 """Behaviour cloning with LeRobot's ACT, trained by LeRobot's own program.
 
-It needs an environment with LeRobot (docs/policies.md), and writes one row per
+It needs an environment with LeRobot (docs/how-to/policies.md), and writes one row per
 checkpoint.
 """
 
