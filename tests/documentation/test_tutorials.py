@@ -31,6 +31,7 @@ LANGUAGES = {"sh", "text", *SAVED}
 NOT_RUN = {
     "make setup": "it makes the environment that runs this test",
     "source .venv/bin/activate": "this test has done so in its own way",
+    "pip install ur-rtde": "tests of ur_rtde need it, too",
     "tool0 ros2 install": "it downloads; tests of ROS 2 run what it installed",
     "rosdep install --from-paths src --ignore-src --rosdistro noetic -y": (
         "it needs Noetic and root; the keys are looked at where packages are tested"
