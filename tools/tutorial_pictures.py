@@ -9,6 +9,7 @@ Each picture is a function below; without names, all are made.  Needs Chromium
 from __future__ import annotations
 
 import math
+import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
@@ -27,7 +28,7 @@ import tool0
 from tool0.description.camera import Camera, looking
 from tool0.panel.replay.view import Replay
 from tool0.panel.server import Panel
-from tool0.scene import Pose
+from tool0.scene import Box, Pose
 
 ROOT = Path(__file__).resolve().parent.parent
 TUTORIALS = ROOT / "docs/tutorials"
@@ -234,6 +235,96 @@ def own_cell() -> bytes:
             target = Pose(xyz=(0.35, -0.25, 0.25), rpy=DOWN)
             robot.arms["right"].move_to(target).wait()
             return rendered(robot, "docs")
+
+
+# --- ros2.md ---
+
+
+@named("ros2-controllers")
+def ros2_controllers() -> bytes:
+    with (
+        tool0.bringup(arm="ur5e", ros2_control=True) as robot,
+        driven_page(robot) as page,
+    ):
+        page.get_by_role("tab", name="Controllers").click()
+        return drawn(page)
+
+
+# --- ur-rtde.md ---
+
+
+@contextmanager
+def ur_controller() -> Iterator[tool0.Robot]:
+    """Bring up a UR5e beside the bin, with its control box."""
+    with (
+        tool0.bringup(arm="ur5e", scene="table_and_bin") as robot,
+        tool0.UrController(robot) as ur,
+    ):
+        ur.wait()
+        yield robot
+
+
+def control_box(robot: tool0.Robot) -> bytes:
+    """Return a picture of the panel's tab I/O."""
+    with driven_page(robot) as page:
+        page.get_by_role("tab", name="I/O").click()
+        page.get_by_test_id("ur-program").wait_for()
+        return drawn(page)
+
+
+@named("ur-box")
+def ur_box() -> bytes:
+    with ur_controller() as robot:
+        return control_box(robot)
+
+
+@named("ur-stop")
+def ur_stop() -> bytes:
+    with tempfile.TemporaryDirectory() as folder, ur_controller() as robot:
+        for title, text in files_of("ur-rtde.md").items():
+            Path(folder, title).write_text(text)
+        robot.arm.move_to(Pose(xyz=(0.5, -0.32, 0.29), rpy=DOWN)).wait()
+        post = Box(size=(0.1, 0.1, 0.4))
+        robot.scene.add("post", post, xyz=(0.68, -0.32, 0.18))
+        subprocess.run([sys.executable, "bump.py"], cwd=folder, check=True)
+        return control_box(robot)
+
+
+# --- planning.md ---
+
+
+@named("plan-panel")
+def plan_panel() -> bytes:
+    with tool0.bringup(scene="shelf") as robot, driven_page(robot) as page:
+        page.get_by_test_id("tool-toggle").click()
+        fields = page.get_by_test_id("tool-position").locator("input")
+        for number, value in enumerate(("480", "-340", "350")):
+            fields.nth(number).fill(value)
+            fields.nth(number).press("Enter")
+        page.get_by_test_id("tool-go").click()
+        page.get_by_test_id("plan-figures").wait_for()
+        return drawn(page)
+
+
+# --- real-arm.md ---
+
+
+@named("real-panel")
+def real_panel() -> bytes:
+    with (
+        tool0.bringup(arm="ur5e") as simulated,
+        tool0.UrController(simulated) as ur,
+    ):
+        ur.wait()
+        with tool0.bringup(arm="ur5e", hardware="127.0.0.1") as robot:
+            link = robot.arm.control_box.state.link
+            assert link is not None
+            robot.arm.control_box.enable_motion(link.serial_number)
+            with (
+                Panel(robot) as panel,
+                panel_page(panel.url, width=WIDTH, height=HEIGHT) as page,
+            ):
+                return drawn(page)
 
 
 def main(names: list[str]) -> None:
