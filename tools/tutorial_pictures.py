@@ -297,34 +297,13 @@ def ur_stop() -> bytes:
 def plan_panel() -> bytes:
     with tool0.bringup(scene="shelf") as robot, driven_page(robot) as page:
         page.get_by_test_id("tool-toggle").click()
-        fields = page.get_by_test_id("tool-position").locator("input")
         for number, value in enumerate(("480", "-340", "350")):
-            fields.nth(number).fill(value)
-            fields.nth(number).press("Enter")
+            field = page.get_by_test_id(f"tool-{number}")
+            field.fill(value)
+            field.press("Enter")
         page.get_by_test_id("tool-go").click()
         page.get_by_test_id("plan-figures").wait_for()
         return drawn(page)
-
-
-# --- real-arm.md ---
-
-
-@named("real-panel")
-def real_panel() -> bytes:
-    with (
-        tool0.bringup(arm="ur5e") as simulated,
-        tool0.UrController(simulated) as ur,
-    ):
-        ur.wait()
-        with tool0.bringup(arm="ur5e", hardware="127.0.0.1") as robot:
-            link = robot.arm.control_box.state.link
-            assert link is not None
-            robot.arm.control_box.enable_motion(link.serial_number)
-            with (
-                Panel(robot) as panel,
-                panel_page(panel.url, width=WIDTH, height=HEIGHT) as page,
-            ):
-                return drawn(page)
 
 
 def main(names: list[str]) -> None:

@@ -31,6 +31,7 @@ LANGUAGES = {"sh", "text", *SAVED}
 NOT_RUN = {
     "make setup": "it makes the environment that runs this test",
     "source .venv/bin/activate": "this test has done so in its own way",
+    "pip install '.[collect,video]'": "it changes the environment of this test",
     "pip install ur-rtde": "tests of ur_rtde need it, too",
     "tool0 ros2 install": "it downloads; tests of ROS 2 run what it installed",
     "rosdep install --from-paths src --ignore-src --rosdistro noetic -y": (
@@ -45,7 +46,11 @@ NOT_RUN = {
 """Command → why no test of a page runs it."""
 FAILED = re.compile(r"(^|[: ])error: |^not free: ", re.MULTILINE)
 """In the output of a block whose last command ends with a status other than 0."""
-SHORTER: dict[str, str] = {}
+SHORTER = {
+    "STEPS, CHUNK, WIDTH = 2500": "STEPS, CHUNK, WIDTH = 30",
+    "--episodes 200": "--episodes 6",
+    "--episodes 50": "--episodes 2",
+}
 """What takes long → what the test has instead."""
 HOST = "127.0.0.1"
 """Of a robot on a page; those of tests have an address of their own."""
