@@ -126,6 +126,7 @@ def seen_from(
 
 @named("first-panel")
 def first_panel() -> bytes:
+    """Return a picture of the panel after the start."""
     with (
         tool0.bringup(scene="table_and_cubes") as robot,
         Panel(robot) as panel,
@@ -136,6 +137,7 @@ def first_panel() -> bytes:
 
 @named("first-jog")
 def first_jog() -> bytes:
+    """Return a picture of the panel after a jog."""
     with (
         tool0.bringup(scene="table_and_cubes") as robot,
         driven_page(robot) as page,
@@ -152,6 +154,7 @@ def first_jog() -> bytes:
 
 @named("first-grip")
 def first_grip() -> bytes:
+    """Return a picture of the gripper with the red cube."""
     simulation = seen_from((1.35, -0.75, 0.5), (0.42, 0.06, 0.16))
     with tool0.bringup(scene="table_and_cubes", simulation=simulation) as robot:
         x, y, z = robot.scene.pose("red cube").position
@@ -165,6 +168,7 @@ def first_grip() -> bytes:
 
 @named("first-replay")
 def first_replay() -> bytes:
+    """Return a picture of the replay of the program."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "pick.mcap")
         simulation = tool0.SimulationConfig(realtime=False, scene="table_and_cubes")
@@ -216,18 +220,21 @@ def own_robot() -> Iterator[tool0.Robot]:
 
 @named("own-robot")
 def own_robot_seen() -> bytes:
+    """Return a picture of the robot above its part."""
     with own_robot() as robot:
         return rendered(robot, "docs")
 
 
 @named("own-camera")
 def own_camera() -> bytes:
+    """Return a picture of the hand camera."""
     with own_robot() as robot:
         return rendered(robot, "hand")
 
 
 @named("own-cell")
 def own_cell() -> bytes:
+    """Return a picture of the two robots."""
     with own_files() as folder:
         simulation = seen_from((-1.7, -0.5, 1.4), (0.3, 0.0, 0.15))
         cell = folder / "two_robots.yaml"
@@ -242,6 +249,7 @@ def own_cell() -> bytes:
 
 @named("ros2-controllers")
 def ros2_controllers() -> bytes:
+    """Return a picture of the controllers of ROS 2."""
     with (
         tool0.bringup(arm="ur5e", ros2_control=True) as robot,
         driven_page(robot) as page,
@@ -274,12 +282,14 @@ def control_box(robot: tool0.Robot) -> bytes:
 
 @named("ur-box")
 def ur_box() -> bytes:
+    """Return a picture of the control box."""
     with ur_controller() as robot:
         return control_box(robot)
 
 
 @named("ur-stop")
 def ur_stop() -> bytes:
+    """Return a picture of the control box in a protective stop."""
     with tempfile.TemporaryDirectory() as folder, ur_controller() as robot:
         for title, text in files_of("ur-rtde.md").items():
             Path(folder, title).write_text(text)
@@ -295,6 +305,7 @@ def ur_stop() -> bytes:
 
 @named("plan-panel")
 def plan_panel() -> bytes:
+    """Return a picture of a planned way around the wall."""
     with tool0.bringup(scene="shelf") as robot, driven_page(robot) as page:
         page.get_by_test_id("tool-toggle").click()
         for number, value in enumerate(("480", "-340", "350")):

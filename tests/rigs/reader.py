@@ -94,7 +94,9 @@ class Reader:
 
     def _terminal(self, title: str) -> Terminal:
         if title not in self._terminals:
-            runtime = self._folder / (".elsewhere" if title == OTHER_MACHINE else ".run")
+            runtime = self._folder / (
+                ".elsewhere" if title == OTHER_MACHINE else ".run"
+            )
             runtime.mkdir(mode=0o700, exist_ok=True)
             environ = {**self._environ, "XDG_RUNTIME_DIR": str(runtime)}
             self._terminals[title] = Terminal(self._folder, environ, title)
