@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from tool0.simulation.executor import Executor
 
 ObjectField = Literal["mass", "friction", "size"]
-"""What differs between copies of a ``SceneObject``; sizes are those of its geometry."""
+"""Field of a ``SceneObject`` that differs between copies; sizes are those of its
+geometry."""
 
 Names = frozenset[str]
 """Links, objects or the ground."""
@@ -52,11 +53,11 @@ class DeviceArrays(NamedTuple):
     object_position: Any
     """Positions of the m movable objects in the root [m], shape (n, m, 3)."""
     object_quat: Any
-    """Their orientations w, x, y, z, shape (n, m, 4)."""
+    """Orientations of the objects w, x, y, z, shape (n, m, 4)."""
     object_linear: Any
-    """Their velocities in the root's axes [m/s], shape (n, m, 3)."""
+    """Velocities of the objects in the root's axes [m/s], shape (n, m, 3)."""
     object_angular: Any
-    """Their angular velocities in their own axes [rad/s], shape (n, m, 3)."""
+    """Angular velocities of the objects in their own axes [rad/s], shape (n, m, 3)."""
     diverged: Any
     """1 for copies that stand still since their physics failed, shape (n,): int32."""
 

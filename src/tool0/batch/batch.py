@@ -146,7 +146,7 @@ class Batch:
         self._sizes: dict[str, Array] = {}
         """Sizes of objects that were read since they last changed, by name."""
         self._sensors: dict[str | None, BatchForceTorque] = {}
-        """By link, and by what else they were asked for by."""
+        """Sensors by link, and by any other name by which they were requested."""
         self._is_closed = False
         self._alone = OneThread()
         """Entered by the thread that reads the state."""

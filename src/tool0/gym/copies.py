@@ -187,7 +187,7 @@ class Copies:
 
     @property
     def state(self) -> State:
-        """What is measured now."""
+        """Measured state of all copies."""
         if self._state is None:
             self._state = self._measure()
         return self._state

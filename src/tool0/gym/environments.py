@@ -56,12 +56,12 @@ class TaskEnv(gymnasium.Env[Any, Any]):
 
     @property
     def state_slices(self) -> Mapping[str, slice]:
-        """Where each part is in the flat state."""
+        """Slice of each part in the flat state."""
         return self._observer.slices
 
     @property
     def number_names(self) -> NumberNames:
-        """What the numbers of observations and actions are."""
+        """Names of the numbers of observations and actions."""
         return self._observer.names
 
     def reset(
@@ -175,12 +175,12 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
 
     @property
     def state_slices(self) -> Mapping[str, slice]:
-        """Where each part is in the flat state."""
+        """Slice of each part in the flat state."""
         return self._observer.slices
 
     @property
     def number_names(self) -> NumberNames:
-        """What the numbers of observations and actions are."""
+        """Names of the numbers of observations and actions."""
         return self._observer.names
 
     def reset(

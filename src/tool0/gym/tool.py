@@ -13,8 +13,8 @@ from tool0.kernel.tool import ToolKernel
 from tool0.kinematics.chain import ArmChain, Array, Posture
 
 DAMPING = 1e-4
-"""Of the Jacobian's inverse, squared [m²]: near a singularity the tool lags instead of
-the joints racing."""
+"""Damping of the Jacobian's inverse, squared [m²]: near a singularity the tool lags
+instead of the joints racing."""
 STEPS = 2
 """Newton steps per action: the second leaves less than 0.1 mm of a step of 2 cm."""
 

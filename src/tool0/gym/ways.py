@@ -1,4 +1,4 @@
-"""Where experts go next: to a grasp, up, to a place, behind what they push.
+"""Next targets of experts: to a grasp, up, to a place, behind a pushed object.
 
 They have no memory, and tell from the state how far they are: they go on after a
 disturbance, too.
@@ -35,7 +35,8 @@ FINE, FINE_GAIN = 0.003, 0.3
 BEGUN = 0.0003
 """Way down that shows that an object is being lowered [m]."""
 PUSH_OPENING = 0.4
-"""Of the gripper that pushes, part of the cube's edge: two fingers keep it straight."""
+"""Opening of the gripper that pushes, part of the cube's edge: two fingers keep it
+straight."""
 PUSH_SLOW = 0.35
 """Speed of a push, part of the fastest action."""
 
@@ -59,7 +60,7 @@ def reach(space: Workspace, state: State) -> Target:
 
 
 class Grasp(NamedTuple):
-    """How far the first object is grasped, and where to go for that."""
+    """Progress of grasping the first object, and the next target for it."""
 
     target: Target
     held: Mask

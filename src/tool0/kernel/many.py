@@ -62,11 +62,11 @@ class BatchKernel:
         n = len(left)
         self._compiled = compiled
         self.robots: Addresses = np.zeros(n, dtype=np.uintp)
-        """Their structs; 0 for those that are not loaded."""
+        """Addresses of the robots' structs; 0 for those that are not loaded."""
         self.most: IntArray = np.zeros(n, dtype=np.int32)
         """The most ticks of each in one run."""
         self.results: IntArray = np.zeros(n, dtype=np.int32)
-        """How the last run of each ended: ``Ended``."""
+        """Ends of the last run of each robot: ``Ended``."""
         compiled.tool0_open_pool.restype = ctypes.c_void_p
         pool = compiled.tool0_open_pool(threads)
         if pool is None:

@@ -19,9 +19,9 @@ class JointGoal(NamedTuple):
     """A joint that a command on the device moves."""
 
     source: int
-    """Its column in the command."""
+    """Column of the joint in the command."""
     joint: int
-    """Its number in the controller."""
+    """Number of the joint in the controller."""
     lower: float
     upper: float
     """Limits of its position [rad | m]."""

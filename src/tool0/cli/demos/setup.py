@@ -42,9 +42,9 @@ class Cube:
     """The cube that is picked."""
 
     edge: float = 0.045
-    """[m]"""
+    """Edge of the cube [m]."""
     mass: float = 0.1
-    """[kg]"""
+    """Mass of the cube [kg]."""
     friction: float = 1.0
     """Coefficient of friction."""
 
