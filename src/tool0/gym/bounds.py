@@ -16,7 +16,7 @@ STRONGEST, MOST_TORQUE = 1000.0, 100.0
 
 
 def finite(values: Array) -> Array:
-    """Return a copy in which what diverged is a number, too."""
+    """Return a copy in which diverged values are finite numbers."""
     if are_finite(values):
         return values.copy()
     return np.nan_to_num(values, nan=0.0, posinf=FARTHEST, neginf=-FARTHEST)

@@ -40,7 +40,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         Args:
             task: Such as ``Lift``, or a class of your own.
             render_mode: ``rgb_array``, or None.
-            options: Those of ``EnvOptions``.
+            options: Options of ``EnvOptions``.
 
         Raises:
             Tool0Error: If an option is wrong.
@@ -140,11 +140,11 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
 
         Args:
             task: Such as ``Lift``, or a class of your own.
-            num_envs: How many copies.
+            num_envs: Number of copies.
             render_mode: ``rgb_array``, or None.
             max_episode_steps: Actions after which an episode is truncated.
             autoreset_mode: When a copy whose episode has ended is reset.
-            options: Those of ``EnvOptions``.
+            options: Options of ``EnvOptions``.
 
         Raises:
             Tool0Error: If an option is wrong.

@@ -31,7 +31,7 @@ class Hold(NamedTuple):
         """Return the positions of the tcp in the root [m], shape (n, 3).
 
         Args:
-            position: Of the object in the root [m], shape (n, 3).
+            position: Position of the object in the root [m], shape (n, 3).
             quat: Its orientations w, x, y, z, shape (n, 4); only their yaw counts.
         """
         x, y, z = self.point

@@ -48,7 +48,7 @@ class Site:
 
         Args:
             options: Arm, gripper and cameras.
-            names: Of two arms; none for a single one.
+            names: Names of two arms; none for a single one.
             distance: Between the bases of two arms of scale 1 [m].
 
         Raises:

@@ -64,7 +64,7 @@ class Tool:
         """Return positions after moves of the tool, which looks down [rad], (n, 6).
 
         Args:
-            q: Where to start [rad], shape (n, 6).
+            q: Start of the motion [rad], shape (n, 6).
             moves: Along the root's axes [m], and the turn about z [rad], shape (n, 4).
             lowest: Height below which the tool does not go down [m].
             limit: As in ``approach``.
@@ -80,8 +80,8 @@ class Tool:
         """Return positions nearer to ``target`` [rad], shape (n, 6).
 
         Args:
-            q: Where to start [rad], shape (n, 6).
-            target: Where the tool is to go in the root: a step away.
+            q: Start of the motion [rad], shape (n, 6).
+            target: Target of the tool in the root: a step away.
             limit: Largest change of each joint [rad], shape (6,).  Beyond it all joints
                 of a copy move a shorter way along the same line.
         """

@@ -78,10 +78,10 @@ def grasp(
 
     Args:
         space: Arm and gripper.
-        state: What is measured.
+        state: The measured state.
         commanded: The tcp's target now.
-        hold: How the object is held; as a cube, if left out.
-        yaw: Of the tcp [rad], shape (n,); the nearest that fits, if left out.
+        hold: Hold of the object; that of a cube, if left out.
+        yaw: Yaw of the tcp [rad], shape (n,); the nearest that fits, if left out.
     """
     cube = Cube.of(space, state.object_size)
     hold = hold or cube.hold
@@ -127,11 +127,11 @@ def carried(
     The last millimetres are slow: the object swings a little as the arm moves.
 
     Args:
-        state: What is measured.
+        state: The measured state.
         commanded: The tcp's target now.
         point: The point in the root [m], shape (n, 3).
-        place: Where it is to go in the root [m], shape (n, 3).
-        turn: Of the tcp about z meanwhile [rad], shape (n,).
+        place: Target of the object in the root [m], shape (n, 3).
+        turn: Turn of the tcp about z meanwhile [rad], shape (n,).
     """
     c, s = np.cos(turn), np.sin(turn)
     x, y, z = (point - state.tcp_position).T

@@ -197,9 +197,9 @@ class Clearances:
         Args:
             compiled: The kernel.
             memory: The engine's.
-            joints: Those that move.
+            joints: Joints that move.
             pairs: They must include ``slack``.
-            slack: How far a motion is looked at ahead, at least [m].
+            slack: Distance by which a motion is checked ahead, at least [m].
             upright: The tool to keep upright.
         """
         self.n_joints = len(joints.addresses)
@@ -290,8 +290,8 @@ class Clearances:
             start: A free pose, shape (n_joints,).
             goals: Free poses, shape (n, n_joints).
             samples: Bounds of the samples, shape (n_joints,) each.
-            beside: How far from between the start and a goal most samples are [rad].
-            seed: Of the samples.
+            beside: Distance of most samples from between the start and a goal [rad].
+            seed: Seed of the samples.
             longest: Longest extension of a tree [rad].
             most_nodes: Size of a tree.
             timeout: Wall time after which it ends [s].

@@ -119,8 +119,8 @@ def hand_over(
     Args:
         robot: With two robots called giver and taker.
         item: The name of an upright cube that can move.
-        into: Where it goes, in reach of the taker.
-        meeting: Where it is handed over, in the root [m].
+        into: Bin for the object, in reach of the taker.
+        meeting: Place of the handover, in the root [m].
         options: Force and speeds.
         on_snapshot: Called with each snapshot, for recording.
 

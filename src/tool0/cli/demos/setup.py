@@ -77,9 +77,9 @@ class Demo:
         """Do the task ``n`` times, and report.
 
         Args:
-            robot: As described, with the scene.
+            robot: The robot as described, with the scene.
             n: Number of trials.
-            seed: Of the random start poses; without one, the first is the scene's.
+            seed: Seed of the random start poses; without one, the first is the scene's.
             on_snapshot: Called with each snapshot.
             on_pick: Called after each trial.
         """

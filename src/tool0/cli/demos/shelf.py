@@ -123,7 +123,7 @@ def pick_from_shelf(
         robot: With one arm and one gripper, or those of ``two_robots``, in the scene
             ``shelf``.
         item: The name of an upright box, cylinder or sphere.
-        into: Where it goes.
+        into: Bin for the object.
         options: Force and speeds.
         on_snapshot: Called with each snapshot, for recording.
 

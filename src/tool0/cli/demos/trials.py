@@ -83,7 +83,7 @@ def run_trials(
         item: The object, which is put back on the table between picks.
         task: Picks the object, such as ``pick_and_place``.
         poses: The start poses of the object; None leaves it where it is.
-        n_picks: How many.
+        n_picks: Number of picks.
         on_snapshot: Called with each snapshot between the picks.
         on_pick: Called after each pick.
 
