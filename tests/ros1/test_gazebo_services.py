@@ -429,7 +429,7 @@ def test_a_wrench_is_given_in_a_frame_and_at_a_point(gazebo: Gazebo) -> None:
         ("cube::link", "", "there is no body 'cube::link'"),
         ("nobody", "", "there is no body 'nobody'"),
         ("cube::cube_link", "nowhere", "'nowhere' not found"),
-        ("robot::base_link", "", "stands still"),
+        ("robot::base_link", "", "is fixed"),
         ("ground_plane::link", "", "there is no body"),
     ],
 )

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from tool0.simulation.executor import Executor
 
 ObjectField = Literal["mass", "friction", "size"]
-"""What differs between copies of a ``SceneObject``; sizes are those of its geometry."""
+"""Field of a ``SceneObject`` that differs between copies; sizes are those of its
+geometry."""
 
 Names = frozenset[str]
 """Links, objects or the ground."""
@@ -52,11 +53,11 @@ class DeviceArrays(NamedTuple):
     object_position: Any
     """Positions of the m movable objects in the root [m], shape (n, m, 3)."""
     object_quat: Any
-    """Their orientations w, x, y, z, shape (n, m, 4)."""
+    """Orientations of the objects w, x, y, z, shape (n, m, 4)."""
     object_linear: Any
-    """Their velocities in the root's axes [m/s], shape (n, m, 3)."""
+    """Velocities of the objects in the root's axes [m/s], shape (n, m, 3)."""
     object_angular: Any
-    """Their angular velocities in their own axes [rad/s], shape (n, m, 3)."""
+    """Angular velocities of the objects in their own axes [rad/s], shape (n, m, 3)."""
     diverged: Any
     """1 for copies that stand still since their physics failed, shape (n,): int32."""
 
@@ -167,9 +168,10 @@ class BatchBackend(Protocol):
             rows: The copies.
             controller: Its number among the running controllers.
             joints: The k of its joints that move, by number.
-            times: Of the points after now [s], shape (r, m).
-            positions: [rad | m], shape (r, m, k).
-            velocities: [rad/s | m/s], the same shape; None makes linear motions.
+            times: Times of the points after now [s], shape (r, m).
+            positions: Positions [rad | m], shape (r, m, k).
+            velocities: Velocities [rad/s | m/s], the same shape; None makes linear
+                motions.
             lifts_limits: Whether the drives of the joints may have limits of a goal,
                 which end.
 
@@ -193,9 +195,10 @@ class BatchBackend(Protocol):
         Args:
             rows: The copies.
             goals: The joints that move, by the number of their running controller.
-            positions: [rad | m], shape (n, k), as ``velocities`` [rad/s | m/s].
+            positions: Positions [rad | m], shape (n, k), as ``velocities`` [rad/s |
+                m/s].
             velocities: None makes linear motions.
-            duration: [s].
+            duration: Duration [s].
 
         Raises:
             ControlError: If an array is not of single precision, or this is the CPU.
@@ -215,8 +218,8 @@ class BatchBackend(Protocol):
             rows: The copies, at least one.
             controller: Its number among the running controllers.
             joint: The number of the gripper's joint in the controller.
-            openings: [m], shape (n,); perhaps an array on the device.
-            limits: Of speed and force, one per row.
+            openings: Openings [m], shape (n,); perhaps an array on the device.
+            limits: Limits of speed and force, one per row.
         """
 
     def drive(
@@ -232,9 +235,10 @@ class BatchBackend(Protocol):
         Args:
             rows: The copies, at least one.
             controller: Its number among the running controllers.
-            targets: Of its joint, within the limits, one per row [rad | m].
-            effort: Of its joint at most [N·m | N]; None for the controller's own.
-            limits: Of speed and force, one per row.
+            targets: Targets of its joint, within the limits, one per row [rad | m].
+            effort: Largest effort of its joint [N·m | N]; None for the controller's
+                own.
+            limits: Limits of speed and force, one per row.
         """
 
 

@@ -93,8 +93,8 @@ class Batch:
         """Make ``n`` copies, each at its initial pose.
 
         Args:
-            n: How many.
-            description: Which robot.
+            n: Number of copies.
+            description: The robot.
             control: Its controllers and its initial pose.
             scene: The objects around the robot: for all copies, or one scene per copy.
                 Those of the copies differ in mass, friction, pose, colour, and in the
@@ -102,7 +102,7 @@ class Batch:
             dt: Length of a physics step [s].
             threads: Threads that step the copies; as many as there are processors, or
                 copies if these are fewer, if not given.  A GPU needs none.
-            device: What computes: "cpu"; a GPU, as "cuda" or "cuda:1", in single
+            device: Device that computes: "cpu"; a GPU, as "cuda" or "cuda:1", in single
                 precision; or "warp:cpu", which computes as a GPU does, slowly.
 
         Raises:
@@ -146,7 +146,7 @@ class Batch:
         self._sizes: dict[str, Array] = {}
         """Sizes of objects that were read since they last changed, by name."""
         self._sensors: dict[str | None, BatchForceTorque] = {}
-        """By link, and by what else they were asked for by."""
+        """Sensors by link, and by any other name by which they were requested."""
         self._is_closed = False
         self._alone = OneThread()
         """Entered by the thread that reads the state."""
@@ -294,7 +294,7 @@ class Batch:
         in time at full speed.
 
         Args:
-            position: [m], shape (n, 3).
+            position: Position [m], shape (n, 3).
             quat: w, x, y, z, shape (n, 4).
             robot: The arm, by name; the only one, if left out.
             which: The copies.
@@ -409,7 +409,7 @@ class Batch:
         Args:
             first: A link, an object, or ``ground``, by name, or several of them: it is
                 ``first`` in each row; anything, if left out.
-            second: What it touches; anything, if left out.
+            second: The thing that it touches; any, if left out.
             which: The copies.
 
         Raises:
@@ -440,7 +440,7 @@ class Batch:
 
         Args:
             first: A link, an object, or ``ground``, by name, or any of several.
-            second: What it touches; anything, if left out.
+            second: The thing that it touches; any, if left out.
 
         Raises:
             ControlError: If there is no such link or object.
@@ -492,12 +492,13 @@ class Batch:
         motion before it.
 
         Args:
-            positions: [rad | m], shape (n, k).  An array on the device of a GPU, such
-                as PyTorch's, is not copied to the host and its numbers are not checked:
-                those beyond a limit count as the limit, and a copy with one that is not
-                finite diverges.  It must be float32 and of the whole shape.
-            velocities: At the positions [rad/s | m/s], shape (n, k); if left out, the
-                setpoints move linearly and then rest, as in ROS.
+            positions: Positions [rad | m], shape (n, k).  An array on the device of a
+                GPU, such as PyTorch's, is not copied to the host and its numbers are
+                not checked: those beyond a limit count as the limit, and a copy with
+                one that is not finite diverges.  It must be float32 and of the whole
+                shape.
+            velocities: Those at the positions [rad/s | m/s], shape (n, k); if left out,
+                the setpoints move linearly and then rest, as in ROS.
             duration: Time until the joints are there [s].
             joints: The k joints; ``arm_joints``, if left out.
             which: The copies.
@@ -541,10 +542,10 @@ class Batch:
         """Move joints along trajectories, as ROS's topic ``~/command``.
 
         Args:
-            positions: Of m points [rad | m], shape (n, m, k).
-            times: After now [s], increasing, shape (m,).
-            velocities: At the points [rad/s | m/s], shape (n, m, k); if left out, the
-                setpoints move linearly between them.
+            positions: Positions of m points [rad | m], shape (n, m, k).
+            times: Times after now [s], increasing, shape (m,).
+            velocities: Those at the points [rad/s | m/s], shape (n, m, k); if left out,
+                the setpoints move linearly between them.
             joints: The k joints; ``arm_joints``, if left out.
             which: The copies.
 
@@ -582,8 +583,8 @@ class Batch:
         Args:
             opening: Distance between the pads [m], shape (n,).  An array on the device
                 of a GPU is treated as in ``command``.
-            speed: Of the pads relative to each other [m/s], shape (n,); the fastest, if
-                left out.
+            speed: Speed of the pads relative to each other [m/s], shape (n,); the
+                fastest, if left out.
             force: Largest force at each pad [N], shape (n,); the strongest, if left
                 out.
             gripper: The gripper, by name; the only one, if left out.
@@ -632,7 +633,7 @@ class Batch:
         A copy that diverged stands still.
 
         Args:
-            ticks: How many.
+            ticks: Number of ticks.
             which: The copies; all, if left out.  Time stands still in the others.
 
         Raises:
@@ -661,9 +662,9 @@ class Batch:
 
         Args:
             which: The copies.
-            position: Of all joints [rad | m], shape (n, n_joints); the initial pose, if
-                left out.  Joints that mimic another follow it; their numbers are not
-                read.
+            position: Positions of all joints [rad | m], shape (n, n_joints); the
+                initial pose, if left out.  Joints that mimic another follow it; their
+                numbers are not read.
 
         Raises:
             ControlError: If a shape or a number is wrong.
@@ -706,7 +707,7 @@ class Batch:
         """Return copies to saved states, from which they continue bit for bit.
 
         Args:
-            state: Of this batch, or of one with the same robot, controllers and
+            state: State of this batch, or of one with the same robot, controllers and
                 objects, whose sizes may differ.
             which: The copies.
             source: Number of the saved copy for each, shape (n,); its own, if left out.
@@ -751,7 +752,7 @@ class Batch:
 
         Args:
             name: The object.
-            position: Of its origin in the root [m], shape (n, 3).
+            position: Position of its origin in the root [m], shape (n, 3).
             quat: Its orientation w, x, y, z, shape (n, 4); upright as the root's axes,
                 if left out.
             which: The copies.
@@ -776,7 +777,7 @@ class Batch:
 
         Args:
             name: The object.
-            mass: [kg], shape (n,).
+            mass: Mass [kg], shape (n,).
             which: The copies.
 
         Raises:
@@ -792,7 +793,7 @@ class Batch:
 
         Args:
             name: The object.
-            friction: As ``SceneObject.friction``, shape (n,).
+            friction: Friction as ``SceneObject.friction``, shape (n,).
             which: The copies.
 
         Raises:
@@ -896,8 +897,8 @@ class Batch:
 
         Args:
             name: A camera of the robot or of the scene.
-            position: Of the optical frame [m], shape (n, 3).
-            quat: Of it, w, x, y, z, shape (n, 4).
+            position: Position of the optical frame [m], shape (n, 3).
+            quat: Orientation of that frame, w, x, y, z, shape (n, 4).
             which: The copies.
 
         Raises:
@@ -918,7 +919,7 @@ class Batch:
 
         Args:
             lamp: Position of the lamp in the root [m], shape (n, 3).
-            brightness: Of all light, relative to the usual one, shape (n,).
+            brightness: Brightness of all light, relative to the usual one, shape (n,).
             which: The copies.
 
         Raises:

@@ -62,9 +62,9 @@ class Commands:
         self._period = first.control_period
         self._parts: dict[tuple[str, ...], list[ControllerJoints]] = {}
         self._position_ranges: dict[tuple[str, ...], Array] = {}
-        """Of the joints that were commanded before."""
+        """Position ranges of the joints that were commanded before."""
         self._drive_limits: dict[tuple[str, float, float], DriveLimits] = {}
-        """Of the last grip, by gripper, speed and force."""
+        """Limits of the last grip, by gripper, speed and force."""
         self._gripper_controllers: dict[str, tuple[str, Role]] = {}
 
     @cached_property

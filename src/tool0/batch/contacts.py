@@ -36,8 +36,9 @@ class Contacts:
     point: Array
     """Mean of the contact points, weighted by their normal forces [m], (m, 3)."""
     normal: Array
-    """Their mean normal from ``first`` to ``second``, weighted alike, of length 1, or 0
-    where one body has the other between two of its sides, shape (m, 3)."""
+    """Mean normal of the contact points from ``first`` to ``second``, weighted alike,
+    of length 1, or 0 where one body has the other between two of its sides, shape (m,
+    3)."""
     distance: Array
     """Least distance of the surfaces, below 0 if they overlap [m], shape (m,)."""
     force: Array

@@ -77,7 +77,7 @@ class Copies:
         self._programs: list[TickProgram | None] = [None] * n
         self._has_diverged = np.zeros(n, dtype=np.bool_)
         self._last_steps: Addresses = np.zeros((n, 3), dtype=np.uintp)
-        """Where the kernel has the last step of a loaded copy; otherwise 0."""
+        """Addresses of the last step of loaded copies in the kernel; otherwise 0."""
         self._sensors: list[CopySensor] = []
         self._laws: dict[int, Addresses] = {}
         """Addresses of the laws of each running controller, by number."""

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 class SensorKind(NamedTuple):
-    """What distinguishes a sensor from another one."""
+    """Properties that distinguish a sensor from another one."""
 
     link: str
     ticks: int
@@ -28,7 +28,7 @@ class SensorKind(NamedTuple):
     rate: float
     """Samples per simulated second [Hz]."""
     cutoff: float
-    """Of the low-pass filter [Hz]."""
+    """Cutoff frequency of the low-pass filter [Hz]."""
 
 
 class SavedSensor(NamedTuple):

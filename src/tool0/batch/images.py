@@ -1,4 +1,4 @@
-"""How each copy of a batch looks: its cameras, its light, and its images."""
+"""Appearance of each copy of a batch: its cameras, its light, and its images."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tool0.sensing.cameras import Cameras, View
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CopyLook:
-    """How one copy looks, where it differs from the usual."""
+    """Appearance of one copy, where it differs from the usual."""
 
     cameras: Mapping[str, Camera] = field(default_factory=dict)
     """Cameras that were moved."""

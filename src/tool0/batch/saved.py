@@ -28,12 +28,12 @@ class SavedCopy:
 @final
 @dataclass(frozen=True, slots=True)
 class BatchState:
-    """What ``Batch.save`` returns: the state of n copies, only for ``restore``."""
+    """Result of ``Batch.save``: the state of n copies, only for ``restore``."""
 
     copies: Sequence[SavedCopy] = field(repr=False)
     """State of each copy, only for ``restore``."""
     looks: Sequence[CopyLook] = field(repr=False)
-    """How they look in images."""
+    """Appearance of the copies in images."""
     dt: float
     """Length of a physics step [s]."""
 

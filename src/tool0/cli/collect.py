@@ -110,7 +110,7 @@ class _Display:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        """End the bar's line; after Ctrl-C, say what remains."""
+        """End the bar's line; after Ctrl-C, report the remaining episodes."""
         if self._bar is not None:
             self._bar.__exit__(kind)
         if kind is KeyboardInterrupt:

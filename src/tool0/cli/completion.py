@@ -98,7 +98,7 @@ _tool0_candidates() {
     esac
 }
 """
-"""In POSIX's shell, with ``local``."""
+"""Functions that find the candidates, in POSIX's shell with ``local``."""
 
 _BASH: Final = """\
 # Completion of tool0 for bash, written by `tool0 completion bash`.

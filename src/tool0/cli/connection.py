@@ -81,7 +81,7 @@ def chosen_gripper(robot: Robot, name: str | None) -> Gripper:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """How a goal ended, for the command that started it."""
+    """End of a goal, for the command that started it."""
 
     status: int
     """The exit status."""

@@ -83,7 +83,7 @@ class DemoArguments:
 
     @property
     def options(self) -> PickOptions:
-        """How it is gripped and carried."""
+        """Options of gripping and carrying the object."""
         from tool0.cli.demos.hand import PickOptions
 
         return PickOptions(force=self.force, speed=self.speed)

@@ -40,7 +40,7 @@ def describe(
     source.
 
     Args:
-        form: What to write.
+        form: Kind of output.
         output: File to write; standard output if not given.
         gripper_action: In ``controllers``, give grippers a GripperActionController.
         as_json: Write tree, table or sources as one JSON object.

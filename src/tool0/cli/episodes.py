@@ -24,7 +24,7 @@ HELP: Final = """\
   w s    tool forward, back        a d  left, right    r f  up, down
   o c    gripper open, close       q  quit"""
 _JOG_SPEED: Final = 0.1
-"""Of the tool while a key is held [m/s]."""
+"""Speed of the tool while a key is held [m/s]."""
 _JOG_DURATION: Final = 0.25
 """Time for which a key press moves the tool [s]; a held key repeats sooner."""
 _TWISTS: Final = {

@@ -318,4 +318,4 @@ READERS: Final[Readers] = {
     tuple[Camera, ...]: None,
     Mapping[str, object]: None,
 }
-"""How the types of the configuration values are written on the command line."""
+"""Notation of the types of configuration values on the command line."""

@@ -58,7 +58,7 @@ AsJson = Annotated[bool, Option(name="json")]
 @final
 @dataclass(frozen=True, slots=True)
 class Reader:
-    """How the values of one type are written."""
+    """Notation of the values of one type."""
 
     n_words: int | Literal["*"]
     metavar: str
@@ -80,7 +80,7 @@ class Parameter:
     owner: Callable[..., Any]
     """The function, or the group."""
     path: tuple[str, ...]
-    """Its name, after the names of the groups it is in."""
+    """Name of the parameter, after the names of the groups it is in."""
     option: Option
     reader: Reader | None
     """None for a flag."""

@@ -1,4 +1,4 @@
-"""From the words of a command line to a call of the command's function."""
+"""Parses the words of a command line to a call of the command's function."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ UNITS: Final = (
 )
 _HAS_UNITS: Final = re.compile(r"\b(LENGTH|ANGLE|JOINT|X Y Z|ROLL)\b")
 _NEGATIVE: Final = re.compile(r"-\.?\d")
-"""How a value with a minus sign begins, such as -90deg."""
+"""Beginning of a value with a minus sign, such as -90deg."""
 
 
 def parse(

@@ -148,11 +148,11 @@ _FORMATS: Final[Mapping[str, Literal["parquet", "mp4"]]] = {
     "parquet": "parquet",
     "mp4": "mp4",
 }
-"""By the end of the file's name; others are csv."""
+"""Formats by the end of the file's name; others are csv."""
 
 
 _VIDEO_SIZE: Final = 960, 720
-"""Of a video, if no other is asked for [pixels]."""
+"""Default size of a video [pixels]."""
 
 
 @final

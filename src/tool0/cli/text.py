@@ -66,7 +66,7 @@ def greeting(
 
     Args:
         robot: The robot.
-        options: How it runs.
+        options: Options of the bring-up.
         url: The panel's, if there is one.
         interfaces: Lines about what else presents it, such as its ROS node.
     """

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 READERS = options.READERS
 
 _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
-"""Where robotiq_2f_85_gripper_visualization is; no distribution packages it."""
+"""Repository of robotiq_2f_85_gripper_visualization; no distribution packages it."""
 
 
 def workspace(

@@ -78,7 +78,7 @@ def _run_file(task: str, digest: str) -> None:
 
 
 def default_instruction(task: str, digest: str | None) -> str:
-    """Return what a task asks for in words; its id, if it says nothing."""
+    """Return the instruction of a task; its id, if it has none."""
     from tool0.gym.registration import task_of
 
     found = task_of(environment_spec(task, digest))

@@ -62,7 +62,7 @@ def limit_findings(
                 yield entry.finding(
                     "limit-without-flag",
                     f"ignored, as in ROS, without '{flag}: true'",
-                    "write that beside it",
+                    "write that next to it",
                 )
 
 

@@ -45,7 +45,7 @@ REAL_CLOCK = TrajectoryClock()
 
 
 class TrajectoryStart(NamedTuple):
-    """How a trajectory without a goal starts with the coming tick, as in ROS 2."""
+    """Start of a trajectory without a goal with the coming tick, as in ROS 2."""
 
     is_spliced: bool
     """Whether it follows the desired motion, if that has several points."""
@@ -62,7 +62,7 @@ class TrajectoryStart(NamedTuple):
     goal_time: float
     """Grace after the end [s]."""
     timeout: float
-    """When it is given up after the end [s]."""
+    """Time after the end at which the trajectory is given up [s]."""
 
 
 class TrajectoryLaw(NamedTuple):
@@ -81,7 +81,7 @@ class TrajectoryLaw(NamedTuple):
     """Time by which commands are ahead of the motion that errors refer to [s]."""
     clock: TrajectoryClock = REAL_CLOCK
     start: TrajectoryStart | None = None
-    """How another trajectory starts; None with a lead leaves that to the controller."""
+    """Start of another trajectory; None with a lead leaves that to the controller."""
     has_points: bool = False
     """Whether the motion has several points: another one may follow it."""
 

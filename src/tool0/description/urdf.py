@@ -158,7 +158,7 @@ def _order(
     roots = [name for name in links if name not in above]
     if len(roots) > 1:
         raise ModelError(
-            f"the robot falls apart: no joint leads to {quoted(roots)}; "
+            f"the links are not connected: no joint leads to {quoted(roots)}; "
             "join all but one of them to the rest",
             locations.get(f"link:{roots[1]}"),
         )

@@ -197,7 +197,7 @@ class _Builder:
         if len(self._around) >= MAX_DEPTH:
             raise DescriptionError(
                 f"<{name}> is the {MAX_DEPTH + 1}th element inside one another, and "
-                f"{MAX_DEPTH} is the most; close those before it",
+                f"{MAX_DEPTH} is the limit; close the elements before it",
                 element.location,
             )
         parent = self._around[-1] if self._around else self._document

@@ -134,7 +134,7 @@ class Tree:
         """Raise ConfigError for the first duplicate key."""
         for finding in self.findings:
             raise ConfigError(
-                f"'{finding.key}' stands twice; {finding.remedy}", finding.location
+                f"'{finding.key}' occurs twice; {finding.remedy}", finding.location
             )
 
 
@@ -346,7 +346,7 @@ class _TreeReader:
             child = self._entry(value, _joined(key, path))
             child.location = where
             if name in seen:
-                message = "stands twice in one mapping; the last one wins"
+                message = "occurs twice in one mapping; the last one takes effect"
                 found = child.finding("duplicate-key", message, "leave one")
                 self._findings.append(found)
             seen.add(name)

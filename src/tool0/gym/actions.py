@@ -1,4 +1,4 @@
-"""From actions to targets of the joints and of the gripper, for n copies."""
+"""Converts actions to targets of the joints and of the gripper, for n copies."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
 LINEAR_SPEED = 0.4
-"""Of the tcp at an action of 1, for an arm of scale 1 [m/s]."""
+"""Speed of the tcp at an action of 1, for an arm of scale 1 [m/s]."""
 TURN_SPEED = 1.5
-"""Of the tool at an action of 1 [rad/s]."""
+"""Angular velocity of the tool at an action of 1 [rad/s]."""
 JOINT_SPEED = 0.5
-"""Of a joint at an action of 1, part of its largest velocity."""
+"""Speed of a joint at an action of 1, part of its largest velocity."""
 FASTEST = 0.9
 """Largest speed of a joint, part of its largest velocity."""
 LEAD = 0.25
@@ -41,11 +41,11 @@ class Actions:
 
     def __init__(self, arms: Sequence[ArmActions]) -> None:
         self.names = tuple(name for arm in arms for name in arm.names)
-        """What each number moves."""
+        """Names of the numbers, after the things that they move."""
         ends = np.cumsum([len(arm.names) for arm in arms])
         self._starts = ends[:-1].tolist()
         self.grippers = tuple((ends - 1).tolist())
-        """Which numbers are openings of grippers."""
+        """Numbers that are openings of grippers."""
 
     def checked(self, actions: ArrayLike, n: int) -> Array:
         """Return actions of n copies as numbers within -1 … 1, shape (n, m).
@@ -91,7 +91,7 @@ class ArmActions:
             *([prefix + axis for axis in axes] or workspace.chain.joint_names),
             f"{prefix}gripper",
         )
-        """What each number moves."""
+        """Names of the numbers, after the things that they move."""
         period = options.period
         self.linear = LINEAR_SPEED * workspace.scale * period
         """Way of the tcp at an action of 1 [m]."""

@@ -16,7 +16,7 @@ from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
 GRIP_FORCE = 60.0
-"""At each pad [N], as far as the gripper can."""
+"""Force of a grip at each pad [N], as far as the gripper can."""
 DEADBAND = 0.02
 """Change of a gripper's target that moves it, part of its largest opening."""
 
@@ -35,7 +35,7 @@ class ArmCopies:
         self._joints = columns([names.index(x) for x in space.chain.joint_names])
         self._drive = names.index(gripper.joint)
         self.force = min(max(GRIP_FORCE, gripper.force[0]), gripper.force[1])
-        """Of its gripper at each pad [N]."""
+        """Force of the arm's gripper at each pad [N]."""
         self.target = np.tile(space.start, (batch.n, 1))
         """Targets of its joints [rad], shape (n, 6)."""
         self._opening_target = np.full(batch.n, gripper.max_opening)

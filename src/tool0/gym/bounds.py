@@ -8,15 +8,15 @@ from tool0.batch.arguments import are_finite
 from tool0.kinematics.chain import Array
 
 FARTHEST = 10.0
-"""Of coordinates [m]."""
+"""Largest absolute value of coordinates [m]."""
 FASTEST_OBJECT = 20.0
-"""Of velocities of objects [m/s]."""
+"""Largest velocity of objects [m/s]."""
 STRONGEST, MOST_TORQUE = 1000.0, 100.0
-"""Of wrenches [N], [N·m]."""
+"""Largest force [N] and torque [N·m] of wrenches."""
 
 
 def finite(values: Array) -> Array:
-    """Return a copy in which what diverged is a number, too."""
+    """Return a copy in which diverged values are finite numbers."""
     if are_finite(values):
         return values.copy()
     return np.nan_to_num(values, nan=0.0, posinf=FARTHEST, neginf=-FARTHEST)

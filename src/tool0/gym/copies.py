@@ -187,7 +187,7 @@ class Copies:
 
     @property
     def state(self) -> State:
-        """What is measured now."""
+        """Measured state of all copies."""
         if self._state is None:
             self._state = self._measure()
         return self._state
@@ -251,7 +251,7 @@ class Copies:
         return self.batch.render(i, self.options.cameras[0]).rgb
 
     def images(self) -> dict[str, NDArray[Any]]:
-        """Return what the cameras see of all copies.
+        """Return the cameras' images of all copies.
 
         ``rgb``, uint8 of shape (n, height, width, 3), perhaps ``depth`` [m], float32 of
         shape (n, height, width), at most ``FARTHEST``, and perhaps ``segmentation``,

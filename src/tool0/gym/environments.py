@@ -40,7 +40,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         Args:
             task: Such as ``Lift``, or a class of your own.
             render_mode: ``rgb_array``, or None.
-            options: Those of ``EnvOptions``.
+            options: Options of ``EnvOptions``.
 
         Raises:
             Tool0Error: If an option is wrong.
@@ -56,12 +56,12 @@ class TaskEnv(gymnasium.Env[Any, Any]):
 
     @property
     def state_slices(self) -> Mapping[str, slice]:
-        """Where each part is in the flat state."""
+        """Slice of each part in the flat state."""
         return self._observer.slices
 
     @property
     def number_names(self) -> NumberNames:
-        """What the numbers of observations and actions are."""
+        """Names of the numbers of observations and actions."""
         return self._observer.names
 
     def reset(
@@ -140,11 +140,11 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
 
         Args:
             task: Such as ``Lift``, or a class of your own.
-            num_envs: How many copies.
+            num_envs: Number of copies.
             render_mode: ``rgb_array``, or None.
             max_episode_steps: Actions after which an episode is truncated.
             autoreset_mode: When a copy whose episode has ended is reset.
-            options: Those of ``EnvOptions``.
+            options: Options of ``EnvOptions``.
 
         Raises:
             Tool0Error: If an option is wrong.
@@ -175,12 +175,12 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
 
     @property
     def state_slices(self) -> Mapping[str, slice]:
-        """Where each part is in the flat state."""
+        """Slice of each part in the flat state."""
         return self._observer.slices
 
     @property
     def number_names(self) -> NumberNames:
-        """What the numbers of observations and actions are."""
+        """Names of the numbers of observations and actions."""
         return self._observer.names
 
     def reset(

@@ -35,8 +35,8 @@ def grasped(
         batch: One copy, to be closed by the caller.
         item: The object.
         space: The arm that grasps it, and which rises to its start.
-        hold: How the pads hold it.
-        force: At each pad [N].
+        hold: Hold of the object.
+        force: Force at each pad [N].
         start: Positions of all joints at the start, grippers open, (n_joints,).
 
     Raises:

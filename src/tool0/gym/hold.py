@@ -1,4 +1,4 @@
-"""How the pads hold an object."""
+"""The hold of an object between the pads."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tool0.kinematics.chain import Array
 
 @final
 class Hold(NamedTuple):
-    """How the pads hold an object that stands upright, from above."""
+    """Hold of an upright object between the pads, from above."""
 
     width: float | Array
     """Width of the object between the pads [m]; shape (n,) if copies differ."""
@@ -31,7 +31,7 @@ class Hold(NamedTuple):
         """Return the positions of the tcp in the root [m], shape (n, 3).
 
         Args:
-            position: Of the object in the root [m], shape (n, 3).
+            position: Position of the object in the root [m], shape (n, 3).
             quat: Its orientations w, x, y, z, shape (n, 4); only their yaw counts.
         """
         x, y, z = self.point
@@ -57,7 +57,7 @@ class Cube(NamedTuple):
     """A cube of each copy.  The numbers are arrays, (n,), if sizes are random."""
 
     edge: float | Array
-    """[m]"""
+    """Edge of the cube [m]."""
     grasp_height: float | Array
     """Height of the tcp above what carries the cube, when it grasps it [m]."""
 
@@ -71,7 +71,7 @@ class Cube(NamedTuple):
 
     @property
     def hold(self) -> Hold:
-        """How it is held."""
+        """Hold of the cube."""
         return Hold(self.edge, (0.0, 0.0, self.grasp_height - self.edge / 2.0))
 
 

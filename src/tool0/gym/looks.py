@@ -1,4 +1,4 @@
-"""How copies look at the start of an episode: colours, light, and cameras."""
+"""Looks of copies at the start of an episode: colours, light, and cameras."""
 
 from __future__ import annotations
 

@@ -22,15 +22,16 @@ Observation = Array | dict[str, NDArray[Any]]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NumberNames:
-    """What the numbers of observations and actions are."""
+    """Names of the numbers of observations and actions."""
 
     observations: Mapping[str, tuple[str, ...]]
     """Observation → names of its numbers; ``""`` if there is only one."""
     surroundings: frozenset[str]
-    """Those numbers that a robot does not measure on itself: objects and goals."""
+    """Names of the numbers that a robot does not measure on itself: objects and
+    goals."""
     action: tuple[str, ...]
     grippers: tuple[int, ...] = ()
-    """Which numbers of an action are openings of grippers."""
+    """Numbers of an action that are openings of grippers."""
 
 
 @final
@@ -48,9 +49,9 @@ class Observer:
             part.name: slice(end - len(part.low), end)
             for part, end in zip(found, ends, strict=True)
         }
-        """Where each part is in the state."""
+        """Slice of each part in the state."""
         self.names = _names(copies)
-        """What the numbers are."""
+        """Names of the numbers."""
 
     @property
     def space(self) -> spaces.Space[Any]:

@@ -34,7 +34,7 @@ _NAMES = {"arm": "ur5", "gripper": "2f85"}
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Randomisation:
-    """What differs from episode to episode, beside the poses of objects and goals.
+    """Variation from episode to episode, beside the poses of objects and goals.
 
     Factors are drawn uniformly, for each movable object; a range whose ends are equal
     is constant.
@@ -100,9 +100,9 @@ class EnvOptions:
     gripper: str = "2f85"
     """A gripper of the catalogue."""
     action: ActionMode = "cartesian"
-    """What an action moves (docs/how-to/gym.md)."""
+    """Kind of action, by what it moves (docs/how-to/gym.md)."""
     observation: ObservationMode = "state"
-    """What an observation is (docs/how-to/gym.md)."""
+    """Kind of observation (docs/how-to/gym.md)."""
     reward: RewardMode = "dense"
     """Reward in each step, or for success alone."""
     control_rate: float = 20.0
@@ -206,7 +206,7 @@ class EnvOptions:
 
     @property
     def ranges(self) -> Randomisation | None:
-        """What to randomise; None for nothing."""
+        """Ranges to randomise; None for nothing."""
         if self.randomise is True:
             return Randomisation()
         return self.randomise or None

@@ -24,11 +24,11 @@ from tool0.errors import ConfigError, did_you_mean
 from tool0.gym.options import EnvOptions
 
 LARGEST_EDGE = 0.045
-"""Of a cube [m]."""
+"""Largest edge of a cube [m]."""
 FILL = 0.8
 """Largest part of the gripper's opening that a cube takes."""
 VIEWPOINT: Final = (0.85, -0.65, 0.6)
-"""Of the camera from the middle of the table, for an arm of scale 1 [m]."""
+"""Position of the camera from the middle of the table, for an arm of scale 1 [m]."""
 SIDE_VIEWPOINT: Final = (0.1, -1.5, 0.9)
 """The same from the middle between two arms [m]."""
 
@@ -48,7 +48,7 @@ class Site:
 
         Args:
             options: Arm, gripper and cameras.
-            names: Of two arms; none for a single one.
+            names: Names of two arms; none for a single one.
             distance: Between the bases of two arms of scale 1 [m].
 
         Raises:

@@ -71,7 +71,7 @@ class Sizes:
         ranges = [workspace.size_factors(self._own[k]) for k in self._resized]
         self._ranges = np.reshape(ranges, (len(self._resized), 2))
         self.extents = np.tile(self._own, (n, 1, 1))
-        """Of the objects, as ``State.object_size``, shape (n, k, 3)."""
+        """Sizes of the objects, as ``State.object_size``, shape (n, k, 3)."""
 
     def draw(self, rng: np.random.Generator) -> Array:
         """Return random factors of all objects, shape (k,); 1 for what is constant."""

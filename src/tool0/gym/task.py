@@ -1,4 +1,4 @@
-"""What a task is: functions of the state of n copies, with arrays over all of them.
+"""A task: functions of the state of n copies, with arrays over all of them.
 
 Subclass ``Task`` for a task of your own (docs/how-to/gym.md), and register it by
 ``tool0.gym.register``.  A *goal* is an array of shape (n, g); ``achieved`` and
@@ -24,24 +24,24 @@ from tool0.kinematics.chain import Array
 Mask = NDArray[np.bool_]
 
 NEARNESS = 5.0
-"""How fast progress falls with the distance from the goal [1/m]."""
+"""Rate at which progress falls with the distance from the goal [1/m]."""
 
 
 class ArmState(NamedTuple):
-    """What is measured of one arm and its gripper in n copies, in the root."""
+    """Measured state of one arm and its gripper in n copies, in the root."""
 
     q: Array
     """Positions of the arm's joints [rad], shape (n, 6)."""
     qd: Array
-    """Their velocities [rad/s], shape (n, 6)."""
+    """Velocities of the joints [rad/s], shape (n, 6)."""
     tcp_position: Array
-    """[m], shape (n, 3)."""
+    """Position of the tcp [m], shape (n, 3)."""
     tcp_rotation: Array
     """Rotation matrices, shape (n, 3, 3)."""
     opening: Array
     """Distance between the pads [m], shape (n,)."""
     opening_rate: Array
-    """Its mean change in the last control period [m/s], shape (n,)."""
+    """Mean change of the opening in the last control period [m/s], shape (n,)."""
     opening_target: Array
     """The commanded opening [m], shape (n,)."""
     wrench: Array
@@ -50,7 +50,7 @@ class ArmState(NamedTuple):
 
 
 class State(NamedTuple):
-    """What is measured in n copies; k objects.  Poses are in the root.
+    """Measured state of n copies with k objects.  Poses are in the root.
 
     The properties are those of the arm of a task with one; ``of`` chooses one of
     several.
@@ -59,16 +59,16 @@ class State(NamedTuple):
     arms: Mapping[str, ArmState]
     """The arms by name."""
     object_position: Array
-    """[m], shape (n, k, 3)."""
+    """Positions of the objects [m], shape (n, k, 3)."""
     object_quat: Array
-    """w, x, y, z, shape (n, k, 4)."""
+    """Orientations of the objects w, x, y, z, shape (n, k, 4)."""
     object_velocity: Array
-    """[m/s], shape (n, k, 3)."""
+    """Linear velocities of the objects [m/s], shape (n, k, 3)."""
     object_size: Array
     """Edges of the box around each object, in its axes [m], shape (n, k, 3); NaN for
     meshes and compounds."""
     goal: Array
-    """What was drawn at the start of the episode, as wide as ``Start.goal``."""
+    """Goal drawn at the start of the episode, as wide as ``Start.goal``."""
 
     def of(self, arm: str) -> State:
         """Return the state with one of the arms, and everything else.
@@ -106,7 +106,7 @@ class State(NamedTuple):
 
     @property
     def tcp_position(self) -> Array:
-        """[m], shape (n, 3)."""
+        """Position of the tcp [m], shape (n, 3)."""
         return self.arm.tcp_position
 
     @property
@@ -136,12 +136,12 @@ class State(NamedTuple):
 
 
 class Start(NamedTuple):
-    """What is drawn at the start of an episode of one copy."""
+    """Random start of an episode of one copy."""
 
     places: Array
     """Positions of the objects [m], shape (k, 3)."""
     yaws: Array
-    """Their turns about z [rad], shape (k,)."""
+    """Turns of the objects about z [rad], shape (k,)."""
     goal: Array
     """Shape (g,), or any other if ``Task.desired`` does not return it as it is."""
     is_held: bool = False
@@ -150,7 +150,7 @@ class Start(NamedTuple):
 
 
 class Target(NamedTuple):
-    """Where an expert lets tool and gripper of n copies go next."""
+    """Next target of the tool and gripper of n copies, from an expert."""
 
     position: Array
     """Target position of the tcp in the root [m], shape (n, 3)."""
@@ -170,18 +170,18 @@ class Task(abc.ABC):
     """
 
     instruction: str = ""
-    """What is to be done, as one says it to a robot."""
+    """Description of the task, as given to a robot."""
     objects: tuple[str, ...] = ()
     """Names of the objects that a start places, in the order of ``State``: movable, or
     fixed where they are placed."""
     goal_names: tuple[str, ...] = ()
-    """What the columns of a goal are."""
+    """Names of the columns of a goal."""
     arms: tuple[str, ...] = ()
     """Names of two arms, such as ``("left", "right")``; none for a single arm."""
     distance_of_arms: float = 1.5
     """Distance between the bases of two arms of scale 1 [m]."""
     hold: Hold | None = None
-    """How a start's gripper holds the first object; a task without such starts needs
+    """Hold of the first object by a start's gripper; a task without such starts needs
     none."""
     resizable: tuple[str, ...] = ()
     """Objects whose size ``Randomisation.size`` may change: boxes, cylinders or spheres

@@ -13,8 +13,8 @@ from tool0.kernel.tool import ToolKernel
 from tool0.kinematics.chain import ArmChain, Array, Posture
 
 DAMPING = 1e-4
-"""Of the Jacobian's inverse, squared [m²]: near a singularity the tool lags instead of
-the joints racing."""
+"""Damping of the Jacobian's inverse, squared [m²]: near a singularity the tool lags
+instead of the joints racing."""
 STEPS = 2
 """Newton steps per action: the second leaves less than 0.1 mm of a step of 2 cm."""
 
@@ -64,7 +64,7 @@ class Tool:
         """Return positions after moves of the tool, which looks down [rad], (n, 6).
 
         Args:
-            q: Where to start [rad], shape (n, 6).
+            q: Start of the motion [rad], shape (n, 6).
             moves: Along the root's axes [m], and the turn about z [rad], shape (n, 4).
             lowest: Height below which the tool does not go down [m].
             limit: As in ``approach``.
@@ -80,8 +80,8 @@ class Tool:
         """Return positions nearer to ``target`` [rad], shape (n, 6).
 
         Args:
-            q: Where to start [rad], shape (n, 6).
-            target: Where the tool is to go in the root: a step away.
+            q: Start of the motion [rad], shape (n, 6).
+            target: Target of the tool in the root: a step away.
             limit: Largest change of each joint [rad], shape (6,).  Beyond it all joints
                 of a copy move a shorter way along the same line.
         """

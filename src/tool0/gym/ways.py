@@ -1,4 +1,4 @@
-"""Where experts go next: to a grasp, up, to a place, behind what they push.
+"""Next targets of experts: to a grasp, up, to a place, behind a pushed object.
 
 They have no memory, and tell from the state how far they are: they go on after a
 disturbance, too.
@@ -35,7 +35,8 @@ FINE, FINE_GAIN = 0.003, 0.3
 BEGUN = 0.0003
 """Way down that shows that an object is being lowered [m]."""
 PUSH_OPENING = 0.4
-"""Of the gripper that pushes, part of the cube's edge: two fingers keep it straight."""
+"""Opening of the gripper that pushes, part of the cube's edge: two fingers keep it
+straight."""
 PUSH_SLOW = 0.35
 """Speed of a push, part of the fastest action."""
 
@@ -59,7 +60,7 @@ def reach(space: Workspace, state: State) -> Target:
 
 
 class Grasp(NamedTuple):
-    """How far the first object is grasped, and where to go for that."""
+    """Progress of grasping the first object, and the next target for it."""
 
     target: Target
     held: Mask
@@ -77,10 +78,10 @@ def grasp(
 
     Args:
         space: Arm and gripper.
-        state: What is measured.
+        state: The measured state.
         commanded: The tcp's target now.
-        hold: How the object is held; as a cube, if left out.
-        yaw: Of the tcp [rad], shape (n,); the nearest that fits, if left out.
+        hold: Hold of the object; that of a cube, if left out.
+        yaw: Yaw of the tcp [rad], shape (n,); the nearest that fits, if left out.
     """
     cube = Cube.of(space, state.object_size)
     hold = hold or cube.hold
@@ -126,11 +127,11 @@ def carried(
     The last millimetres are slow: the object swings a little as the arm moves.
 
     Args:
-        state: What is measured.
+        state: The measured state.
         commanded: The tcp's target now.
         point: The point in the root [m], shape (n, 3).
-        place: Where it is to go in the root [m], shape (n, 3).
-        turn: Of the tcp about z meanwhile [rad], shape (n,).
+        place: Target of the object in the root [m], shape (n, 3).
+        turn: Turn of the tcp about z meanwhile [rad], shape (n,).
     """
     c, s = np.cos(turn), np.sin(turn)
     x, y, z = (point - state.tcp_position).T

@@ -42,7 +42,7 @@ OPENINGS = 33
 """Number of openings of the gripper between which the place of the pads is interpolated
 linearly: within 0.02 mm for the grippers of the catalogue."""
 CUBE_MASS, CUBE_FRICTION = 0.1, 1.0
-"""[kg], coefficient; unless they are randomised."""
+"""Mass [kg] and coefficient of friction of a cube, unless they are randomised."""
 HOVER = 0.02
 """Least distance of the finger tips from cubes that they pass over [m]."""
 RUN_UP = 0.03
@@ -50,7 +50,7 @@ RUN_UP = 0.03
 FIXTURE_RGBA = (0.35, 0.37, 0.4, 1.0)
 """Colour of what is fixed on the table: steel."""
 NEARER = 0.05
-"""How far in front of the area of the starts an arm of scale 1 can work [m]."""
+"""Depth in front of the area of the starts in which an arm of scale 1 can work [m]."""
 ATTEMPTS = 200
 """Draws of a place before the last one is taken."""
 
@@ -100,7 +100,7 @@ class Workspace:
         T_tip_tcp = grasp_frame(model, self.gripper, self.edge, tip)
         T_root_base = fixed_transform(model, model.root, self.chain.base)
         self.tool = Tool(self.chain, T_root_base, T_tip_tcp)
-        """Its tcp is the point between the pads when they hold a cube."""
+        """Tool whose tcp is the point between the pads when they hold a cube."""
         self._T_base_root = T_root_base.inverse().matrix
         self._T_tcp_tip = T_tip_tcp.inverse().matrix
         self.reach = finger_reach(model, self.gripper)
@@ -129,7 +129,7 @@ class Workspace:
 
     @property
     def prefix(self) -> str:
-        """Of names in actions and observations: the arm's, if there are several."""
+        """Prefix of names in actions and observations, if there are several arms."""
         return f"{self.arm}_" if len(self._beside) > 1 else ""
 
     def of(self, arm: str) -> Workspace:

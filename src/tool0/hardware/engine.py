@@ -361,7 +361,7 @@ def check_attachable(objects: Mapping[str, SceneObject], name: str) -> None:
 
 def immovable(name: str) -> EngineError:
     """Return the error for a wrench on something immovable."""
-    return EngineError(f"'{name}' stands still: no force moves it")
+    return EngineError(f"'{name}' is fixed: forces do not move it")
 
 
 def check_placement(objects: Mapping[str, SceneObject], state: ObjectState) -> None:

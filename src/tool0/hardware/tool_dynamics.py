@@ -69,9 +69,9 @@ class ToolForces(NamedTuple):
     """The wrench of a tool on its flange but for contacts, in the axes of the root."""
 
     force: Vector3
-    """[N]"""
+    """Force on the flange [N]."""
     torque: Vector3
-    """About the flange [N·m]."""
+    """Torque about the flange [N·m]."""
     flange: Frame
     """The flange in the root."""
 

@@ -29,11 +29,11 @@ MOST_MOVING: Final = 24
 """Most joints of a plan."""
 FREE: Final = -1
 TILTED: Final = -2
-"""What is wrong in a pose, if it is no pair of shapes."""
+"""Number of a pose's violation that is no pair of shapes: the tool is tilted."""
 
 
 class Ended(IntEnum):
-    """How a search ended."""
+    """Reason for the end of a search."""
 
     FOUND = 0
     NO_WAY = 1
@@ -116,13 +116,13 @@ class Joints(NamedTuple):
     """The joints that a plan moves, from base to tip."""
 
     addresses: IntArray
-    """Of each in the engine's positions."""
+    """Address of each joint in the engine's positions."""
     axis_rows: IntArray
     """The row of each in the engine's axes."""
     sliding: int
     """A bit for each that slides."""
     moved_by: NDArray[np.uint32]
-    """Of each shape of the engine, a bit for each joint that moves it."""
+    """Joints that move each shape of the engine, a bit for each joint."""
 
 
 class Upright(NamedTuple):
@@ -130,9 +130,9 @@ class Upright(NamedTuple):
 
     body: int
     axis: FloatArray
-    """In the body, shape (3,)."""
+    """Axis in the body, shape (3,)."""
     up: FloatArray
-    """In the world, shape (3,)."""
+    """Direction of that axis in the world, shape (3,)."""
     tilt: float
     """Largest angle between them [rad]."""
     tilting: int
@@ -140,14 +140,14 @@ class Upright(NamedTuple):
 
 
 class Violation(NamedTuple):
-    """What is too near on a way, and where."""
+    """Pair of shapes that are too near on a way, and the place."""
 
     pair: int
-    """Its number, or TILTED."""
+    """Number of the pair, or TILTED."""
     row: int
     """The pose before."""
     part: float
-    """Of the way from there to the next pose."""
+    """Part of the way from there to the next pose."""
 
 
 class Found(NamedTuple):
@@ -197,9 +197,9 @@ class Clearances:
         Args:
             compiled: The kernel.
             memory: The engine's.
-            joints: Those that move.
+            joints: Joints that move.
             pairs: They must include ``slack``.
-            slack: How far a motion is looked at ahead, at least [m].
+            slack: Distance by which a motion is checked ahead, at least [m].
             upright: The tool to keep upright.
         """
         self.n_joints = len(joints.addresses)
@@ -290,8 +290,8 @@ class Clearances:
             start: A free pose, shape (n_joints,).
             goals: Free poses, shape (n, n_joints).
             samples: Bounds of the samples, shape (n_joints,) each.
-            beside: How far from between the start and a goal most samples are [rad].
-            seed: Of the samples.
+            beside: Distance of most samples from between the start and a goal [rad].
+            seed: Seed of the samples.
             longest: Longest extension of a tree [rad].
             most_nodes: Size of a tree.
             timeout: Wall time after which it ends [s].

@@ -77,9 +77,9 @@ class DeviceControl:
         Args:
             running: The running controllers by name, in load order, with their joints.
             hardware: The drives.
-            grippers: What goals with limits move.
-            state: Of the engine.
-            position: Of the joints [rad | m], shape (n, n_joints).
+            grippers: Grippers that goals with limits move.
+            state: State of the engine.
+            position: Positions of the joints [rad | m], shape (n, n_joints).
             motor_joints: The joint of each motor.
             period: Length of a tick [s].
             device: Name of Warp's device.

@@ -54,7 +54,7 @@ class BatchKernel:
 
         Args:
             compiled: The kernel.
-            threads: How many.
+            threads: Number of threads.
             left: Ticks to execute, from which a run subtracts what it has executed.
             ticks: A run adds that to these, and to ``untold``.
             untold: As ``ticks``.
@@ -62,11 +62,11 @@ class BatchKernel:
         n = len(left)
         self._compiled = compiled
         self.robots: Addresses = np.zeros(n, dtype=np.uintp)
-        """Their structs; 0 for those that are not loaded."""
+        """Addresses of the robots' structs; 0 for those that are not loaded."""
         self.most: IntArray = np.zeros(n, dtype=np.int32)
         """The most ticks of each in one run."""
         self.results: IntArray = np.zeros(n, dtype=np.int32)
-        """How the last run of each ended: ``Ended``."""
+        """Ends of the last run of each robot: ``Ended``."""
         compiled.tool0_open_pool.restype = ctypes.c_void_p
         pool = compiled.tool0_open_pool(threads)
         if pool is None:
@@ -125,13 +125,14 @@ class BatchKernel:
         """Start motions through points, as ``JointTrajectoryController.command``.
 
         Args:
-            robots: Those that the laws move.
-            laws: Those of trajectory controllers.
-            joints: Which k of their joints move, by number, shape (k,).
+            robots: Robots that the laws move.
+            laws: Laws of trajectory controllers.
+            joints: Numbers of the k joints of theirs that move, shape (k,).
             now: The time of the next tick [s], shape (n,).
-            times: Of the points after now [s], increasing, shape (n, m).
-            positions: Of the points [rad | m], shape (n, m, k).
-            velocities: [rad/s | m/s], shape (n, m, k); None makes linear motions.
+            times: Times of the points after now [s], increasing, shape (n, m).
+            positions: Positions of the points [rad | m], shape (n, m, k).
+            velocities: Velocities [rad/s | m/s], shape (n, m, k); None makes linear
+                motions.
 
         Returns:
             Whether they started, all or none; if not, because of which row.

@@ -19,9 +19,9 @@ class JointGoal(NamedTuple):
     """A joint that a command on the device moves."""
 
     source: int
-    """Its column in the command."""
+    """Column of the joint in the command."""
     joint: int
-    """Its number in the controller."""
+    """Number of the joint in the controller."""
     lower: float
     upper: float
     """Limits of its position [rad | m]."""
@@ -79,9 +79,9 @@ class Motions:
             rows: The robots, r of them.
             joints: The j joints that move.
             now: The time of the next tick [s], shape (r,).
-            times: Of the points after now [s], increasing, shape (r, m).
-            positions: [rad | m], shape (r, m, j).
-            velocities: At the points, the same shape; None makes linear motions.
+            times: Times of the points after now [s], increasing, shape (r, m).
+            positions: Positions [rad | m], shape (r, m, j).
+            velocities: Those at the points, the same shape; None makes linear motions.
 
         Returns:
             None, or the number of a row that asks for an implausible motion; then

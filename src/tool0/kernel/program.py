@@ -431,7 +431,7 @@ class TickProgram:
 
     @property
     def step_address(self) -> tuple[int, int, int]:
-        """Where the last step is, as in a row of ``ToolForcesKernel.of_steps``."""
+        """Address of the last step, as in a row of ``ToolForcesKernel.of_steps``."""
         struct = self._struct
         return struct.step_position, struct.step_velocity, struct.velocity
 

@@ -53,9 +53,9 @@ class ToolKernel:
             compiled: The kernel.
             base: The arm's base in the root, shape (4, 4).
             joints: Each joint at 0 in the one before, six of shape (4, 4).
-            axes: Of the joints, in their own frames, shape (6, 3).
+            axes: Axes of the joints, in their own frames, shape (6, 3).
             tool: The tool in the last joint, shape (4, 4).
-            damping: Of the inverse of the Jacobian, squared [m²].
+            damping: Damping of the inverse of the Jacobian, squared [m²].
         """
         self._arm = _Arm(
             _Frame.of(base),

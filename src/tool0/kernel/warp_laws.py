@@ -71,9 +71,9 @@ class Goal:
     """A joint that a command moves."""
 
     source: int
-    """Its column in the command."""
+    """Column of the joint in the command."""
     column: int
-    """Its number among the controlled joints."""
+    """Number of the joint among the controlled joints."""
     drive: int
     lower: float
     upper: float
@@ -84,7 +84,7 @@ class Gripper:
     """``ParallelGripper``, and how its pads move."""
 
     column: int
-    """Of its joint, among the controlled joints."""
+    """Number of the gripper's joint among the controlled joints."""
     drive: int
     is_linear: int
     pad_offset: float

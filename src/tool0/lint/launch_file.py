@@ -187,8 +187,8 @@ def _commented_out(launch: LaunchFile, yamls: list[YamlText]) -> Iterator[Findin
                 location,
                 "commented-out",
                 "rosparam",
-                f"is commented out, and nothing else loads '{file}': what "
-                "stands in it has no effect",
+                f"is commented out, and nothing else loads '{file}': its "
+                "contents have no effect",
                 "load it, or delete the line and the file",
             )
 

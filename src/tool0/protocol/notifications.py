@@ -59,7 +59,7 @@ class Notification:
 
 
 def described(event: Event, now: float) -> Notification:
-    """Return an event in words; one without a time was ``now`` [s]."""
+    """Return the description of an event; one without a time was ``now`` [s]."""
     time = now if event.time is None else event.time
     match event:
         case GoalFinished(goal):
@@ -102,7 +102,7 @@ def _outcome(goal: Goal) -> str:
 
 
 def changes(before: Snapshot, now: Snapshot) -> list[Notification]:
-    """Return what happened between two snapshots, in words."""
+    """Return descriptions of the events between two snapshots."""
     found = []
     if now.is_stopped != before.is_stopped:
         found.append(

@@ -217,4 +217,4 @@ def response_type(kind: type[Request[Any]]) -> Any:
                 continue
             if issubclass(typing.get_origin(base) or object, Request):
                 return argument
-    raise TypeError(f"{kind.__name__} does not say what its response is")
+    raise TypeError(f"{kind.__name__} does not declare its response type")

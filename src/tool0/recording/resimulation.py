@@ -39,7 +39,7 @@ class Resimulation:
     """Requests that were carried out again."""
     divergence: Divergence | None
     reasons: tuple[str, ...]
-    """Why it may differ, or does: in words."""
+    """Reasons why it may differ, or does."""
 
     @property
     def is_identical(self) -> bool:

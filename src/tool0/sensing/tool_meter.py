@@ -31,7 +31,8 @@ class ToolMeter:
         self._joints = [names.index(joint.name) for joint in model.movable_joints]
         self._dt = engine.dt
         self._step = np.zeros((3, len(names)))
-        """Of a step: positions and velocities before it, and velocities after it."""
+        """State of a step: positions and velocities before it, and velocities after
+        it."""
         at = [row.ctypes.data for row in self._step]
         self._step_at: Addresses = np.array([at], dtype=np.uintp)
         self._compiled = library.load()

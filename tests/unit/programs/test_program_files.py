@@ -106,7 +106,7 @@ def test_a_file_is_read_with_degrees_and_the_lines_of_its_steps(tmp_path: Path) 
         ("opening: closed", "opening: shut", 10, "shut"),
         ("opening: closed", "", 10, "missing required field `opening`"),
         ("name: pick", "names: pick", 1, "did you mean 'name'?"),
-        ("name: pick", "name: pick\nname: place", 2, "stands twice"),
+        ("name: pick", "name: pick\nname: place", 2, "occurs twice"),
         ("name: pick", "format: 2\nname: pick", 1, "2"),
         ("times: 2", "times: [", 7, "not YAML"),
     ],

@@ -189,7 +189,7 @@ class Hand:
         Args:
             into: The bin.
             grasps: The poses in which it may be put down, wherever they are.
-            height: Of the middle of the pads above the floor of the bin [m].
+            height: Height of the middle of the pads above the floor of the bin [m].
         """
         self._monitor.begin("carrying")
         x, y, bottom = into.center

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 GIVER, TAKER = "giver", "taker"
 """Names of the two robots."""
 FORWARD, SIDEWAYS = 0.45, 0.55
-"""Where the robots meet, from either base, for an arm of scale 1 [m]."""
+"""Place where the robots meet, from either base, for an arm of scale 1 [m]."""
 HEIGHT = 0.33
 """The same above the root [m]; lower for shorter arms."""
 APART = 0.1
@@ -58,7 +58,7 @@ class HandoverCell:
 
     @property
     def meeting(self) -> Vector3:
-        """Where the object is handed over, in the root [m]."""
+        """Place where the object is handed over, in the root [m]."""
         scales = self.giver.scale, self.taker.scale
         return FORWARD * max(scales), 0.0, HEIGHT * min(1.0, *scales)
 
@@ -119,8 +119,8 @@ def hand_over(
     Args:
         robot: With two robots called giver and taker.
         item: The name of an upright cube that can move.
-        into: Where it goes, in reach of the taker.
-        meeting: Where it is handed over, in the root [m].
+        into: Bin for the object, in reach of the taker.
+        meeting: Place of the handover, in the root [m].
         options: Force and speeds.
         on_snapshot: Called with each snapshot, for recording.
 

@@ -33,7 +33,7 @@ class _Held(NamedTuple):
     """The link that carries the fingers."""
     pads: tuple[str, str]
     start: Vector3
-    """Where the object was, from the middle of the pads, in the base [m]."""
+    """Start position of the object, from the middle of the pads, in the base [m]."""
 
 
 @final
@@ -64,7 +64,7 @@ class GraspMonitor:
         }
         self._held: _Held | None = None
         self.slip: float | None = None
-        """How far the object has moved between the pads since it was held [m]."""
+        """Distance that the object has moved between the pads since it was held [m]."""
         self.peak_force = 0.0
         """The largest that a pad has exerted on the object so far [N]."""
         self.phases: dict[str, float] = {}

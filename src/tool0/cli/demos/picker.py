@@ -46,7 +46,7 @@ class Picker:
             item: An upright box, cylinder or sphere.
             options: Force and speeds.
             monitor: Advances time, and measures.
-            name: Of the arm and the gripper; the only ones, if left out.
+            name: Name of the arm and the gripper; the only ones, if left out.
 
         Raises:
             ControlError: If there is no such object, it cannot be gripped at all, or
@@ -118,7 +118,7 @@ def pick_and_place(
     Args:
         robot: With one arm that has analytic inverse kinematics, and one gripper.
         item: The name of an upright box, cylinder or sphere that can move.
-        into: Where it goes.
+        into: Bin for the object.
         options: Force and speeds.
         on_snapshot: Called with each snapshot, for recording.
 

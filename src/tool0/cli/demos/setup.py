@@ -42,9 +42,9 @@ class Cube:
     """The cube that is picked."""
 
     edge: float = 0.045
-    """[m]"""
+    """Edge of the cube [m]."""
     mass: float = 0.1
-    """[kg]"""
+    """Mass of the cube [kg]."""
     friction: float = 1.0
     """Coefficient of friction."""
 
@@ -77,9 +77,9 @@ class Demo:
         """Do the task ``n`` times, and report.
 
         Args:
-            robot: As described, with the scene.
+            robot: The robot as described, with the scene.
             n: Number of trials.
-            seed: Of the random start poses; without one, the first is the scene's.
+            seed: Seed of the random start poses; without one, the first is the scene's.
             on_snapshot: Called with each snapshot.
             on_pick: Called after each trial.
         """

@@ -37,9 +37,9 @@ if TYPE_CHECKING:
     from tool0.api.robot import Robot
 
 SMALLEST_SCALE: Final = 0.95
-"""Of the arms that reach both the shelf and the bin."""
+"""Smallest scale of the arms that reach both the shelf and the bin."""
 BOARD: Final = "shelf.board"
-"""What the object stands on."""
+"""Name of the object's board."""
 INTO_SHELF: Final = (0.0, 1.0, 0.0)
 """Direction in the root."""
 RAISED: Final = 0.02
@@ -51,15 +51,16 @@ PICKER, HELPER = "picker", "helper"
 HELPER_XYZ: Final = (1.05, -0.34, 0.0)
 """Base of the second robot, in the root [m]; it faces the first one."""
 ASIDE: Final = {"shoulder_pan_joint": 1.6, "shoulder_lift_joint": -1.9}
-"""Where it makes room [rad]."""
+"""Posture in which it makes room [rad]."""
 _BESIDE: Final = 0.12
 """Distance of an object's centre from the sides of the shelf [m]."""
 _DEPTHS: Final = (0.04, 0.09)
-"""Of random poses, from the edge of the board [m]."""
+"""Range of depths of random poses, from the edge of the board [m]."""
 _TURN: Final = 0.3
 """Largest turn of random poses, to either side [rad]."""
 _TILT: Final = math.radians(70.0)
-"""Of the gripper from above: it looks down a little, to clear the edge of the board."""
+"""Tilt of the gripper from above: it looks down a little, to clear the edge of the
+board."""
 _FACING: Final = math.cos(math.radians(46.0))
 
 
@@ -122,7 +123,7 @@ def pick_from_shelf(
         robot: With one arm and one gripper, or those of ``two_robots``, in the scene
             ``shelf``.
         item: The name of an upright box, cylinder or sphere.
-        into: Where it goes.
+        into: Bin for the object.
         options: Force and speeds.
         on_snapshot: Called with each snapshot, for recording.
 

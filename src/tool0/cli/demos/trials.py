@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 RETURN_TIMEOUT = 20.0
 """Longest motion back between two picks, simulated [s]."""
 SETTLE = 0.3
-"""For an object to come to rest where it was put [s]."""
+"""Simulated time for an object to come to rest where it was put [s]."""
 
 
 @final
@@ -41,7 +41,7 @@ class DemoReport:
 
     @property
     def n_succeeded(self) -> int:
-        """How many ended in the bin."""
+        """Number of objects that ended in the bin."""
         return sum(pick.success for pick in self.picks)
 
     def to_json(self) -> dict[str, object]:
@@ -83,7 +83,7 @@ def run_trials(
         item: The object, which is put back on the table between picks.
         task: Picks the object, such as ``pick_and_place``.
         poses: The start poses of the object; None leaves it where it is.
-        n_picks: How many.
+        n_picks: Number of picks.
         on_snapshot: Called with each snapshot between the picks.
         on_pick: Called after each pick.
 

@@ -102,7 +102,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
     """Follow one trajectory at a time; its goal decides what is judged at the end."""
 
     _duration = 0.0
-    """Of the goal's trajectory [s]."""
+    """Duration of the goal's trajectory [s]."""
 
     def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
         """Execute ``goal`` and return its handle, or reject it.

@@ -20,7 +20,8 @@ _UNWINDING = {
     "back_calculation": Unwinding.BACK_CALCULATION,
     "legacy": Unwinding.NONE,
 }
-"""By the parameter; the first is the default.  Only Jazzy has ``legacy``."""
+"""Strategy against windup by the parameter; the first is the default.  Only Jazzy has
+``legacy``."""
 _OTHER_GAINS = (
     *("u_clamp_min", "u_clamp_max", "saturation", "error_deadband", "save_i_term"),
     *("antiwindup", "antiwindup_strategy", "tracking_time_constant"),

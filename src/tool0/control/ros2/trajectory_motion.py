@@ -107,11 +107,11 @@ def splines_at_once(
     """Return the splines of a trajectory that ends everything before it.
 
     Args:
-        joints: Those of the controller.
+        joints: Joints of the controller.
         course: The trajectory.
         time: When its execution starts [s].
         origins: The motion of each joint then.
-        held: Where the joints stay that it does not name [rad | m].
+        held: Positions at which joints that it does not name stay [rad | m].
 
     Raises:
         GoalRejectedError: If a segment is implausible.

@@ -19,11 +19,11 @@ class ObjectArrays(NamedTuple):
     """Poses and velocities of the objects, in the scene's order."""
 
     position: Array
-    """[m], shape (n, n_objects, 3)."""
+    """Positions of the objects [m], shape (n, n_objects, 3)."""
     quat: Array
     """w, x, y, z, shape (n, n_objects, 4)."""
     linear: Array
-    """[m/s], shape (n, n_objects, 3)."""
+    """Linear velocities of the objects [m/s], shape (n, n_objects, 3)."""
     turning: Array
     """Angular velocities in the objects' own axes [rad/s], shape (n, n_objects, 3)."""
 
@@ -51,7 +51,7 @@ class ObjectReader:
         ]
         self._static: list[Mapping[str, ObjectState]] = []
         self._poses = np.zeros((n, len(first.names), 7))
-        """Those of the static objects; the others are zero."""
+        """Poses of the static objects; the others are zero."""
 
     def read(
         self, q: Array, qd: Array, static: Sequence[Mapping[str, ObjectState]]

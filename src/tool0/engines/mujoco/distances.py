@@ -204,7 +204,7 @@ class DistanceModel:
         """
         library = mujoco_library()
         if library is None:
-            raise ModelError("MuJoCo's library is not found beside its Python package")
+            raise ModelError("MuJoCo's library is not in its Python package")
         model, data = self.model, self.data
         return ShapeMemory(
             kinematics=address_of(library.mj_kinematics),

@@ -16,8 +16,8 @@ import numpy as np
 from tool0.description.scene import GROUND
 
 RADII: Final = (0.2, 0.45, 0.75, 1.1, 1.5, 2.0, 2.6, 3.4, 4.5, 6.0, 9.0, 1000.0)
-"""Of the rings of triangles [m].  Beyond the last but one everything is sky in colours
-(``rendering.HAZE``); depth is exact in a triangle of any size."""
+"""Radii of the rings of triangles [m].  Beyond the last but one everything is sky in
+colours (``rendering.HAZE``); depth is exact in a triangle of any size."""
 SECTORS: Final = 20
 """Triangles around the middle."""
 RGBA: Final = (0.85, 0.86, 0.88, 1.0)

@@ -74,7 +74,7 @@ class Renderer:
         """
         self._robot = model = with_readable_visuals(model)
         self.size = width, height
-        """Of the largest image [pixels]."""
+        """Width and height of the largest image [pixels]."""
         self._robot_spec = build_spec(model, dt=0.001, visuals=True, ground=None)
         if ground is not None:
             add_ground(self._robot_spec, ground)

@@ -12,7 +12,7 @@ from tool0.errors import EngineError
 from tool0.hardware.engine import Wrench, check_new_name, find_object
 
 _STANDARD_GRAVITY: Final[Vector3] = (0.0, 0.0, -9.81)
-UNKNOWN: Final = "nobody measures the objects around a real robot: "
+UNKNOWN: Final = "the objects around a real robot are not measured: "
 
 
 @final
@@ -43,7 +43,7 @@ class DeclaredWorld:
     def place(self, state: ObjectState) -> None:
         find_object(self._objects, state.name)
         if any((*state.linear, *state.angular)):
-            raise EngineError(f"{UNKNOWN}'{state.name}' stands where it is declared")
+            raise EngineError(f"{UNKNOWN}'{state.name}' is where it was declared")
         self._states = tuple(
             state if item.name == state.name else item for item in self._states
         )

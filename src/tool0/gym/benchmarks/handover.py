@@ -26,7 +26,7 @@ BAR = "bar"
 LENGTH, MASS, WIDEST = 0.24, 0.1, 0.03
 """Length, mass, and width and height of the bar at most [m], [kg], [m]."""
 HELD_AT = 0.085
-"""Of a tcp from the bar's middle [m]."""
+"""Distance of a tcp from the bar's middle [m]."""
 NEAR, FAR, SIDE = 0.34, 0.52, 0.3
 """Range of the bar's middle at the start, ahead of the giver and to each side, for
 arms of scale 1 [m]."""
@@ -53,7 +53,7 @@ MET, STRAIGHT = 0.006, 0.06
 SLACK = 3.0
 """Times these, once the taker is at the bar."""
 LEAVE = 0.12
-"""How far above the bar a gripper leaves it [m]."""
+"""Height above the bar at which a gripper leaves it [m]."""
 
 
 class _Ends(NamedTuple):
@@ -62,7 +62,7 @@ class _Ends(NamedTuple):
     give: State
     take: State
     yaw: Array
-    """Of that axis [rad], shape (n,)."""
+    """Angle of that axis about z [rad], shape (n,)."""
 
 
 @final

@@ -24,11 +24,11 @@ NUT, PEG = "nut", "peg"
 INNER, OUTER, THICKNESS, NUT_MASS = 0.03, 0.06, 0.025, 0.1
 """Hole, outer width and thickness of the nut [m], and its mass [kg]."""
 HANDLE_LENGTH, HANDLE_WIDTH = 0.06, 0.022
-"""Of the handle, along the nut's x axis and across [m]."""
+"""Size of the handle, along the nut's x axis and across [m]."""
 HELD_AT = 0.07
-"""Of the tcp from the nut's middle, along the handle [m]."""
+"""Distance of the tcp from the nut's middle, along the handle [m]."""
 PEG_WIDTH, PEG_HEIGHT = 0.024, 0.08
-"""[m]"""
+"""Width and height of the peg [m]."""
 APART = 0.17
 """Least distance of nut and peg at the start [m]."""
 AROUND, LEVEL, RELEASED = 0.006, 0.006, 0.006

@@ -28,9 +28,10 @@ PLAY = 0.001
 SLIDING, GRIP = 0.2, 0.8
 """Friction coefficients of the cabinet, as of plastic runners, and of the drawer."""
 HANDLE_LENGTH, HANDLE_WIDTH, HANDLE_HEIGHT = 0.06, 0.018, 0.03
-"""Of the upright plate in front that is the handle, along x, y and z [m]."""
+"""Size of the upright plate in front that is the handle, along x, y and z [m]."""
 HELD_AT = 0.047
-"""Of the tcp in front of the drawer [m]: the gripper's base clears the cabinet."""
+"""Distance of the tcp in front of the drawer [m]: the gripper's base clears the
+cabinet."""
 PULLED = 0.1
 """Way after which the drawer is open [m]."""
 TURNED = 0.4

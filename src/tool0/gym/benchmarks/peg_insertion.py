@@ -20,17 +20,17 @@ from tool0.kinematics.chain import Array
 
 PEG, SOCKET = "peg", "socket"
 PEG_WIDTH, PEG_LENGTH, PEG_MASS = 0.025, 0.1, 0.1
-"""[m], [m], [kg]"""
+"""Width [m], length [m] and mass [kg] of the peg."""
 CLEARANCE = 0.0005
-"""Of the hole beyond the peg's width [m]."""
+"""Excess of the hole's width over the peg's [m]."""
 OUTER, HEIGHT = 0.085, 0.04
 """Width and height of the socket, which is open at the bottom [m]."""
 SLIDING = 0.3
 """Friction coefficient of the socket: polished steel, roughly."""
 HELD_AT = 0.025
-"""Of the tcp above the peg's middle [m]."""
+"""Height of the tcp above the peg's middle [m]."""
 DEPTH = 0.025
-"""At which the peg is inserted [m]."""
+"""Depth at which the peg is inserted [m]."""
 INSIDE = 0.002
 """Largest offset of the end of a peg that is in the hole [m]."""
 FAR_ABOVE, ABOVE = 0.02, 0.004

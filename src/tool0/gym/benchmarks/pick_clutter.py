@@ -30,15 +30,15 @@ OTHERS: Final[dict[str, Geometry]] = {
     "post": Cylinder(radius=0.0125, length=0.04),
 }
 TALLEST = 0.042
-"""[m]"""
+"""Height of the tallest thing [m]."""
 DENSITY = 900.0
-"""Of all of them [kg/m³]: plastic."""
+"""Density of all things [kg/m³]: plastic."""
 LARGEST_EDGE = 0.036
-"""Of the target [m]."""
+"""Largest edge of the target [m]."""
 LIFTED = 0.08
 """Height from which the target is lifted [m]."""
 FINGER_ROOM, FINGER_WIDTH = 0.032, 0.03
-"""What a finger needs beside the target: along the pads' axis, and across [m]."""
+"""Space that a finger needs beside the target: along the pads' axis, and across [m]."""
 GAP, SPREAD = 0.003, 0.03
 """Least and largest gap between a thing and the target where there is room [m]."""
 CROWDED = 400

@@ -26,8 +26,8 @@ def missing_sim_time(launch: LaunchFile) -> Iterator[Finding]:
             node.place.location,
             "no-sim-time",
             program,
-            "runs beside a simulation without use_sim_time: its stamps are of the wall "
-            "clock, and do not fit those of the simulation",
+            "runs with a simulation but without use_sim_time: its stamps are wall time "
+            "and do not match those of the simulation",
             f'add {{"{_NAME}": True}} to its parameters',
         )
 

@@ -127,7 +127,7 @@ def _flat_findings(text: str, first: SourceLocation) -> Iterator[Finding]:
         "flat-yaml",
         key,
         f"is empty, since '{inside}' after it is not indented: its parameters "
-        f"are set beside it, where nothing reads them{more}",
+        f"are at its level, where nothing reads them{more}",
         f"indent what belongs to '{key}' by two spaces",
     )
 

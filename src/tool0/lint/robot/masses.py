@@ -129,7 +129,7 @@ def _tensor(
             f"{body}, where all must be above zero (positive definite): the "
             "simulator refuses it, or the robot flies apart",
             "check signs and products of inertia: ixy, ixz and iyz are small "
-            "beside ixx, iyy and izz",
+            "compared with ixx, iyy and izz",
             severity="error" if is_alone else "warning",
         )
     elif not low + middle >= high * (1 - _ROUNDING):
@@ -158,7 +158,7 @@ def _implausible(body: _Body, has_gear: bool) -> str:
     if high < compact:
         return (
             f"a ball of osmium, the densest there is, has {compact:.3g} kg·m²: the "
-            "moments are too small by far, and the simulation will shake"
+            "moments are far too small, and the simulation will oscillate"
         )
     if gyration > _LONGEST:
         return (

@@ -66,8 +66,8 @@ def _unknown_links(facts: RobotFacts) -> Iterator[Finding]:
                     suggestion(
                         name,
                         facts.links,
-                        f'write <{role} link="{{}}"/>; a prefix that a macro gets '
-                        "stands before all its names",
+                        f'write <{role} link="{{}}"/>; the prefix of a macro '
+                        "is part of all its names",
                         f"the robot has {quoted(facts.links)}",
                     ),
                 )

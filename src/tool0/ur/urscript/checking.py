@@ -123,7 +123,7 @@ class Checker:
                     self._fail(f"'{word}' outside of a loop", at)
             case s.Definition(at=at, kind=kind, name=name):
                 if kind == "sec":
-                    self._fail("a 'sec' stands alone, not in another program", at)
+                    self._fail("a 'sec' must not be inside another program", at)
                 if self._scope.functions[name] is not statement:
                     self._fail(f"'{name}' is defined twice", at)
                 self.check(self._scope.inner(statement))
