@@ -26,10 +26,10 @@ from tool0.scene import Box
 
 ROOT = Path(__file__).resolve().parent.parent
 WIDTH, HEIGHT = 1280, 800
-SCALE = 0.75
+SCALE = 0.625
 """Size of the film, as a part of that of the page."""
-FRAME_RATE = 8  # [Hz]
-ENCODER = {"quality": "55", "compression_level": "6"}
+FRAME_RATE = 6  # [Hz]
+ENCODER = {"quality": "45", "compression_level": "6"}
 _SLOW = 40_000
 """Longest wait for software GL [ms]."""
 _POINTER = """() => {
@@ -143,7 +143,7 @@ def jog(person: Person) -> None:
     """Move the tool by buttons, then the gripper."""
     person.clicks("enable-toggle")
     person.clicks("tool-toggle")
-    for button in ("jog-z-minus", "jog-y-plus", "jog-x-minus", "jog-z-plus"):
+    for button in ("jog-z-minus", "jog-y-plus", "jog-z-plus"):
         person.holds(button, 1.4)
     person.waits(0.6)
 
@@ -151,14 +151,14 @@ def jog(person: Person) -> None:
 def teach(person: Person) -> None:
     """Add waypoints where the arm is, and run the program."""
     person.clicks("enable-toggle")
-    for lift in (-1.2, -0.9, -1.57):
+    for lift in (-1.4, -1.75, -1.4):
         person.clicks("tab-motion")
         person.types("joint-field-shoulder_lift_joint", str(lift))
         person.waits(1.0)
         person.clicks("tab-program")
         person.clicks("program-add-move_joint")
     person.clicks("program-run")
-    person.page.locator("[data-testid=program-stop][disabled]").wait_for()
+    person.get("program-state").filter(has_text="Done").wait_for()
     person.waits(1.0)
 
 
@@ -183,8 +183,8 @@ def _cubes() -> tool0.Robot:
 
 def _walled() -> tool0.Robot:
     robot = tool0.bringup(initial_pose="ready")
-    wall = Box(size=(0.5, 0.04, 0.45))
-    robot.scene.add("wall", wall, xyz=(0.55, -0.12, 0.225), rgba=(0.75, 0.6, 0.4, 1.0))
+    wall = Box(size=(0.5, 0.04, 0.3))
+    robot.scene.add("wall", wall, xyz=(0.55, -0.12, 0.05), rgba=(0.75, 0.6, 0.4, 1.0))
     return robot
 
 
