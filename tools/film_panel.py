@@ -65,6 +65,7 @@ class Film:
         self._session.send("Page.startScreencast", settings)
 
     def stop(self) -> None:
+        self._session.remove_listener("Page.screencastFrame", self._keep)
         self._session.send("Page.stopScreencast")
 
     def _keep(self, event: dict[str, Any]) -> None:
@@ -151,12 +152,17 @@ def jog(person: Person) -> None:
 def teach(person: Person) -> None:
     """Add waypoints where the arm is, and run the program."""
     person.clicks("enable-toggle")
-    for lift in (-1.4, -1.75, -1.4):
+    for lift in (-1.4, -1.75, -1.57):
         person.clicks("tab-motion")
         person.types("joint-field-shoulder_lift_joint", str(lift))
         person.waits(1.0)
         person.clicks("tab-program")
         person.clicks("program-add-move_joint")
+    person.clicks("program-run")  # the arm is not where the program begins
+    person.points("program-approach")
+    person.page.mouse.down()
+    person.get("program-away").wait_for(state="hidden")
+    person.page.mouse.up()
     person.clicks("program-run")
     person.get("program-state").filter(has_text="Done").wait_for()
     person.waits(1.0)
