@@ -31,7 +31,7 @@ PYTEST  := $(BIN)/python -m pytest
 AT_ONCE := $(PYTEST) --numprocesses=$(WORKERS)
 STURDY  := tests/unit tests/conformance
 # Those of other programs, whole files at a time: they share a Gazebo or a ROS.
-PATIENT := tests/gazebo tests/ros1 tests/ros2 tests/ur tests/fuzz $(wildcard tests/test_*.py)
+PATIENT := tests/documentation tests/gazebo tests/ros1 tests/ros2 tests/ur tests/fuzz $(wildcard tests/test_*.py)
 # Those that measure wall time, or hold what is sent to a rate: one at a time.
 ALONE   := $(addprefix tests/clients/test_,panel_jog.py panel_obstacles.py real_robot.py real_robot_link.py real_robot_ros.py browser_real_robot.py \
            stop_under_flood.py ur_rtde.py ur_rtde_safety.py urscript_search.py)

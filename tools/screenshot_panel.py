@@ -10,47 +10,32 @@ plots open, and waits until the page has drawn it.  Needs Chromium
 from __future__ import annotations
 
 import argparse
-import base64
-import sys
 from pathlib import Path
 
-from playwright.sync_api import Page, sync_playwright
+from panel_page import picture, panel_page, wait_for_frames, wait_for_real_time
 
 import tool0
 from tool0.description.cell_file import parse_robots
 from tool0.panel.server import Panel
 
-ROOT = Path(__file__).resolve().parent.parent
 SCENE = "table_and_cubes"
-_QUALITY = 88
-_SLOW = 120_000
-"""Longest wait for software GL at its best quality [ms]."""
 
 
 def main() -> None:
     """Take the picture that the arguments describe."""
-    sys.path.insert(0, str(ROOT / "tests/rigs"))
-    from browser import find_chromium, launch  # noqa: PLC0415  # beside the tests
-
     options = _options()
-    chromium = find_chromium()
-    if chromium is None:
-        sys.exit("there is no Chromium here; run tools/setup-browser")
     with (
         _robot(options.robots) as robot,
         Panel(robot) as panel,
-        sync_playwright() as playwright,
+        panel_page(
+            panel.url,
+            width=options.width,
+            height=options.height,
+            theme=options.theme,
+            language=options.language,
+            quality=options.quality,
+        ) as page,
     ):
-        browser = launch(playwright, chromium)
-        context = browser.new_context(
-            viewport={"width": options.width, "height": options.height},
-            color_scheme=options.theme,
-            locale={"en": "en-US", "zh": "zh-CN"}[options.language],
-        )
-        context.set_default_timeout(_SLOW)
-        page = context.new_page()
-        page.goto(f"{panel.url}?quality={options.quality}")
-        page.locator("[data-testid=scene][data-ready=true]").wait_for()
         if options.select:
             page.get_by_test_id(f"robot-{options.select}").click()
         if options.plots:
@@ -61,43 +46,15 @@ def main() -> None:
             goal.wait(60.0)
         for gripper in robot.grippers.values():
             gripper.move(opening=0.6 * gripper.geometry.max_opening).wait(60.0)
-        _wait_for_frames(page, 4)
-        _wait_for_real_time(page)
-        options.output.write_bytes(_picture(page))
-        browser.close()
+        wait_for_frames(page, 4)
+        wait_for_real_time(page)
+        options.output.write_bytes(picture(page))
 
 
 def _robot(robots: list[str] | None) -> tool0.Robot:
     if robots is None:
         return tool0.bringup(scene=SCENE)
     return tool0.bringup(cell=parse_robots(robots))
-
-
-def _picture(page: Page) -> bytes:
-    """Return a picture of the page as WebP, a sixth of the size of a PNG."""
-    browser = page.context.new_cdp_session(page)
-    settings = {"format": "webp", "quality": _QUALITY}
-    return base64.b64decode(browser.send("Page.captureScreenshot", settings)["data"])
-
-
-def _wait_for_frames(page: Page, count: int) -> None:
-    """Wait until the scene was drawn some more times, or has nothing new to draw."""
-    frames = "Number(document.querySelector('[data-testid=scene]').dataset.frames)"
-    start = page.evaluate(frames)
-    end = page.evaluate("performance.now()") + 10_000
-    page.wait_for_function(
-        f"([last, end]) => {frames} >= last || performance.now() > end",
-        arg=[start + count, end],
-    )
-
-
-def _wait_for_real_time(page: Page) -> None:
-    """Wait until drawing no longer slows the simulation down, on most machines."""
-    factor = "parseFloat(document.querySelector('[data-testid=sim-rtf]').textContent)"
-    end = page.evaluate("performance.now()") + 30_000
-    page.wait_for_function(
-        f"end => {factor} >= 0.99 || performance.now() > end", arg=end
-    )
 
 
 def _options() -> argparse.Namespace:

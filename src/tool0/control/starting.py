@@ -52,7 +52,12 @@ def choose(
             specs[name] = config.spec(name, robot)
         except ConfigError as error:
             failed[name] = str(error)
-    taken = {joint for name in usual if name in specs for joint in specs[name].joints}
+    taken = {
+        joint
+        for name in usual
+        if name in specs and specs[name].interface is not None
+        for joint in specs[name].joints
+    }
     fitting = {
         name: spec
         for name, spec in specs.items()

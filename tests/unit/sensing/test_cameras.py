@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from flat_options import configured
 from promised import require_gl
+from served import serving, use_folder
 
 import tool0
 from tool0.description.camera import Camera, looking
@@ -54,6 +55,17 @@ def test_own_cameras_join_or_replace_those_of_file_and_robot(tmp_path: Path) -> 
     assert error.value.location == SourceLocation(path, 3)
     for name in ("'a'", "'tool0'"):
         assert name in str(error.value)
+
+
+def test_cameras_of_a_file_are_known_in_another_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "scene.yaml"
+    path.write_text("cameras:\n- {name: side, link: tool0, width: 64}\n")
+    use_folder(monkeypatch, tmp_path)
+    with bring_up(scene=path) as robot, serving(robot), tool0.connect() as remote:
+        assert list(remote.cameras) == ["wrist", "scene", "side"]
+        assert remote.camera("side").camera == robot.camera("side").camera
 
 
 def test_the_wrist_camera_sees_what_is_between_the_pads() -> None:

@@ -146,12 +146,14 @@ EFFORT = CONTROLLER.format(
 STATES = (
     "states: {type: joint_state_controller/JointStateController, publish_rate: 50}\n"
 )
+USUAL = STATES.replace("states", "joint_state_controller", 1)
 
 
 @pytest.mark.parametrize(
     ("text", "started", "warning"),
     [
         (STATES + PATH + GROUP, ["states", "path"], ""),
+        (USUAL + PATH + GROUP, ["joint_state_controller", "path"], ""),
         (GROUP + EFFORT, ["group"], ""),
         (
             PATH + FAST + GROUP,

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Any
 
+from tool0.description.camera import Camera
 from tool0.errors import ControlError
 from tool0.protocol.sensors import (
     ListCameras,
@@ -23,7 +25,14 @@ from tool0.simulation.handlers.table import handles
 from tool0.simulation.loop import POLL_PERIOD
 from tool0.simulation.simulation import Simulation
 
-handles(ListCameras)(lambda sim, _: tuple(sim.cameras.values()))
+
+@handles(ListCameras)
+def _list_cameras(simulation: Simulation, _: ListCameras) -> tuple[Camera, ...]:
+    """Return the cameras without their places in files, which are for messages."""
+    cameras = simulation.cameras.values()
+    return tuple(replace(camera, location=None) for camera in cameras)
+
+
 handles(TakePicture)(
     lambda sim, request: sim.cameras.render(sim.cameras[request.camera])
 )

@@ -1,0 +1,234 @@
+"""The tutorials: their commands run in order and print what the pages say."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+from document import Block, blocks, says
+from promised import (
+    ROS2,
+    absent,
+    require_engine,
+    require_gl,
+    require_ros,
+    require_ur_rtde,
+)
+from reader import OTHER_MACHINE, SAVED, Reader
+from ros2_domain import Domain
+from ur_address import free_host
+
+ROOT = Path(__file__).parents[2]
+CHINESE = sorted((ROOT / "docs/tutorials").glob("*.zh-CN.md"))
+ENGLISH = [page.with_name(page.name.replace(".zh-CN", "")) for page in CHINESE]
+LANGUAGES = {"sh", "text", *SAVED}
+
+NOT_RUN = {
+    "make setup": "it makes the environment that runs this test",
+    "source .venv/bin/activate": "this test has done so in its own way",
+    "pip install ur-rtde": "tests of ur_rtde need it, too",
+    "tool0 ros2 install": "it downloads; tests of ROS 2 run what it installed",
+    "rosdep install --from-paths src --ignore-src --rosdistro noetic -y": (
+        "it needs Noetic and root; the keys are looked at where packages are tested"
+    ),
+    "catkin_make": "tests of the workspace build the packages, where there is catkin",
+    "source devel/setup.bash": "catkin_make makes it",
+    "rqt --standalone rqt_joint_trajectory_controller": (
+        "a window of Noetic's; tests of ROS 1 speak to what it speaks to"
+    ),
+}
+"""Command → why no test of a page runs it."""
+FAILED = re.compile(r"(^|[: ])error: |^not free: ", re.MULTILINE)
+"""In the output of a block whose last command ends with a status other than 0."""
+SHORTER: dict[str, str] = {}
+"""What takes long → what the test has instead."""
+PANEL = "Panel: http://127.0.0.1:8085/"
+"""Where no page of this kind is printed, none is served."""
+FASTER = "--speed 10"
+"""Of a simulation that no program of a UR or of ROS follows."""
+
+
+def test_every_tutorial_has_both_languages() -> None:
+    pages = set((ROOT / "docs/tutorials").glob("*.md"))
+    assert ENGLISH
+    assert pages == {*ENGLISH, *CHINESE}
+
+
+class Follower:
+    """Decides what of a page is run here, and how."""
+
+    def __init__(self, page: Path) -> None:
+        self.text = page.read_text(encoding="utf-8")
+        self.host = free_host() if "--ur" in self.text else None
+        self.left_out: list[str] = []
+
+    def skips(self, command: str) -> bool:
+        """Return whether this machine cannot run it, or the test does not."""
+        if command in NOT_RUN:
+            return True
+        try:
+            if "--engine gazebo" in command:
+                require_engine("gazebo")
+            if "--ros1" in command:
+                require_ros()
+            if command.startswith("tool0 camera ") and "--out" in command:
+                require_gl()
+            if command.startswith("roslaunch ") and shutil.which("roslaunch") is None:
+                absent("ros1", "there is no roslaunch here")
+        except pytest.skip.Exception as skipped:
+            self.left_out.append(f"{command}: {skipped}")
+            return True
+        return False
+
+    def changed(self, text: str) -> str:
+        """Return a command or a file so that it disturbs nobody and is soon done."""
+        for long, short in SHORTER.items():
+            text = text.replace(long, short)
+        if self.host is not None:
+            text = text.replace("127.0.0.1", self.host)
+        if text.startswith("tool0 bringup"):
+            if PANEL not in self.text:
+                text = f"{text} --headless"
+            if "--ur" in text.split():
+                return f"{text} --ur-host {self.host}"
+            if not {"--hardware", "--ros2"} & set(text.split()):
+                return f"{text} {FASTER}"
+        if text.startswith("roslaunch "):
+            words = f'ROS_PACKAGE_PATH="$PWD/src" {text} --nodes'
+            # gazebo_ros, which that includes, is on Noetic alone.
+            return f"{words} start_gazebo:=false" if "tool0_gazebo" in words else words
+        return text
+
+
+def printed(page: Path) -> Iterator[tuple[Block, str | None]]:
+    """Yield the blocks that are not outputs, each with the output that follows it."""
+    found = blocks(page)
+    for block, after in zip(found, [*found[1:], None], strict=True):
+        if block.language != "text":
+            is_output = after is not None and after.language == "text"
+            yield block, after.text if after is not None and is_output else None
+
+
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("page", ENGLISH, ids=lambda page: page.stem)
+def test_a_page_can_be_followed_from_its_start_to_its_end(
+    page: Path, runtime_folder: Path
+) -> None:
+    follower = Follower(page)
+    folder = runtime_folder / page.stem
+    folder.mkdir()
+    with ExitStack() as stack:
+        variables = {}
+        if "rtde_" in follower.text:
+            require_ur_rtde()
+        if "--ros2" in follower.text and (page.stem == "ros2" or ROS2 is not None):
+            variables.update(stack.enter_context(Domain()).variables)
+        reader = Reader(folder, follower.changed, variables)
+        stack.enter_context(reader)
+        for block, told in printed(page):
+            fails = told is not None and FAILED.search(told) is not None
+            output = reader.follows(block, follower.skips, fails=fails)
+            if told is not None:
+                assert says(output, told), f"{block.text}\n{output}"
+            if "roslaunch " in block.text:
+                assert "/robot_state_publisher\n" in output or follower.left_out
+    if follower.left_out:
+        pytest.skip("; ".join(follower.left_out))
+
+
+def test_what_is_not_run_or_shortened_is_on_a_page() -> None:
+    found = [block for page in ENGLISH for block in blocks(page)]
+    text = "\n".join(block.text for block in found)
+    lines = {c for block in found if block.language == "sh" for c in block.commands()}
+    assert NOT_RUN.keys() <= lines
+    assert all(long in text for long in SHORTER)
+    assert "setup:" in (ROOT / "Makefile").read_text()
+
+
+def test_only_commands_for_noetic_are_marked_so() -> None:
+    programs = {"rosdep", "catkin_make", "roslaunch", "rqt"}
+    for page in ENGLISH:
+        for block in blocks(page):
+            if block.language == "sh":
+                used = {line.split()[0] for line in block.commands()} & programs
+                assert (block.title == OTHER_MACHINE) == bool(used), block.text
+
+
+READMES = [ROOT / "README.md", ROOT / "README.zh-CN.md"]
+
+
+@pytest.mark.parametrize(
+    "pages",
+    [*zip(ENGLISH, CHINESE, strict=True), READMES],
+    ids=lambda pages: pages[0].stem,
+)
+def test_both_languages_have_the_same_blocks(pages: list[Path]) -> None:
+    english, chinese = map(blocks, pages)
+    assert [(b.language, b.title) for b in english] == [
+        (b.language, b.title) for b in chinese
+    ]
+    for ours, theirs in zip(english, chinese, strict=True):
+        if ours.language in ("", "sh"):
+            words = [
+                [shlex.split(c, comments=True) for c in b.commands()]
+                for b in (ours, theirs)
+            ]
+            assert words[0] == words[1]
+        else:
+            assert _without_comments(ours) == _without_comments(theirs)
+
+
+def _without_comments(block: Block) -> str:
+    """Return a file without its comments, which are translated."""
+    if block.language in ("yaml", "python"):
+        return re.sub(r"(^|  )#.*$", "", block.text, flags=re.MULTILINE)
+    return block.text
+
+
+def test_both_readmes_name_the_same_commands() -> None:
+    ours, theirs = (
+        [
+            re.findall("`([^`]+)`", row.split(" | ")[0])
+            for row in page.read_text(encoding="utf-8").splitlines()
+            if row.startswith("| `tool0")
+        ]
+        for page in READMES
+    )
+    assert ours
+    assert ours == theirs
+
+
+@pytest.mark.parametrize("page", ENGLISH, ids=lambda page: page.stem)
+def test_every_block_of_a_tutorial_is_known(page: Path) -> None:
+    found = blocks(page)
+    assert {block.language for block in found} <= LANGUAGES
+    files = [block.title for block in found if block.language in SAVED]
+    assert all(files)
+    assert len(files) == len(set(files))
+
+
+@pytest.mark.parametrize(
+    "page", [*ENGLISH, *CHINESE, READMES[1]], ids=lambda page: page.name
+)
+def test_links_of_the_page_lead_somewhere(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    targets = re.findall(r"\]\(([^)]+)\)", text)
+    assert targets
+    for target in targets:
+        file, _, section = target.partition("#")
+        if "://" in target:
+            continue
+        assert not file or (page.parent / file).exists(), target
+        if not file:
+            assert section in map(anchor, re.findall(r"^#+ (.+)$", text, re.M)), target
+
+
+def anchor(heading: str) -> str:
+    """Return what GitHub calls a heading."""
+    kept = re.sub(r"[^\w\- ]", "", heading.lower())
+    return kept.replace(" ", "-")

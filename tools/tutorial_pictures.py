@@ -1,0 +1,252 @@
+"""Make the pictures of the tutorials.
+
+usage: PYTHONPATH=tests/rigs python tools/tutorial_pictures.py [NAME …]
+
+Each picture is a function below; without names, all are made.  Needs Chromium
+(tools/setup-browser) and OpenGL (tools/setup-gl).
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import av
+from document import blocks
+from panel_page import panel_page, picture, wait_for_frames
+from playwright.sync_api import Page
+
+import tool0
+from tool0.description.camera import Camera, looking
+from tool0.panel.replay.view import Replay
+from tool0.panel.server import Panel
+from tool0.scene import Pose
+
+ROOT = Path(__file__).resolve().parent.parent
+TUTORIALS = ROOT / "docs/tutorials"
+FOLDER = ROOT / "docs/images/tutorials"
+SAVED = ("python", "xml", "yaml")
+WIDTH, HEIGHT = 1280, 800
+"""Of a window with the panel [px]."""
+DOWN = (math.pi, 0.0, 0.0)
+PADS = Pose(xyz=(0.0, 0.0, 0.1418))
+
+Maker = Callable[[], bytes]
+PICTURES: dict[str, Maker] = {}
+
+
+def named(name: str) -> Callable[[Maker], Maker]:
+    """Register the maker of ``name``.webp."""
+
+    def register(maker: Maker) -> Maker:
+        PICTURES[name] = maker
+        return maker
+
+    return register
+
+
+# --- what they are made with ---
+
+
+@contextmanager
+def driven_page(robot: tool0.Robot) -> Iterator[Page]:
+    """Open the panel of a robot, with Drive turned on."""
+    with (
+        Panel(robot) as panel,
+        panel_page(panel.url, width=WIDTH, height=HEIGHT) as page,
+    ):
+        page.get_by_test_id("enable-toggle").click()
+        yield page
+
+
+def drawn(page: Page) -> bytes:
+    """Return a picture of the page, with the newest state drawn."""
+    wait_for_frames(page, 4)
+    return picture(page)
+
+
+def rendered(robot: tool0.Robot, camera: str) -> bytes:
+    """Return the image of a camera as WebP, in half of its size: smooth edges."""
+    image = robot.camera(camera).image().rgb
+    height, width = image.shape[0] // 2, image.shape[1] // 2
+    with tempfile.NamedTemporaryFile(suffix=".webp") as file:
+        with av.open(file.name, "w", format="webp") as container:
+            stream: Any = container.add_stream("libwebp", 1, options={"quality": "85"})
+            stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+            frame = av.VideoFrame.from_ndarray(image, format="rgb24")
+            small = frame.reformat(width, height, "yuv420p", interpolation="AREA")
+            container.mux(stream.encode(small))
+            container.mux(stream.encode(None))
+        return Path(file.name).read_bytes()
+
+
+def files_of(page: str) -> dict[str, str]:
+    """Return the files that a reader of a tutorial saves, by name."""
+    found = blocks(TUTORIALS / page)
+    return {b.title: b.text for b in found if b.language in SAVED}
+
+
+def followed(robot: tool0.Robot, page: str, program: str) -> None:
+    """Run a program of a tutorial on a robot of this process."""
+
+    @contextmanager
+    def connect() -> Iterator[tool0.Robot]:
+        yield robot
+
+    text = files_of(page)[program]
+    with patch.object(tool0, "connect", connect):
+        exec(compile(text, program, "exec"), {})
+
+
+def seen_from(
+    eye: tuple[float, float, float], at: tuple[float, float, float]
+) -> tool0.SimulationConfig:
+    """Return a simulation without real time, with a camera ``docs``."""
+    camera = Camera(
+        name="docs",
+        pose=looking(eye, at),
+        width=1600,
+        height=1000,
+        field_of_view=math.radians(36.0),
+        far=20.0,
+    )
+    return tool0.SimulationConfig(cameras=(camera,), realtime=False)
+
+
+# --- first-robot.md ---
+
+
+@named("first-panel")
+def first_panel() -> bytes:
+    with (
+        tool0.bringup(scene="table_and_cubes") as robot,
+        Panel(robot) as panel,
+        panel_page(panel.url, width=WIDTH, height=HEIGHT) as page,
+    ):
+        return drawn(page)
+
+
+@named("first-jog")
+def first_jog() -> bytes:
+    with (
+        tool0.bringup(scene="table_and_cubes") as robot,
+        driven_page(robot) as page,
+    ):
+        page.get_by_test_id("tool-toggle").click()
+        button = page.get_by_test_id("jog-x-plus")
+        button.scroll_into_view_if_needed()
+        button.hover()
+        page.mouse.down()
+        page.wait_for_timeout(300)
+        page.mouse.up()
+        return drawn(page)
+
+
+@named("first-grip")
+def first_grip() -> bytes:
+    simulation = seen_from((1.35, -0.75, 0.5), (0.42, 0.06, 0.16))
+    with tool0.bringup(scene="table_and_cubes", simulation=simulation) as robot:
+        x, y, z = robot.scene.pose("red cube").position
+        robot.arm.move_to(Pose(xyz=(x, y, z + 0.15), rpy=DOWN), tool=PADS).wait()
+        robot.arm.move_linear(Pose(xyz=(x, y, z), rpy=DOWN), tool=PADS).wait()
+        robot.gripper.move(opening=0.0, speed=0.05, force=40.0)
+        robot.gripper.wait()
+        robot.arm.move_linear(Pose(xyz=(x, y, z + 0.15), rpy=DOWN), tool=PADS).wait()
+        return rendered(robot, "docs")
+
+
+@named("first-replay")
+def first_replay() -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "pick.mcap")
+        simulation = tool0.SimulationConfig(realtime=False, scene="table_and_cubes")
+        with tool0.bringup(simulation=simulation, record=file) as robot:
+            followed(robot, "first-robot.md", "pick.py")
+        source = Replay(tool0.open_recording(file))
+        with (
+            Panel(source) as panel,
+            panel_page(panel.url, width=WIDTH, height=HEIGHT) as page,
+        ):
+            source.playhead.play()
+            page.wait_for_timeout(3000)
+            source.playhead.pause()
+            return drawn(page)
+
+
+# --- your-own-robot.md ---
+
+
+@contextmanager
+def own_files() -> Iterator[Path]:
+    """Yield a folder with the files of the page."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for title, text in files_of("your-own-robot.md").items():
+            corrected = text.replace("    elbow: {", "    elbow_joint: {")
+            (folder / title).write_text(corrected, encoding="utf-8")
+        yield folder
+
+
+@contextmanager
+def own_robot() -> Iterator[tool0.Robot]:
+    """Bring up the robot of the page above its part."""
+    start = {"shoulder_lift_joint": -1.57, "elbow_joint": 1.57, "wrist_1_joint": -1.57}
+    with own_files() as folder:
+        simulation = replace(
+            seen_from((1.5, -1.2, 0.7), (0.36, -0.02, 0.26)),
+            scene=folder / "my_scene.yaml",
+        )
+        with tool0.bringup(
+            robot=folder / "my_robot.urdf.xacro",
+            controllers_file=folder / "my_controllers.yaml",
+            simulation=simulation,
+            initial_pose={**start, "wrist_2_joint": -1.57},
+        ) as robot:
+            robot.arm.move_to(Pose(xyz=(0.5, -0.1, 0.4), rpy=DOWN)).wait()
+            yield robot
+
+
+@named("own-robot")
+def own_robot_seen() -> bytes:
+    with own_robot() as robot:
+        return rendered(robot, "docs")
+
+
+@named("own-camera")
+def own_camera() -> bytes:
+    with own_robot() as robot:
+        return rendered(robot, "hand")
+
+
+@named("own-cell")
+def own_cell() -> bytes:
+    with own_files() as folder:
+        simulation = seen_from((-1.7, -0.5, 1.4), (0.3, 0.0, 0.15))
+        cell = folder / "two_robots.yaml"
+        with tool0.bringup(cell=cell, simulation=simulation) as robot:
+            target = Pose(xyz=(0.35, -0.25, 0.25), rpy=DOWN)
+            robot.arms["right"].move_to(target).wait()
+            return rendered(robot, "docs")
+
+
+def main(names: list[str]) -> None:
+    """Make the pictures of these names, or all."""
+    unknown = set(names) - PICTURES.keys()
+    if unknown:
+        sys.exit(f"unknown: {', '.join(unknown)}; there are {', '.join(PICTURES)}")
+    FOLDER.mkdir(exist_ok=True)
+    for name in names or PICTURES:
+        made = PICTURES[name]()
+        (FOLDER / f"{name}.webp").write_bytes(made)
+        print(f"{name}.webp: {len(made) / 1e3:.0f} kB", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
