@@ -32,7 +32,13 @@ class Setting:
     """Number of a block among those of Python → why it is not run."""
 
 
+ROBOT = "import tool0; robot = tool0.bringup(realtime=False)"
+
 SETTINGS: dict[str, Setting] = {
+    "bringup": Setting(),
+    "force-torque": Setting(before=ROBOT),
+    "gripper": Setting(before=ROBOT),
+    "motion": Setting(before=ROBOT),
     "python-recipes": Setting(not_run={1: "it needs a bring-up in another process"}),
 }
 

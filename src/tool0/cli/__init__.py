@@ -22,7 +22,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "replay": ("replay", "show a recording in a web page, or simulate it again"),
     "demo": (
         "demo",
-        "run a complete task: pick a cube, from a shelf too, or hand it over",
+        "run a complete task: pick a cube from a table or a shelf, or hand it over",
     ),
     "collect": ("collect", "collect episodes of a task, with processes or Ray"),
     "policy": ("policy", "execute a learned policy in a task, or on a running bringup"),
@@ -41,19 +41,19 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "camera": ("sensors", "take a picture with a camera, or list the cameras"),
     "pause": ("simulation", "pause simulated time"),
     "resume": ("simulation", "continue simulated time"),
-    "step": ("simulation", "advance a paused simulation by some control periods"),
+    "step": ("simulation", "advance a paused simulation by control periods"),
     "reset": ("simulation", "return to time zero and the initial pose"),
     "estop": ("simulation", "engage or release the emergency stop"),
     "hardware": (
         "hardware",
-        "let a real robot move, or stop it; its power, payload and speed",
+        "enable or stop a real robot, set its power, payload and speed",
     ),
     "gazebo": ("installing", "install Gazebo 11, or show which one is used"),
     "ros1": (
         "installing",
-        "install ROS 1 for bringup --ros1, or show what is installed",
+        "install ROS 1 for `bringup --ros1`, or show what is installed",
     ),
-    "ros2": ("ros2", "install ROS 2 for bringup --ros2, or show what is installed"),
+    "ros2": ("ros2", "install ROS 2 for `bringup --ros2`, or show what is installed"),
     "check": ("check", "find mistakes in URDF, xacro, YAML and launch files"),
     "explain": (
         "explain",
@@ -61,7 +61,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     ),
     "workspace": ("workspace", "write ROS packages for a robot into a workspace"),
     "doctor": ("installing", "show what this machine can run, and what is missing"),
-    "completion": ("completion", "print a script that completes words in bash or zsh"),
+    "completion": ("completion", "print a completion script for bash or zsh"),
 }
 """Command → its module in this package, and a summary.
 

@@ -27,7 +27,7 @@ def check(
     Args:
         paths: Files, or folders, which are searched recursively.
         as_json: Print one JSON object.
-        strict: Count warnings as errors.
+        strict: Treat warnings as errors.
     """
     from tool0.lint.check import check as look_into
 

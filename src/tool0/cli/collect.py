@@ -36,25 +36,25 @@ def collect(
 ) -> None:
     """Collect episodes of a task into a folder; the same command again continues.
 
-    An episode follows from task, policy, seed and its number: workers, machines and
-    interruptions make no difference.
+    An episode depends only on task, policy, seed and its number, not on the number of
+    workers, on machines or on interruptions.
 
     Args:
-        task: The task, such as Lift, or the id of a Gymnasium environment, as
-            MODULE:ID or FILE.py:ID if it has to be registered.
+        task: The task, such as Lift, or the id of a Gymnasium environment; MODULE:ID or
+            FILE.py:ID imports the module that registers it.
         episodes: Number of episodes that the folder should contain.
-        folder: A new folder, or one to continue; if not given, the task's name.
+        folder: Folder to create or to continue; if not given, named after the task.
         workers: Number of processes; if not given, one per processor.
         ray: Collect with Ray: HOST:PORT of a cluster, or `local` to start Ray on this
             machine.
         policy: MODULE:NAME or FILE.py:NAME; if not given, the task's expert.
-        env: Keywords of the environment, such as arm=ur5e randomise=true.
-        seed: Base of the seeds of the episodes.
-        format: Columns and further files.
-        instruction: What is to be done, in words, for lerobot; if not given, the task's
-            own sentence.
-        copies: Simulations of a worker that take turns.
-        summary: Report at the end.
+        env: Keyword arguments of the environment, such as arm=ur5e randomise=true.
+        seed: Base seed, from which the episodes' seeds follow.
+        format: Format of the data set.
+        instruction: The task in words, for lerobot; if not given, the task's own
+            sentence.
+        copies: Number of simulations that each worker runs in turn.
+        summary: Print a report at the end.
         as_json: Print the report as one JSON object.
     """
     if as_json and not summary:

@@ -21,8 +21,8 @@ def completion(
 ) -> None:
     """Print a script that completes commands, options and choices in a shell.
 
-    It is static: completing words does not start tool0.  Write it again after an
-    update.  For bash, write it to ~/.local/share/bash-completion/completions/tool0;
+    The script is static, so that completion does not start tool0.  Write it again after
+    an update.  For bash, write it to ~/.local/share/bash-completion/completions/tool0;
     for zsh, to a file _tool0 in a folder of $fpath.
 
     Args:
@@ -53,7 +53,7 @@ def _following(words: str, form: Callable[..., Any], readers: Readers) -> Table:
     parameters = list(parameters_of(form, readers))
     arguments = [item for item in parameters if item.option.is_positional]
     options = [item for item in parameters if not item.option.is_positional]
-    flags = [flag for item in options for flag in _flags(item)] + ["--help"]
+    flags = [flag for item in options for flag in item.flags] + ["--help"]
     choices = [choice for item in arguments for choice in _choices(item)]
     valued = (item for item in options if item.reader is not None)
     return {
@@ -61,11 +61,6 @@ def _following(words: str, form: Callable[..., Any], readers: Readers) -> Table:
         f"{words} -": flags,
         **{f"{words} {item.flag}": _choices(item) for item in valued},
     }
-
-
-def _flags(item: Parameter) -> list[str]:
-    can_be_off = item.reader is None and item.default is True
-    return [item.flag, f"--no-{item.flag[2:]}"] if can_be_off else [item.flag]
 
 
 def _choices(item: Parameter) -> list[str]:

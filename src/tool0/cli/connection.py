@@ -30,7 +30,7 @@ class Bringup:
     """The running bringup."""
 
     name: str = DEFAULT_NAME
-    """The name it was given by `tool0 bringup --name NAME`."""
+    """Name of the bringup, as in `tool0 bringup --name NAME`."""
 
     def connect(self) -> Robot:
         """Return the running robot, or raise TransportError."""

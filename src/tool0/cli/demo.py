@@ -43,7 +43,8 @@ class DemoArguments:
     engine: str = SimulationConfig().engine
     """The physics engine: mujoco or gazebo."""
     n: int = 1
-    """Number of trials; from the second on, or with --seed, from random poses."""
+    """Number of trials; from the second on, or with --seed, the cube's pose is
+    random."""
     seed: int | None = None
     """Seed of the random poses; if not given, the first pose is the scene's."""
     size: Metres = 0.045
@@ -59,7 +60,7 @@ class DemoArguments:
     grasp_assist: bool = False
     """Attach the gripped cube to the gripper, regardless of friction and force."""
     headless: bool = False
-    """Disable the panel, and run as fast as possible."""
+    """Run without the panel, and as fast as possible."""
     report: Path | None = None
     """Also write the report to this file, as JSON."""
     video: Path | None = None
@@ -93,11 +94,13 @@ def pick(
     description: DescriptionConfig = DescriptionConfig(),
     panel: PanelOptions = PanelOptions(),
 ) -> int:
-    """Pick a cube from the table and place it in a bin; status 1 if that fails.
+    """Pick a cube from a table, and place it in a bin.
 
-    Friction alone holds the cube.  Table and bin are as far away as the arm reaches.
+    Friction alone holds the cube.  Table and bin are placed to suit the arm's reach.
     The demo starts in real time when a browser shows the robot; then Enter repeats it
     and Ctrl-C ends it.  Headless, it runs as fast as possible and ends.
+
+    Exit status: 1 if a cube is not in the bin.
     """
     _check_files(arguments)  # first: the picks take minutes
     from tool0.cli.demos.setup import pick_demo
@@ -115,11 +118,11 @@ def handover(
 ) -> int:
     """Pick a cube with one arm, hand it to another, and place it in a bin.
 
-    Friction alone holds the cube.  Status 1 if that fails; otherwise as `demo pick`.
+    Friction alone holds the cube.  All else is as in `demo pick`.
 
     Args:
         giver: The arm that picks, with its gripper: ARM+GRIPPER.
-        taker: The arm that places.
+        taker: The arm that places the cube, with its gripper.
     """
     _check_files(arguments)
     from tool0.cli.demos.setup import handover_demo
@@ -137,13 +140,14 @@ def shelf(
 ) -> int:
     """Pick a cube from a shelf, and place it in a bin behind a wall.
 
-    The ways are planned around everything, also with the cube in the gripper; friction
-    alone holds it.  The arm must reach as far as a UR5.  Status 1 if that fails;
-    otherwise as `demo pick`.
+    All motions are planned around the obstacles, also while the gripper holds the cube.
+    Friction alone holds it.  The arm needs at least the reach of a UR5.  All else is as
+    in `demo pick`.
 
     Args:
-        second: A second robot in the way, over the bin: ARM or ARM+GRIPPER.  It makes
-            room while the cube is carried; both motions are planned together.
+        second: A second robot, which stands in the way over the bin: ARM or
+            ARM+GRIPPER.  It makes room while the cube is carried; both motions are
+            planned together.
     """
     _check_files(arguments)
     from tool0.cli.demos.setup import shelf_demo

@@ -36,7 +36,8 @@ def describe(
     ``controllers`` is the built-in ros_control YAML with all gains and where they come
     from: copy it, change it, and give it to ``tool0 bringup --controllers-file``.  With
     ``--ros2-control`` it is that of ros2_control.
-    ``sources`` lists ratings of each part and its values without a published source.
+    ``sources`` lists the ratings of each part, and its values without a published
+    source.
 
     Args:
         form: What to write.

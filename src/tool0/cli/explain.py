@@ -33,7 +33,7 @@ def explain(
     ],
     as_json: AsJson = False,
 ) -> int:
-    """Show what a launch file includes, starts and sets: XML of ROS 1, Python of ROS 2.
+    """Show what a launch file of ROS 1 (XML) or ROS 2 (Python) includes and sets.
 
     It also shows where the value of each argument is used.  Exit status: 1 if the files
     contain errors.

@@ -34,7 +34,7 @@ def _link(state: ControlBoxState) -> RobotLink:
 
 
 def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
-    """Print which robot it is, its modes, and what keeps it from moving.
+    """Print the robot's model and serial number, its modes, and what prevents motion.
 
     Args:
         as_json: Print one JSON object.
@@ -78,15 +78,15 @@ def enable(
     accept_calibration: bool = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Enable motion of the robot, at 25 % of its speed at first.
+    """Enable motion, at first with the speed slider at 25 %.
 
     It asks for the serial number on the robot's nameplate, so that the right robot
     moves.
 
     Args:
         serial: The serial number, instead of asking for it.
-        accept_calibration: Move although the robot's calibration is not that of the
-            description: poses are off by millimetres.
+        accept_calibration: Move although the robot's calibration differs from the
+            description; poses are then off by millimetres.
     """
     with bringup.connect() as robot:
         box = _box(robot)
@@ -108,13 +108,13 @@ def enable(
 
 
 def disable(*, bringup: Bringup = DEFAULT) -> None:
-    """Bring the robot to rest, and only read its state from now on."""
+    """Stop the robot, and only read its state from now on."""
     with bringup.connect() as robot:
         _box(robot).disable_motion()
 
 
 def play(*, bringup: Bringup = DEFAULT) -> None:
-    """Start the controllers again, after the arm was stopped."""
+    """Restart the controllers after the arm was stopped."""
     with bringup.connect() as robot:
         _box(robot).play()
 
@@ -138,17 +138,17 @@ def release_brakes(*, bringup: Bringup = DEFAULT) -> None:
 
 
 def unlock(*, bringup: Bringup = DEFAULT) -> None:
-    """End a protective stop, once its cause is known; nothing moves by that."""
+    """Clear a protective stop, once its cause is known; the robot does not move."""
     with bringup.connect() as robot:
         _box(robot).unlock()
 
 
 def payload(*, mass: float | None = None, bringup: Bringup = DEFAULT) -> None:
-    """Tell the robot what its flange carries.
+    """Set the payload of the robot.
 
     Args:
-        mass: Of gripper and load [kg], with the centre of mass of the description; what
-            the description has at the flange, if not given.
+        mass: Mass of gripper and load [kg], with the centre of mass from the
+            description; if not given, the mass that the description has at the flange.
     """
     with bringup.connect() as robot:
         box = _box(robot)
@@ -158,10 +158,10 @@ def payload(*, mass: float | None = None, bringup: Bringup = DEFAULT) -> None:
 
 
 def speed(percent: Percent, *, bringup: Bringup = DEFAULT) -> None:
-    """Move the speed slider.
+    """Set the speed slider.
 
     Args:
-        percent: Of the programmed speed, 1 to 100.
+        percent: Percentage of the programmed speed, 1 to 100.
     """
     if not 1.0 <= percent <= 100.0:
         raise ConfigError(f"speed: {percent:g} % is not from 1 to 100")

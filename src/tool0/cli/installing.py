@@ -33,7 +33,7 @@ def _install_gazebo(
     mirror: str | None = None,
     keyring: Path | None = None,
 ) -> int:
-    """Prepare Gazebo 11: the system's, or a private copy of Debian 11's packages.
+    """Prepare Gazebo 11: use the system's, or make a private copy of Debian 11's.
 
     A private copy needs no root: apt downloads and verifies the packages, and they are
     unpacked in your data folder.  The next run resumes an interrupted download.

@@ -62,8 +62,8 @@ def move(
     pose: ToolPose | None = None,
     linear: bool = False,
     speed: float | None = None,
-    tip: str | None = None,
-    relative_to: str | None = None,
+    tip: Annotated[str | None, Option(metavar="LINK")] = None,
+    relative_to: Annotated[str | None, Option(metavar="LINK")] = None,
     check: bool = False,
     plan: bool = False,
     clearance: Metres | None = None,
@@ -75,8 +75,8 @@ def move(
 ) -> int:
     """Move joints, or the tool to a pose, and wait until the motion has ended.
 
-    Give either --joints or --pose.  A motion of an arm that would collide is refused;
-    --plan goes around.  Ctrl-C stops the robot.
+    Give either --joints or --pose.  A motion that would collide is refused; --plan goes
+    around obstacles.  Ctrl-C stops the robot.
 
     Args:
         joints: Target positions [rad | m]; other joints stay where they are.
@@ -90,16 +90,16 @@ def move(
             velocity limits, 0.01 to 1; with --linear, the speed of the tool [m/s].
         tip: Link that moves to --pose; tool0 if not given.
         relative_to: Link in whose frame --pose is given; the root if not given.
-        check: Move nothing: print whether the motion would be free, and exit with 1 if
-            it would not; with --plan, whether there is a way around.
-        plan: Plan a way around obstacles, with whatever posture reaches the target
-            first, and move.
+        check: Only print whether the motion would be free of collisions, or, with
+            --plan, whether there is a path around obstacles; exit status 1 if not.
+        plan: Plan a path around obstacles, to any configuration that reaches the
+            target, and move along it.
         clearance: Smallest distance between bodies [m], with --plan (5mm if not given)
             or --check (0 if not given).
-        collision: What to do if an arm would collide on the way: 'refuse' if not given,
-            or 'ignore'.
-        robot: Which robot of a cell moves to --pose; with --joints, whose joints they
-            are, so that you leave out their prefix.
+        collision: Refuse a motion that would collide (if not given), or ignore
+            collisions.
+        robot: Robot of a cell that moves to --pose, or whose joints --joints names
+            without their prefix.
         timeout: Cancel the motion after this wall time [s].
         as_json: Print one JSON object.
     """
@@ -310,11 +310,11 @@ def grip(
         opening: Distance between the pads [m]; 0 is closed.
         position: Position of the driven joint, instead of --opening: an angle, or a
             length if it slides; 0 is open.
-        speed: Speed of the pads relative to each other [m/s]; the fastest if not given.
-        force: Largest force at each pad [N]; the strongest if not given.
-        effort: Largest effort of the driven joint [N·m], [N] if it slides, instead of
-            --force.
-        robot: Which robot of a cell has the gripper.
+        speed: Speed of the pads relative to each other [m/s]; the maximum if not given.
+        force: Maximum force at each pad [N]; that of the gripper if not given.
+        effort: Maximum effort of the driven joint [N·m], or [N] if it slides, instead
+            of --force.
+        robot: Robot of a cell.
         timeout: Cancel the motion after this wall time [s].
         as_json: Print one JSON object.
     """

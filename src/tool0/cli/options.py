@@ -12,10 +12,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Final, final
+from typing import Annotated, Final, final
 
 from tool0.cli.parameters import (
     AsJson,
+    Option,
     Reader,
     Readers,
     assignments,
@@ -64,17 +65,18 @@ class EngineOptions:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HardwareOptions:
-    """Further options of a real robot."""
+    """Options of a real robot."""
 
     hardware_port_base: int = 0
-    """Added to the port numbers of a robot, for a simulated controller."""
+    """Offset added to the port numbers of a UR, to reach a simulated one."""
     callback_host: str | None = None
-    """This machine's address as the robot reaches it, if it is not the one that reaches
-    the robot."""
+    """Address of this machine as seen from the robot; if not given, that of the
+    connection to the robot."""
     callback_port: int = 0
-    """Port at which tool0's program on the robot connects; a free one if not given."""
+    """Port on this machine to which tool0's program on the robot connects; 0 for a free
+    one."""
     gripper_link: str | None = None
-    """How the gripper is reached: urcap, modbus, modbus:HOST:PORT, rtu:/dev/ttyUSB0 or
+    """Connection to the gripper: urcap, modbus, modbus:HOST:PORT, rtu:/dev/ttyUSB0 or
     none; the URCap's socket if not given."""
 
     def given(self) -> dict[str, object]:
@@ -96,28 +98,29 @@ class RunOptions:
     """End after this simulated time [s], counted from when all interfaces are up;
     without it, run until Ctrl-C."""
     headless: bool = False
-    """Disable the panel, and open no window."""
+    """Run without the panel, and open no window."""
     summary: bool = True
-    """Report at the end."""
+    """Print a report at the end."""
     as_json: AsJson = False
-    """Print the report as one JSON object, and nothing else to standard output."""
+    """Print the report as one JSON object, and nothing else on standard output."""
     name: str = "tool0"
-    """Name of this bringup for other processes: `tool0 move --name NAME`."""
-    panel_folder: Path | None = None
-    """Allow pages to record below this folder, too; without it, only below the user's
-    folders of recordings and of episodes."""
+    """Name of this bringup, by which other commands select it: `tool0 move --name
+    NAME`."""
+    panel_folder: Annotated[Path | None, Option(metavar="FOLDER")] = None
+    """Also allow the panel to record below this folder; by default, only below the
+    user's folders of recordings and episodes."""
     remote: bool = True
     """Allow other processes of this user to drive the robot, such as `tool0 move`."""
     ros1: bool = False
-    """Present the robot in ROS 1 as ur_gazebo does; `tool0 ros1 install` installs what
-    it needs."""
+    """Offer the robot in ROS 1, with the interfaces of ur_gazebo; `tool0 ros1 install`
+    installs what it needs."""
     ros2: bool = False
-    """Present the robot in ROS 2 as ur_simulation_gz does, with ros2_control's
-    controllers; `tool0 ros2 install` installs what it needs."""
+    """Offer the robot in ROS 2, with the interfaces of ur_simulation_gz and controllers
+    of ros2_control; `tool0 ros2 install` installs what it needs."""
 
     ur: bool = False
-    """Present the robot as a UR's control box: RTDE, dashboard server, URScript, and
-    the gripper's socket and Modbus."""
+    """Act as a UR control box: RTDE, dashboard server, URScript, and the gripper's
+    socket and Modbus."""
 
     def __post_init__(self) -> None:
         if self.duration is not None and not 0.0 <= self.duration < math.inf:
@@ -144,11 +147,11 @@ class PanelOptions:
 
     panel_host: str | None = None
     """Address to listen on, 0.0.0.0 for all; if not given, only browsers on this
-    machine reach it.  If others can, the URL has a token."""
+    machine can connect.  If others can, the URL contains a token."""
     panel_port: int | None = None
-    """Port to listen on; if not given, 8085 or a free port."""
+    """Port to listen on; if not given, 8085, or a free port if that is taken."""
     open: bool = True
-    """Open the page in a browser if there is a desktop."""
+    """Open the panel in a browser if there is a desktop."""
 
 
 @final
@@ -159,7 +162,7 @@ class Ros2NodeOptions:
     ros2_ns: str = ""
     """Namespace of all names, such as robot1, for several robots in one domain."""
     domain: int | None = None
-    """ROS_DOMAIN_ID; that of the environment if not given."""
+    """ROS_DOMAIN_ID; if not given, that of the environment."""
 
     def options(self) -> Ros2Options:
         """Return them as the node takes them."""
@@ -182,14 +185,15 @@ class UrControllerOptions:
     ur_host: str = "127.0.0.1"
     """Address to listen on; further arms of a cell get the following ones."""
     ur_port_base: int = 0
-    """Added to the port numbers of a real robot."""
-    ur_programs: Path | None = None
-    """Folder with the programs (*.script) that the dashboard server can load, and
-    where it saves its log; ~/.local/share/tool0/ur-programs if not given."""
+    """Offset added to the port numbers of a real UR."""
+    ur_programs: Annotated[Path | None, Option(metavar="FOLDER")] = None
+    """Folder of the programs (*.script) that the dashboard server can load, and of its
+    saved log; ~/.local/share/tool0/ur-programs if not given."""
     ur_sockets: bool = False
     """Allow URScript programs to connect to other machines."""
     ur_active_gripper: bool = False
-    """Start with the gripper activated.  A real one waits for it after power on."""
+    """Start with an activated gripper; a real one has to be activated after
+    power-on."""
 
     def options(self) -> UrOptions:
         """Return them as the UR interface takes them."""

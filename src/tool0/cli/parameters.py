@@ -107,11 +107,34 @@ class Parameter:
         return self.option.metavar or self.reader.metavar or name
 
     @property
+    def flags(self) -> tuple[str, ...]:
+        """The ways to write it: a flag that is on by default can be switched off."""
+        can_be_off = self.reader is None and self.default is True
+        return (self.flag, f"--no-{self.flag[2:]}") if can_be_off else (self.flag,)
+
+    @property
+    def usage(self) -> str:
+        """Its words in a usage line, in brackets unless they are required."""
+        text = self.metavar
+        if not self.option.is_positional:
+            text = f"{self.flag} {text}"
+        return text if self.is_required else f"[{text}]"
+
+    @property
+    def text(self) -> str:
+        """Its explanation."""
+        return _texts_of(self.owner).get(self.path[-1], "")
+
+    @property
+    def written_default(self) -> str:
+        """Its default as it is typed; empty if there is none, or it is obvious."""
+        return self.flag if self.default is True else _written(self.default)
+
+    @property
     def help(self) -> str:
         """Its text, with the default unless that is obvious."""
-        text = _texts_of(self.owner).get(self.path[-1], "")
-        default = self.flag if self.default is True else _written(self.default)
-        return f"{text} (default: {default})" if default else text
+        default = self.written_default
+        return f"{self.text} (default: {default})" if default else self.text
 
     @property
     def heading(self) -> str:

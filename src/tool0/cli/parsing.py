@@ -73,7 +73,7 @@ def parse(
         if words is not None and words != []:
             values[item.path] = _value(item, words)
         elif item.is_required and item.reader is not None and words is None:
-            parser.error(f"{_shown(item)} is missing")
+            parser.error(f"{item.usage} is missing")
     return _made(form, values)
 
 
@@ -143,10 +143,9 @@ def _parser(
     *,
     with_help: bool,
 ) -> _Parser:
-    shown = [_shown(item) for item in parameters if _is_in_usage(item)]
     parser = _Parser(
         prog=f"tool0 {command}",
-        usage=" ".join([f"tool0 {command}", *shown, "[OPTIONS]"]),
+        usage=usage_of(command, parameters),
         description=description_of(form),
         epilog=UNITS if any(_HAS_UNITS.search(p.metavar) for p in parameters) else "",
         formatter_class=_Formatter,
@@ -165,15 +164,14 @@ def _parser(
     return parser
 
 
-def _is_in_usage(item: Parameter) -> bool:
-    return item.option.is_positional or item.is_required
-
-
-def _shown(item: Parameter) -> str:
-    text = item.metavar
-    if not item.option.is_positional:
-        text = f"{item.flag} {text}"
-    return text if item.is_required else f"[{text}]"
+def usage_of(command: str, parameters: Sequence[Parameter]) -> str:
+    """Return the usage line of a command: its arguments and required options."""
+    shown = [
+        item.usage
+        for item in parameters
+        if item.option.is_positional or item.is_required
+    ]
+    return " ".join([f"tool0 {command}", *shown, "[OPTIONS]"])
 
 
 def _destination(item: Parameter) -> str:

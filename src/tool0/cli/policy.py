@@ -53,24 +53,25 @@ def run(
         task: The task, such as Lift, or the id of a Gymnasium environment.
         episodes: Number of episodes, with --task; 20 if not given.
         seed: Seed of the first episode; the others follow.
-        env: Keywords of the environment, such as arm=ur5e observation=image.
-        videos: Which episodes are written as videos into --folder.
+        env: Keyword arguments of the environment, such as arm=ur5e observation=image.
+        videos: Episodes to write as videos into --folder.
         rate: Actions per second on the bringup [Hz]; 25 if not given.
         duration: End after this simulated time [s], on the bringup.
         camera: Cameras whose images the policy gets, on the bringup.
         folder: A new folder for observations, actions, results and the recording.
-        instruction: What is to be done, in words; if not given, the task's own
-            sentence.
-        execute: Actions of a chunk that are executed before the next one is asked for;
-            all of them if not given.
-        ensemble: Ask in each step, and execute the mean of all predictions, with the
-            weights exp(-ENSEMBLE i) from the oldest on.
-        latency: Simulated time from an observation to its actions, with --task [s], or
-            the wall time that the policy takes.
-        keep_late: Execute a chunk from its first action on, even if that is late.
-        clip: Clip actions that are beyond the limits; otherwise they end the episode.
-        device: On which a LeRobot policy is computed, such as cuda.
-        key: What an openpi server gets under which name, such as
+        instruction: The task in words; if not given, the task's own sentence.
+        execute: Number of actions of a chunk to execute before the next chunk is
+            requested; if not given, all.
+        ensemble: Request a chunk in each step, and execute the weighted mean of all
+            predictions; the weights are exp(-ENSEMBLE i), from the oldest on.
+        latency: Simulated time from an observation to its actions [s], with --task;
+            `measured` for the wall time that the policy takes.
+        keep_late: Execute each chunk from its first action on, even if the chunk is
+            late.
+        clip: Clip actions to their limits; otherwise, an action beyond them ends the
+            episode.
+        device: Device that computes a LeRobot policy, such as cuda.
+        key: Names under which an openpi server receives its inputs, such as
             observation/image=rgb.
         as_json: Print the report as one JSON object.
     """

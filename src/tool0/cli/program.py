@@ -35,18 +35,18 @@ def run(
     as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> int:
-    """Run a program, and print its steps until it has ended.
+    """Run a program to its end, and print its steps.
 
     It is checked first: if a step cannot be executed, nothing moves.  Ctrl-C stops it;
     the exit status is 0 if it succeeded.
 
     Args:
-        program: File of the program, .yaml, or the name of a saved one.
+        program: Program file (.yaml), or the name of a saved program.
         check: Only check it.
-        dry_run: Only simulate it, from where the robot is now, and print what touched,
-            how long it took, and the largest speed and effort.  Nothing is sent to the
-            robot.  The exit status is 0 if it succeeded and no arm collided.
-        as_json: Print one JSON object at the end, and no steps.
+        dry_run: Only simulate it, from the robot's present state, and print contacts,
+            duration, and the largest speed and effort.  Nothing is sent to the robot.
+            The exit status is 0 if it succeeded and no arm collided.
+        as_json: Print one JSON object at the end instead of the steps.
     """
     if check and dry_run:
         raise ConfigError("give --check or --dry-run, not both")

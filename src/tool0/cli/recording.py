@@ -41,20 +41,21 @@ def record(
 ) -> int:
     """Record a running bringup to an MCAP file, until Ctrl-C.
 
-    The process of the bringup writes the file; it can be read while it grows.  With
+    The bringup's process writes the file, which can be read while it grows.  With
     --episodes, keys in the terminal or in the panel start and end demonstrations.
 
     Args:
-        file: A file that ends in .mcap.
-        episodes: Record demonstrations into this folder, a file for each.
+        file: The file to write, which ends in .mcap, or a folder for a file named by
+            date and time.
+        episodes: Record demonstrations into this folder, one file each.
         task: Description of the task.
         reset: Reset robot and objects before each demonstration.
         duration: End after this simulated time [s].
         overwrite: Replace a file that exists.
         max_size: Start a new file at this size [MB].
         max_duration: Start a new file after this simulated time [s].
-        max_files: Keep only this number of files, the newest.
-        cameras: Cameras whose images are recorded, too.
+        max_files: Number of files to keep, the newest ones.
+        cameras: Cameras whose images are recorded.
         camera_rate: Images of each camera per simulated second [Hz].
         as_json: Print one JSON object at the end; not with --episodes.
     """
@@ -117,7 +118,7 @@ def log(
     Args:
         file: A recording.
         requests: Also print the requests that changed the simulation.
-        severity: Least severity of the events.
+        severity: Lowest severity to print.
         as_json: Print one JSON object.
     """
     from tool0.recording.reading import open_recording
@@ -157,7 +158,7 @@ _VIDEO_SIZE: Final = 960, 720
 @final
 @dataclass(frozen=True, kw_only=True)
 class VideoOptions:
-    """How a recording becomes a video; tables need none of it."""
+    """Options of a video."""
 
     camera: str = "scene"
     """A camera of the robot or its scene."""
@@ -166,17 +167,19 @@ class VideoOptions:
     at: Annotated[tuple[float, float, float], Option(metavar="X Y Z")] = (0.0, 0.0, 0.3)
     """The point that the eye looks at [m]."""
     width: int | None = None
-    """Width of the images [pixels]: 960, or the camera's own for lerobot."""
+    """Width of the images [pixels]; if not given, 960, or the camera's own for
+    lerobot."""
     height: int | None = None
-    """Height of the images [pixels]: 720, or the camera's own for lerobot."""
+    """Height of the images [pixels]; if not given, 720, or the camera's own for
+    lerobot."""
     fps: float = 30.0
     """Images per second."""
     speed: float = 1.0
     """Seconds of the recording per second of the video."""
     start: float | None = None
-    """Simulated time at which it begins [s]."""
+    """Simulated time at which the video begins [s]."""
     end: float | None = None
-    """Simulated time at which it ends [s]."""
+    """Simulated time at which the video ends [s]."""
 
     def write(self, recording: RecordingFile, target: Path) -> None:
         """Write the video, and print how far it is."""
@@ -221,18 +224,18 @@ def export(
 
     A table has a row for each snapshot, in SI units: joints, objects, wrenches and
     grippers.  A video shows what a camera would have seen.  A folder of demonstrations
-    becomes a data set of LeRobot.
+    becomes a LeRobot data set.
 
     Args:
         file: A recording, or a folder of demonstrations for lerobot.
-        format: By default, that of the output's name, or csv.
-        output: The new file or folder; beside the recording if not given.
+        format: Format; if not given, from the suffix of the output, otherwise csv.
+        output: File or folder to write; if not given, beside the recording.
         overwrite: Replace a file that exists.
         rate: Frames per simulated second of a LeRobot data set [Hz].
         only_successes: Leave out demonstrations that failed.
-        instruction: What is to be done in a LeRobot data set, in words; by default the
-            task that was recorded.
-        cameras: Cameras whose images each frame of a LeRobot data set has.
+        instruction: The task in words, for a LeRobot data set; if not given, the
+            recorded description.
+        cameras: Cameras whose images each frame of a LeRobot data set contains.
     """
     if format == "lerobot":
         from tool0.collect.demonstrations import export_lerobot

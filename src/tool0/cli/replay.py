@@ -34,12 +34,12 @@ def replay(
     """Show a recording in a web page: the robot as it was, with a time line.
 
     Args:
-        file: An MCAP file of tool0.
+        file: The recording, an MCAP file.
         speed: Seconds of the recording per second.
         loop: Start again at the end.
-        simulate: Show nothing: simulate what was recorded once more, and compare every
-            frame to the bit. The exit code is 1 if they differ.
-        compare: Simulate what was requested in it, in MuJoCo, and print how the motions
+        simulate: Re-simulate the recording, without a page, and compare every frame bit
+            for bit; exit status 1 if they differ.
+        compare: Simulate the recorded requests in MuJoCo, and print how the motions
             differ; the plots show both, the simulated one dashed.
         as_json: With --simulate or --compare, print one JSON object and end.
     """

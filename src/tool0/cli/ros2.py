@@ -8,14 +8,14 @@ from tool0.cli.text import ProgressBar
 
 
 def _install_ros2(*, own: bool = False) -> int:
-    """Prepare ROS 2 for `tool0 bringup --ros2`: yours, or one of PyPI's wheels.
+    """Prepare ROS 2 for `tool0 bringup --ros2`: an installed one, or wheels of PyPI.
 
     A ROS 2 that is sourced in this terminal or in /opt/ros is used as it is; missing
     packages are listed.  Without one, tool0 installs rclpy and the messages of Kilted
     in your data folder.  That needs no root, takes about a minute, and 300 MB.
 
     Args:
-        own: Install tool0's own even if there is another ROS 2.
+        own: Install tool0's own ROS 2 even if there is another one.
     """
     from tool0.installation.ros2.install import install_ros2
     from tool0.installation.ros2.installation import find_ros2

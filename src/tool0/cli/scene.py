@@ -98,7 +98,7 @@ def add(
         mass: Mass [kg]; an object without a mass is fixed in place.
         friction: Coefficient of friction.
         rgba: Colour, each value from 0 to 1.
-        allow_penetration: Add it although it is inside a link.
+        allow_penetration: Add it even if it is inside a link.
     """
     shape = _shape(box, cylinder, sphere, mesh, scale)
     with bringup.connect() as robot:
@@ -142,7 +142,7 @@ def place(
         name: Name of the object.
         xyz: Position of the object's origin in the robot's root frame [m].
         rpy: Orientation in that frame [rad].
-        allow_penetration: Place it although it is inside a link then.
+        allow_penetration: Place it even if it is then inside a link.
     """
     with bringup.connect() as robot:
         robot.scene.place(

@@ -130,8 +130,9 @@ def wrench(
         cutoff: Set the cutoff frequency of the low-pass filter [Hz]; initially 15.
         duration: Print every sample for this simulated time [s]; otherwise print one.
         raw: Print unfiltered values.
-        as_json: Print each sample as a line with a JSON object, which has both values.
-        robot: Which robot of a cell has the sensor.
+        as_json: Print one JSON object per sample, each on a line, with filtered and raw
+            values.
+        robot: Robot of a cell.
     """
     if duration is not None and not duration >= 0.0:
         raise ConfigError(f"--duration must be 0 or more seconds, got {duration}")
@@ -194,11 +195,11 @@ def camera(
     Args:
         name: The camera, such as wrist or scene.
         out: Write the colour image to this PNG file.
-        depth: Write the depth image to this file: a 16-bit PNG in millimetres, 0 where
-            nothing is seen; or a .npy array in metres, with infinity there.
+        depth: Write the depth image to this file: a 16-bit PNG [mm], 0 where nothing is
+            seen, or a .npy array [m], inf where nothing is seen.
         as_list: List the cameras.
         as_json: Print one JSON object: the cameras, or the files and their size.
-        robot: Which robot of a cell has the camera: --robot left wrist is left_wrist.
+        robot: Robot of a cell that has the camera: `--robot left wrist` is left_wrist.
     """
     if as_list == (name is not None):
         raise ConfigError("give the name of a camera, or --list")

@@ -205,7 +205,7 @@ def estop(release: bool = False, bringup: Bringup = DEFAULT) -> None:
     """Engage the emergency stop: brake every joint at once, and hold it.
 
     Args:
-        release: Release the emergency stop; the controllers hold the present positions.
+        release: Release the emergency stop; the controllers hold the current positions.
     """
     with bringup.connect() as robot:
         robot.emergency_stop(engaged=not release)

@@ -41,7 +41,7 @@ def workspace(
     upstream_meshes: bool = False,
     force: bool = False,
 ) -> None:
-    """Write packages for a robot into a workspace of ROS.
+    """Write ROS packages for a robot into a workspace.
 
     For ROS 1 these are tool0_description and tool0_gazebo; with --ros2,
     tool0_description, tool0_ros2 and tool0_bringup.  They are written to DIR/src, or to
@@ -58,7 +58,7 @@ def workspace(
         robots: Several robots, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0; only
             with --moveit or --ros2.
         ros2: Write packages for ROS 2 and colcon, with Python launch files.
-        moveit: Also write a configuration package for MoveIt, of the same version.
+        moveit: Also write a MoveIt configuration package for the same ROS version.
         upstream_meshes: Use the meshes of ur_description and
             robotiq_2f_85_gripper_visualization, and depend on those packages; only for
             ROS 1.

@@ -66,9 +66,10 @@ class DescriptionConfig:
     """
 
     arm: str | None = None
-    """The arm, such as ur10e, or the folder of your own; ur5 if not given."""
+    """The arm: a name such as ur10e, or a folder of your own; ur5 if not given."""
     gripper: str | Unset | None = UNSET
-    """The gripper on the arm's tool0, or none; 2f85 if not given."""
+    """The gripper on tool0: a name, a folder of your own, or none; 2f85 if not
+    given."""
     gripper_model: Literal["mimic", "linkage"] | None = None
     """mimic (the default): the fingers follow the drive; linkage: five-bar fingers
     that wrap around an object (MuJoCo only)."""
@@ -79,18 +80,20 @@ class DescriptionConfig:
     cell: Cell | File | None = None
     """Several robots and a scene: a YAML file (docs/how-to/cells.md)."""
     robots: Sequence[str] | None = None
-    """Several robots, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0: name, arm,
-    gripper if any, position of the base and, if given, roll, pitch, yaw [m, rad]."""
+    """Several robots without a file, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0:
+    name, arm, gripper (optional), position of the base [m] and, optionally, roll, pitch
+    and yaw [rad]."""
     namespaces: bool = False
-    """In ROS, give each robot of a cell a namespace and a controller manager of its
-    own; a cell's file can say so, too."""
+    """In ROS, give each robot of a cell its own namespace and controller manager, like
+    `namespaces: true` in the cell's file."""
     args: Mapping[str, Argument] | None = None
     """Arguments of the xacro file; they override the other options."""
     relax_inertia: bool = False
-    """Replace the inertias of your own file that no body has, with a warning, instead
+    """Replace physically impossible inertias in your own file, with a warning, instead
     of refusing the robot."""
     srdf: File | None = None
-    """SRDF file whose `<disable_collisions>` planned motions need not keep apart."""
+    """SRDF file; planned motions ignore collisions between the pairs of links in its
+    `<disable_collisions>`."""
     mount_xyz: Sequence[Metres] | None = None
     """Position of the gripper in tool0 [m]."""
     mount_rpy: Sequence[Radians] | None = None
@@ -123,9 +126,9 @@ class DescriptionConfig:
     """Command interface of all joints, such as
     hardware_interface/EffortJointInterface."""
     ros2_control: bool = False
-    """Describe the drives by `<ros2_control>` tags, for ROS 2, instead of by
-    `<transmission>` tags.  Your own file says itself which joints are driven; if it
-    does not, all are."""
+    """Describe the drives with `<ros2_control>` tags, for ROS 2, instead of
+    `<transmission>` tags.  Your own file declares which joints are driven; if it
+    declares none, all are."""
     safety_limits: bool = False
     """Add soft limits to the arm's joints."""
     safety_pos_margin: Radians | None = None

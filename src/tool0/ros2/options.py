@@ -25,7 +25,7 @@ class Ros2Options:
     tf_rate: float = 50.0
     """Rate of the transforms, in simulated time [Hz]."""
     camera_rate: float = 10.0
-    """Largest rate of each camera's images, in simulated time [Hz]."""
+    """Maximum image rate of each camera, in simulated time [Hz]."""
 
     def __post_init__(self) -> None:
         if not _NAMESPACE.fullmatch(self.ns):

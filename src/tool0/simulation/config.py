@@ -29,14 +29,14 @@ class ControlConfig:
     stopped_controllers: Names | None = None
     """Names of the controllers to load but not start."""
     gripper_action: bool = False
-    """Built-in grippers have a GripperActionController, whose goals are positions of
-    the driven joint, instead of a JointTrajectoryController."""
+    """Drive built-in grippers with a GripperActionController, whose goals are positions
+    of the driven joint, instead of a JointTrajectoryController."""
     initial_pose: str | Mapping[str, float] | None = None
-    """A named pose (built-in or saved), or positions by joint [rad | m], which replace
-    those of the pose home."""
+    """A named pose (built-in or saved), or positions by joint [rad | m]; the other
+    joints start as in the pose home."""
     control_period: float | None = None
-    """Simulated time between controller updates [s]; if not given, that of the
-    `update_rate` of ROS 2's controllers, otherwise the same as dt."""
+    """Simulated time between controller updates [s]; if not given, from the
+    `update_rate` of ROS 2's controllers, otherwise dt."""
 
 
 @final
@@ -47,16 +47,16 @@ class SimulationConfig:
     engine: str = "mujoco"
     """Physics engine: mujoco, or gazebo (`tool0 gazebo install`)."""
     hardware: str | None = None
-    """Address of a real robot's controller, instead of an engine; tool0 only reads its
-    state until its motion is enabled (docs/how-to/hardware.md)."""
+    """Address of a real robot's controller, instead of an engine.  tool0 only reads the
+    robot's state until you enable motion (docs/how-to/hardware.md)."""
     engine_options: Mapping[str, object] = field(default_factory=dict)
     """Options of the engine by name; Gazebo has ``world`` (a world file instead of an
     empty world with ground) and ``gui`` (True opens gzclient)."""
     dt: float = 0.001
     """Length of a physics step [s]."""
     spawn_z: Metres = SPAWN_Z
-    """Height of the robot's root above the ground [m], as in ur_gazebo: the
-    outstretched arm must clear the ground.  A pedestal fills the gap."""
+    """Height of the robot's root above the ground [m], as in ur_gazebo, so that the
+    outstretched arm clears the ground.  A pedestal fills the gap."""
     scene: Scene | File | None = None
     """The objects around the robot: a YAML file, or a built-in scene (table_and_bin,
     table_and_cubes, shelf)."""
@@ -70,14 +70,14 @@ class SimulationConfig:
     """Start although the initial pose puts a link into the ground, an object or another
     link; the physics then throws them apart."""
     realtime: bool = True
-    """Keep pace with the wall clock.  Otherwise simulated time passes as fast as
-    possible; from Python, only in ``run`` and ``wait``."""
+    """Keep pace with the wall clock.  Otherwise, simulate as fast as possible; in
+    Python, time then passes only in ``run`` and ``wait``."""
     speed: float = 1.0
     """Simulated seconds per wall second in real time."""
     paused: bool = False
     """Start paused; `tool0 resume` continues."""
     record: File | None = None
-    """MCAP file to record to, from the start until the robot is closed
+    """Record to this MCAP file, from the start until the end
     (docs/how-to/recordings.md)."""
     overwrite: bool = False
-    """Replace the file of ``record`` if it exists."""
+    """Replace the recorded file if it exists."""

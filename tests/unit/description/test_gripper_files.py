@@ -18,7 +18,7 @@ from tool0.errors import DescriptionError, LimitsError, ModelError, Tool0Error
 MASSES = {"2f85": 0.92086, "2f140": 1.025, "hande": 0.93995}
 """[kg]"""
 LINKAGES = ("2f85", "2f140")
-PAGE = Path(__file__).parents[3] / "docs/reference/robots.md"
+PAGE = Path(__file__).parents[3] / "docs/how-to/own-robot.md"
 
 
 @pytest.fixture
@@ -115,7 +115,7 @@ def test_a_folder_of_your_own_is_a_gripper(folder: Path) -> None:
 
 def page_rows() -> Iterator[tuple[list[str], str]]:
     """Yield the files and the last cell of each row of the page's table."""
-    section = PAGE.read_text(encoding="utf-8").partition("## Your own gripper\n")[2]
+    section = PAGE.read_text(encoding="utf-8").partition("## A gripper\n")[2]
     for line in section.partition("\n## ")[0].splitlines():
         if line.startswith("| `"):
             files, _, condition = line.strip("|").split(" | ")
