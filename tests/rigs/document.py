@@ -19,6 +19,11 @@ class Block:
     """What follows the language: a file's name, or where its commands run."""
     text: str
 
+    @property
+    def is_output(self) -> bool:
+        """Whether it is what the block before it prints."""
+        return self.language == "text" and not self.title
+
     def commands(self) -> list[str]:
         """Return its lines without comments, those continued joined."""
         lines = self.text.replace("\\\n", " ").splitlines()

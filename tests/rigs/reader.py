@@ -94,7 +94,9 @@ class Reader:
 
     def _terminal(self, title: str) -> Terminal:
         if title not in self._terminals:
-            runtime = self._folder / (".elsewhere" if title == OTHER_MACHINE else ".run")
+            runtime = self._folder / (
+                ".elsewhere" if title == OTHER_MACHINE else ".run"
+            )
             runtime.mkdir(mode=0o700, exist_ok=True)
             environ = {**self._environ, "XDG_RUNTIME_DIR": str(runtime)}
             self._terminals[title] = Terminal(self._folder, environ, title)
@@ -127,7 +129,9 @@ class Terminal:
         self.interrupts()
         if _SERVER.match(command):
             return self._starts(command)
-        import time; t0=time.time()
+        import time
+
+        t0 = time.time()
         done = subprocess.run(
             ["bash", "-c", "\n".join([*self._lasting, command])],
             cwd=self._folder,
@@ -139,7 +143,7 @@ class Terminal:
             timeout=LONGEST,
             check=False,
         )
-        print(f"{time.time()-t0:6.2f} {command[:70]}")
+        print(f"{time.time() - t0:6.2f} {command[:70]}")
         assert (done.returncode != 0) == fails, f"{command}\n{done.stdout}"
         if _LASTING.match(command):
             self._lasting.append(command)
