@@ -69,7 +69,7 @@ SETTINGS: dict[str, Setting] = {
     ),
     "gym": Setting(instead={"num_envs=64": "num_envs=4"}),
     "hardware": Setting(
-        bringup=UR[:-2],
+        bringup=(*UR[:-2], "--dt", "0.002"),
         instead={
             '"192.168.1.10"': f'"{HOST}"',
             '"20195500123"': "box.state.link.serial_number",

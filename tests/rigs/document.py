@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import shlex
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
-_BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+_BLOCK = re.compile(r"^( *)```([^\n]*)\n(.*?)^\1```$", re.DOTALL | re.MULTILINE)
 _GAP = "…"
 """Stands for anything, in what a page says is printed."""
 
@@ -25,14 +26,26 @@ class Block:
         return self.language == "text" and not self.title
 
     def commands(self) -> list[str]:
-        """Return its lines without comments, those continued joined."""
-        lines = self.text.replace("\\\n", " ").splitlines()
-        return [line for line in lines if shlex.split(line, comments=True)]
+        """Return its commands; one that goes on in the next line is one text."""
+        found, text = [], ""
+        for line in self.text.replace("\\\n", " ").splitlines():
+            text = f"{text}\n{line}" if text else line
+            try:
+                words = shlex.split(text, comments=True)
+            except ValueError:  # within quotation marks
+                continue
+            found += [text] if words else []
+            text = ""
+        assert not text, f"a quotation without an end: {text}"
+        return found
 
 
 def blocks(page: Path) -> list[Block]:
     found = _BLOCK.findall(page.read_text(encoding="utf-8"))
-    return [Block(*info.partition(" ")[::2], text) for info, text in found]
+    return [
+        Block(*info.partition(" ")[::2], textwrap.dedent(text))
+        for _, info, text in found
+    ]
 
 
 def says(output: str, expected: str) -> bool:
