@@ -7,6 +7,7 @@ commands says what they print; one with the title ``example`` has other numbers.
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 import shutil
@@ -141,7 +142,8 @@ def test_the_commands_run_and_print_what_the_page_says(
     folder.mkdir()
     host = free_host()
     follower = Follower(scenario, host)
-    variables = {"HOME": str(folder), "XDG_DATA_HOME": str(folder / "data")}
+    cache = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    variables = {"HOME": str(folder), "XDG_CACHE_HOME": cache}
     with ExitStack() as stack:
         if "--ros1" in text:
             require_ros()

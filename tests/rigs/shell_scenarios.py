@@ -144,10 +144,10 @@ SCENARIOS: dict[str, Scenario] = {
     ),
     "collect": Scenario(
         instead={
-            "--episodes 10000": "--episodes 2",
+            "--episodes 10000": "--episodes 1",
             "--episodes 500": "--episodes 1",
             "--workers 8": "--workers 1",
-            "image_size=160,120": "image_size=16,12",
+            "image_size=160,120": "image_size=16,12 max_episode_steps=5",
         }
     ),
     "gazebo": Scenario(files={"my.world": WORLD}),
@@ -168,9 +168,9 @@ SCENARIOS: dict[str, Scenario] = {
         during={0: "tool0 bringup"},
         files={"my_policy.py": saved("how-to/collect.md", "my_policy.py")},
         instead={
-            "--episodes 100": "--episodes 2",
-            "--episodes 200": "--episodes 2",
-            "--duration 20": "--duration 1",
+            "--episodes 100": "--episodes 1 --env max_episode_steps=20",
+            "--episodes 200": "--episodes 1",
+            "--duration 20": "--duration 0.2",
         },
     ),
     "programs": Scenario(
