@@ -110,3 +110,86 @@ def test_every_parameter_of_controllers_is_on_the_page(
 def test_the_keys_of_gains_are_those_of_the_built_in_folders() -> None:
     file = find_part("arm", "ur5").folder / "gains.yaml"
     assert set(read_mapping(file).children) <= keys_in(section("Gains"))
+
+
+def defaults_in(text: str, heading: str) -> dict[str, str]:
+    """Return parameter → default, of the rows of a table."""
+    _, found, rest = text.partition(f"| {heading} | default | meaning |\n")
+    assert found, heading
+    table: dict[str, str] = {}
+    for row in rest.partition("\n\n")[0].splitlines()[1:]:
+        cells = [cell.strip() for cell in row.strip("|").split("|")]
+        names = re.findall(r"`([^`]+)`", cells[0])
+        stem = names[0].rpartition("/")[0]
+        names = [name.replace("…", stem).replace("JOINT", "*") for name in names]
+        values = cells[1].split(", ")
+        values *= 1 if len(values) == len(names) else len(names)
+        table |= dict(zip(names, values, strict=True))
+    return table
+
+
+TRAJECTORY = "parameter of a trajectory controller"
+GRIPPER = "parameter of a gripper's controller"
+
+
+@pytest.mark.parametrize(
+    ("dialect", "title", "heading", "kind"),
+    [
+        (
+            ROS1,
+            "ros_control",
+            TRAJECTORY,
+            "effort_controllers/JointTrajectoryController",
+        ),
+        (ROS1, "ros_control", GRIPPER, "effort_controllers/GripperActionController"),
+        (
+            ROS2,
+            "ros2_control",
+            TRAJECTORY,
+            "joint_trajectory_controller/JointTrajectoryController",
+        ),
+    ],
+    ids=["ros1-trajectory", "ros1-gripper", "ros2-trajectory"],
+)
+def test_the_defaults_of_controllers_are_those_of_the_code(
+    dialect: Dialect, title: str, heading: str, kind: str
+) -> None:
+    values = dialect.values_of(kind)
+    compared = 0
+    for name, written in defaults_in(section(title), heading).items():
+        value = values.get(name)
+        if not written or name.endswith("/p"):  # not used; of the sample
+            continue
+        if isinstance(value, bool):
+            assert written == str(value).lower(), name
+        elif isinstance(value, float) and abs(value) < 1e300 and written != "required":
+            assert float(written) == value, name
+        else:
+            continue
+        compared += 1
+    assert compared >= 4
+
+
+def test_the_defaults_of_steps_are_those_of_the_code() -> None:
+    _, _, rest = section("Programs").partition("| kind | key | value | default |")
+    step, defaults = "", {}
+    for row in rest.partition("\n\n")[0].splitlines()[2:]:
+        kind, key, _, default, _ = (c.strip() for c in row.strip("|").split("|"))
+        step = kind.strip("`") or step
+        names = re.findall(r"`(\w+)`", key)
+        values = default.split(", ")
+        values *= 1 if len(values) == len(names) else len(names)
+        defaults |= {(step, n): v for n, v in zip(names, values, strict=True)}
+    compared = 0
+    for kind in get_args(Step):
+        tag = str(kind.__struct_config__.tag)
+        for item in msgspec.structs.fields(kind):
+            written = defaults.get((tag, item.name))
+            if isinstance(item.default, bool):
+                assert written in (str(item.default).lower(), ""), (tag, item.name)
+            elif isinstance(item.default, float) and written != "":
+                assert float(written or "nan") == item.default, (tag, item.name)
+            else:
+                continue
+            compared += 1
+    assert compared > 10
