@@ -55,6 +55,12 @@ def sense(batch: tool0.Batch, rng: np.random.Generator) -> None:
         batch.tool_wrench()
 
 
+def feel(batch: tool0.Batch, rng: np.random.Generator) -> None:
+    """Command the arms while force-torque sensors sample at 125 Hz, and read them."""
+    batch.force_torque.read()  # the first one starts them
+    move(batch, rng)
+
+
 def _arm_positions(batch: tool0.Batch) -> np.ndarray:
     columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
     return batch.position[:, columns]
@@ -88,6 +94,7 @@ FEATURES: Mapping[str, Feature] = {
         action=move, description=tool0.DescriptionConfig(ros2_control=True)
     ),
     "tool_wrench at 125 Hz": Feature(action=sense),
+    "force-torque sensor at 125 Hz": Feature(action=feel),
     "follow": Feature(action=follow),
     "GripperActionController": Feature(
         action=grip, plain=grip, control=tool0.ControlConfig(gripper_action=True)

@@ -1,6 +1,6 @@
 """Render all built-in arms side by side, at one scale, for docs/reference/robots.md.
 
-python tools/render_arms.py OUTPUT.png; MUJOCO_GL=egl or osmesa without a display.
+python tools/render_arms.py OUTPUT.webp; MUJOCO_GL=egl or osmesa without a display.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from typing import Any  # MuJoCo's objects
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from webp import encode_webp
 
 from tool0.description.catalogue import arms
 from tool0.description.loading import load_robot
 from tool0.engines.mujoco.gl import make_context
 from tool0.engines.mujoco.model import build_spec
-from tool0.recording.png import encode_png
 
 POSE = {
     "shoulder_lift_joint": -1.85,
@@ -171,4 +171,4 @@ def render(names: Sequence[str]) -> Image:
 
 if __name__ == "__main__":
     picture = np.concatenate([render(row) for row in rows()])
-    Path(sys.argv[1]).write_bytes(encode_png(picture))
+    Path(sys.argv[1]).write_bytes(encode_webp(picture))

@@ -23,8 +23,8 @@ CAMERA = Camera(
     far=20.0,
 )
 WIDTH, HEIGHT = CAMERA.width // 2, CAMERA.height // 2  # half of it: smooth edges
-FRAME_RATE = 25  # [Hz]
-ENCODER = {"quality": "75", "compression_level": "6"}
+FRAME_RATE = 12  # [Hz]
+ENCODER = {"quality": "55", "compression_level": "6"}
 
 
 def render(path: str) -> None:

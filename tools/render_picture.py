@@ -1,4 +1,4 @@
-"""Render the picture of the README: python tools/render_picture.py OUTPUT.png [POSE].
+"""Render the picture of the README: python tools/render_picture.py OUTPUT.webp [POSE].
 
 By its robot's own camera: see docs/how-to/cameras.md for what that needs.
 """
@@ -9,9 +9,10 @@ import math
 import sys
 from pathlib import Path
 
+from webp import encode_webp
+
 import tool0
 from tool0.description.camera import Camera, looking
-from tool0.recording.png import encode_png
 
 CAMERA = Camera(
     name="readme",
@@ -24,10 +25,10 @@ CAMERA = Camera(
 
 
 def render(pose: str) -> bytes:
-    """Return the default robot in ``pose``, as PNG."""
+    """Return the default robot in ``pose``, as WebP."""
     simulation = tool0.SimulationConfig(cameras=(CAMERA,), realtime=False)
     with tool0.bringup(initial_pose=pose, simulation=simulation) as robot:
-        return encode_png(robot.camera(CAMERA.name).image().rgb)
+        return encode_webp(robot.camera(CAMERA.name).image().rgb)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Take a picture of Gazebo's own window with the robot in it.
 
-usage: python tools/screenshot_gazebo.py docs/images/gazebo.png [--width 1280] …
+usage: python tools/screenshot_gazebo.py docs/images/gazebo.webp [--width 1280] …
 
 It brings the example's scene up in Gazebo, on a screen of its own (Xvfb), moves the arm
 and waits until the window has drawn it.  Needs `tool0 gazebo install --gui`.
@@ -17,9 +17,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+from webp import encode_webp
 
 import tool0
-from tool0.recording.png import encode_png
 from tool0.user_data import cache_folder, data_folder
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -61,7 +61,7 @@ def main() -> None:
             picture = screen.wait_for(is_drawn, _TIMEOUT)
     if picture is None:
         sys.exit(f"the window was not drawn within {_TIMEOUT:g} s")
-    options.output.write_bytes(encode_png(picture))
+    options.output.write_bytes(encode_webp(picture))
 
 
 @contextmanager

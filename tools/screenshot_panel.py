@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from panel_page import picture, panel_page, wait_for_frames, wait_for_real_time
+from panel_page import panel_page, picture, wait_for_frames, wait_for_real_time
 
 import tool0
 from tool0.description.cell_file import parse_robots

@@ -1,6 +1,6 @@
 """Take a picture of RViz with the robot of ``tool0 bringup --ros1`` in it.
 
-usage: python tools/screenshot_rviz.py docs/images/rviz.png [--width 1280] …
+usage: python tools/screenshot_rviz.py docs/images/rviz.webp [--width 1280] …
 
 It starts a roscore, the robot and RViz on a screen of its own (Xvfb), moves the arm as
 any client of ROS would, and waits until RViz has followed and stands still.  Needs
@@ -14,7 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tool0.recording.png import encode_png
+from webp import encode_webp
 
 ROOT = Path(__file__).resolve().parent.parent
 _TIMEOUT = 60.0
@@ -66,7 +66,7 @@ def main() -> None:
         picture = screen.wait_for(is_drawn, _TIMEOUT)
         if picture is None or (view(picture) != view(before)).mean() < 10 * _JITTER:
             sys.exit(f"RViz did not follow the robot within {_TIMEOUT:g} s")
-        options.output.write_bytes(encode_png(picture))
+        options.output.write_bytes(encode_webp(picture))
 
 
 def _options() -> argparse.Namespace:

@@ -9,6 +9,7 @@ Each picture is a function below; without names, all are made.  Needs Chromium
 from __future__ import annotations
 
 import math
+import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
@@ -27,7 +28,7 @@ import tool0
 from tool0.description.camera import Camera, looking
 from tool0.panel.replay.view import Replay
 from tool0.panel.server import Panel
-from tool0.scene import Pose
+from tool0.scene import Box, Pose
 
 ROOT = Path(__file__).resolve().parent.parent
 TUTORIALS = ROOT / "docs/tutorials"
@@ -125,6 +126,7 @@ def seen_from(
 
 @named("first-panel")
 def first_panel() -> bytes:
+    """Return a picture of the panel after the start."""
     with (
         tool0.bringup(scene="table_and_cubes") as robot,
         Panel(robot) as panel,
@@ -135,6 +137,7 @@ def first_panel() -> bytes:
 
 @named("first-jog")
 def first_jog() -> bytes:
+    """Return a picture of the panel after a jog."""
     with (
         tool0.bringup(scene="table_and_cubes") as robot,
         driven_page(robot) as page,
@@ -151,6 +154,7 @@ def first_jog() -> bytes:
 
 @named("first-grip")
 def first_grip() -> bytes:
+    """Return a picture of the gripper with the red cube."""
     simulation = seen_from((1.35, -0.75, 0.5), (0.42, 0.06, 0.16))
     with tool0.bringup(scene="table_and_cubes", simulation=simulation) as robot:
         x, y, z = robot.scene.pose("red cube").position
@@ -164,6 +168,7 @@ def first_grip() -> bytes:
 
 @named("first-replay")
 def first_replay() -> bytes:
+    """Return a picture of the replay of the program."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "pick.mcap")
         simulation = tool0.SimulationConfig(realtime=False, scene="table_and_cubes")
@@ -215,18 +220,21 @@ def own_robot() -> Iterator[tool0.Robot]:
 
 @named("own-robot")
 def own_robot_seen() -> bytes:
+    """Return a picture of the robot above its part."""
     with own_robot() as robot:
         return rendered(robot, "docs")
 
 
 @named("own-camera")
 def own_camera() -> bytes:
+    """Return a picture of the hand camera."""
     with own_robot() as robot:
         return rendered(robot, "hand")
 
 
 @named("own-cell")
 def own_cell() -> bytes:
+    """Return a picture of the two robots."""
     with own_files() as folder:
         simulation = seen_from((-1.7, -0.5, 1.4), (0.3, 0.0, 0.15))
         cell = folder / "two_robots.yaml"
@@ -234,6 +242,79 @@ def own_cell() -> bytes:
             target = Pose(xyz=(0.35, -0.25, 0.25), rpy=DOWN)
             robot.arms["right"].move_to(target).wait()
             return rendered(robot, "docs")
+
+
+# --- ros2.md ---
+
+
+@named("ros2-controllers")
+def ros2_controllers() -> bytes:
+    """Return a picture of the controllers of ROS 2."""
+    with (
+        tool0.bringup(arm="ur5e", ros2_control=True) as robot,
+        driven_page(robot) as page,
+    ):
+        page.get_by_role("tab", name="Controllers").click()
+        return drawn(page)
+
+
+# --- ur-rtde.md ---
+
+
+@contextmanager
+def ur_controller() -> Iterator[tool0.Robot]:
+    """Bring up a UR5e beside the bin, with its control box."""
+    with (
+        tool0.bringup(arm="ur5e", scene="table_and_bin") as robot,
+        tool0.UrController(robot) as ur,
+    ):
+        ur.wait()
+        yield robot
+
+
+def control_box(robot: tool0.Robot) -> bytes:
+    """Return a picture of the panel's tab I/O."""
+    with driven_page(robot) as page:
+        page.get_by_role("tab", name="I/O").click()
+        page.get_by_test_id("ur-program").wait_for()
+        return drawn(page)
+
+
+@named("ur-box")
+def ur_box() -> bytes:
+    """Return a picture of the control box."""
+    with ur_controller() as robot:
+        return control_box(robot)
+
+
+@named("ur-stop")
+def ur_stop() -> bytes:
+    """Return a picture of the control box in a protective stop."""
+    with tempfile.TemporaryDirectory() as folder, ur_controller() as robot:
+        for title, text in files_of("ur-rtde.md").items():
+            Path(folder, title).write_text(text)
+        robot.arm.move_to(Pose(xyz=(0.5, -0.32, 0.29), rpy=DOWN)).wait()
+        post = Box(size=(0.1, 0.1, 0.4))
+        robot.scene.add("post", post, xyz=(0.68, -0.32, 0.18))
+        subprocess.run([sys.executable, "bump.py"], cwd=folder, check=True)
+        return control_box(robot)
+
+
+# --- planning.md ---
+
+
+@named("plan-panel")
+def plan_panel() -> bytes:
+    """Return a picture of a planned way around the wall."""
+    with tool0.bringup(scene="shelf") as robot, driven_page(robot) as page:
+        page.get_by_test_id("tool-toggle").click()
+        for number, value in enumerate(("480", "-340", "350")):
+            field = page.get_by_test_id(f"tool-{number}")
+            field.fill(value)
+            field.press("Enter")
+        page.get_by_test_id("tool-go").click()
+        page.get_by_test_id("plan-figures").wait_for()
+        return drawn(page)
 
 
 def main(names: list[str]) -> None:

@@ -74,20 +74,21 @@ class Progress(BaseCallback):
             print(f"{self.num_timesteps},{rate:.3f},{returned:.2f}", flush=True)
 
 
-torch.set_num_threads(1)  # the physics needs the processors
-env = VecNormalize(
-    VecMonitor(Copies("tool0/Reach-v0", 32, dt=0.002)), norm_reward=False
-)
-model = PPO(
-    "MlpPolicy",
-    env,
-    n_steps=32,
-    batch_size=256,
-    learning_rate=1e-3,
-    gamma=0.95,
-    seed=0,
-    device="cpu",
-    policy_kwargs={"net_arch": [64, 64]},
-)
-model.learn(STEPS, callback=Progress())
-env.close()
+if __name__ == "__main__":
+    torch.set_num_threads(1)  # the physics needs the processors
+    env = VecNormalize(
+        VecMonitor(Copies("tool0/Reach-v0", 32, dt=0.002)), norm_reward=False
+    )
+    model = PPO(
+        "MlpPolicy",
+        env,
+        n_steps=32,
+        batch_size=256,
+        learning_rate=1e-3,
+        gamma=0.95,
+        seed=0,
+        device="cpu",
+        policy_kwargs={"net_arch": [64, 64]},
+    )
+    model.learn(STEPS, callback=Progress())
+    env.close()

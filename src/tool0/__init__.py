@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from tool0.api.sensors import CameraHandle, ForceTorque
     from tool0.batch.batch import Batch
     from tool0.batch.contacts import Contacts
+    from tool0.batch.force_torque import BatchForceTorque
     from tool0.batch.saved import BatchState
     from tool0.cli.demos.hand import PickOptions
     from tool0.cli.demos.picker import pick_and_place
@@ -144,6 +145,7 @@ __all__ = [
     "ArmMotion",
     "ArmSample",
     "Batch",
+    "BatchForceTorque",
     "BatchState",
     "Bin",
     "Branch",
@@ -294,6 +296,7 @@ _HOMES = {
     "ArmMotion": "tool0.api.arm_motion",
     "ArmSample": "tool0.protocol.state",
     "Batch": "tool0.batch.batch",
+    "BatchForceTorque": "tool0.batch.force_torque",
     "BatchState": "tool0.batch.saved",
     "Bin": "tool0.api.grasps",
     "Branch": "tool0.description.posture",

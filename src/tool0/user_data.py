@@ -23,7 +23,7 @@ def cache_folder() -> Path:
 
 
 def _home(variable: str, default: str) -> Path:
-    """By the XDG Base Directory Specification: a relative path is ignored."""
+    """Return a base directory of the XDG specification; a relative one is ignored."""
     folder = Path(os.environ.get(variable, ""))
     return folder if folder.is_absolute() else expanded(Path("~", default))
 

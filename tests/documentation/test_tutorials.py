@@ -31,6 +31,7 @@ LANGUAGES = {"sh", "text", *SAVED}
 NOT_RUN = {
     "make setup": "it makes the environment that runs this test",
     "source .venv/bin/activate": "this test has done so in its own way",
+    "pip install '.[collect,video]'": "it changes the environment of this test",
     "pip install ur-rtde": "tests of ur_rtde need it, too",
     "tool0 ros2 install": "it downloads; tests of ROS 2 run what it installed",
     "rosdep install --from-paths src --ignore-src --rosdistro noetic -y": (
@@ -45,8 +46,14 @@ NOT_RUN = {
 """Command → why no test of a page runs it."""
 FAILED = re.compile(r"(^|[: ])error: |^not free: ", re.MULTILINE)
 """In the output of a block whose last command ends with a status other than 0."""
-SHORTER: dict[str, str] = {}
+SHORTER = {
+    "STEPS, CHUNK, WIDTH = 2500": "STEPS, CHUNK, WIDTH = 30",
+    "--episodes 200": "--episodes 6",
+    "--episodes 50": "--episodes 2",
+}
 """What takes long → what the test has instead."""
+HOST = "127.0.0.1"
+"""Of a robot on a page; those of tests have an address of their own."""
 PANEL = "Panel: http://127.0.0.1:8085/"
 """Where no page of this kind is printed, none is served."""
 FASTER = "--speed 10"
@@ -90,7 +97,7 @@ class Follower:
         for long, short in SHORTER.items():
             text = text.replace(long, short)
         if self.host is not None:
-            text = text.replace("127.0.0.1", self.host)
+            text = text.replace(HOST, self.host)
         if text.startswith("tool0 bringup"):
             if PANEL not in self.text:
                 text = f"{text} --headless"
@@ -133,6 +140,8 @@ def test_a_page_can_be_followed_from_its_start_to_its_end(
         for block, told in printed(page):
             fails = told is not None and FAILED.search(told) is not None
             output = reader.follows(block, follower.skips, fails=fails)
+            if follower.host is not None:
+                output = output.replace(follower.host, HOST)
             if told is not None:
                 assert says(output, told), f"{block.text}\n{output}"
             if "roslaunch " in block.text:

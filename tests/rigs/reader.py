@@ -129,9 +129,6 @@ class Terminal:
         self.interrupts()
         if _SERVER.match(command):
             return self._starts(command)
-        import time
-
-        t0 = time.time()
         done = subprocess.run(
             ["bash", "-c", "\n".join([*self._lasting, command])],
             cwd=self._folder,
@@ -143,7 +140,6 @@ class Terminal:
             timeout=LONGEST,
             check=False,
         )
-        print(f"{time.time() - t0:6.2f} {command[:70]}")
         assert (done.returncode != 0) == fails, f"{command}\n{done.stdout}"
         if _LASTING.match(command):
             self._lasting.append(command)

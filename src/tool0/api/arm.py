@@ -46,7 +46,7 @@ AnyPose = Transform | Pose | Iterable[Sequence[float]]
 
 
 class PlanOptions(TypedDict, total=False):
-    """How a collision-free motion is planned."""
+    """Options of planning a collision-free motion."""
 
     speed: float
     """Fraction of each joint's largest velocity, 0.01 … 1; 0.5, if left out."""
@@ -137,7 +137,7 @@ class Arm:
 
     @property
     def motion(self) -> ArmMotion:
-        """What moves it in place of its controllers, by paths and streams."""
+        """Motion by paths and streams, in place of the arm's controllers."""
         return ArmMotion(self.name, self._channel)
 
     def go_to_pose(
@@ -363,7 +363,7 @@ class Arm:
             relative_to: As for ``inverse_kinematics``; with ``tip`` itself, the target
                 is relative to where the tool is.
             free_axis: An axis of the tool about which it may be turned at the target.
-            **options: Of the search: see ``PlanOptions``.
+            **options: Options of the search: see ``PlanOptions``.
 
         Raises:
             CollisionError: If the start or the target is in collision, with the bodies.

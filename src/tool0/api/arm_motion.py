@@ -74,7 +74,7 @@ class ArmMotion:
         self._channel.call(TakeArm(arm=self._arm, by=by))
 
     def release(self) -> None:
-        """Stop, and let the controllers start again."""
+        """Stop, and start the controllers again."""
         self._channel.call(ReturnArm(arm=self._arm))
 
     def execute_path(
@@ -90,13 +90,13 @@ class ArmMotion:
         """Follow a path that starts with the setpoint; return its number.
 
         Args:
-            times: Of the knots after the start [s].
-            positions: [rad], shape (n_knots, 6).
-            velocities: [rad/s], the same shape; 0 at the end.
-            accelerations: [rad/s²]; with them, the path is made of quintics, otherwise
-                of cubics.
+            times: Times of the knots after the start [s].
+            positions: Positions [rad], shape (n_knots, 6).
+            velocities: Velocities [rad/s], the same shape; 0 at the end.
+            accelerations: Accelerations [rad/s²]; with them, the path is made of
+                quintics, otherwise of cubics.
             after: The number of a path that this one replaces.
-            at: From which time of that path on [s].
+            at: Time of that path from which it is replaced [s].
 
         Raises:
             ControlError: If the joints cannot follow it, or it does not start there.
@@ -144,8 +144,8 @@ class ArmMotion:
         """Ramp down to rest.
 
         Args:
-            deceleration: Of the leading joint [rad/s²]; of the path's speed [1/s] if
-                the arm is to stay on its path.
+            deceleration: Deceleration of the leading joint [rad/s²]; of the path's
+                speed [1/s] if the arm is to stay on its path.
             along_path: Whether it does.
         """
         self._channel.call(
@@ -182,7 +182,7 @@ class ArmMotion:
         Send the next ones soon; without them, the arm returns to position control.
 
         Args:
-            torques: [N·m], shape (6,).
+            torques: Torques [N·m], shape (6,).
             viscous_scale: Part of the viscous friction that is compensated, 0 … 1.
             coulomb_scale: Part of the dry friction that is compensated, 0 … 1.
             duration: Simulated time until which the next ones must come [s].

@@ -85,13 +85,13 @@ def bringup(
             later ones override.
         controllers: Names of the controllers to load and start.
         initial_pose: A named pose, or positions by joint [rad | m].
-        realtime: Whether time passes by itself; otherwise only ``run`` and ``wait``
+        realtime: Whether time passes in real time; otherwise only ``run`` and ``wait``
             advance it, as fast as possible.
         speed: Simulated seconds per wall second in real time.
         paused: Whether to start paused.
         record: An MCAP file to record to, from the start until the robot is closed
             (docs/how-to/recordings.md).
-        description: Which robot.
+        description: The robot.
         control: Its controllers and its initial pose.
         simulation: The physics, the objects around the robot, and time.
 

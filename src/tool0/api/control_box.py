@@ -97,8 +97,8 @@ class ControlBox:
         """Set what the drives expect at the flange, with the gripper and its load.
 
         Args:
-            mass: [kg]
-            center_of_gravity: In the frame of the flange [m].
+            mass: Mass [kg]
+            center_of_gravity: Centre of gravity in the frame of the flange [m].
         """
         name = "center_of_gravity"
         center: Place = checked_value("set_payload", name, center_of_gravity, Place)
@@ -107,7 +107,7 @@ class ControlBox:
         )
 
     def clear_payload(self) -> None:
-        """Reset the payload to what the description has at the flange."""
+        """Reset the payload to that of the description at the flange."""
         self._channel.call(SetPayload(arm=self._arm))
 
     def play(self) -> None:
@@ -151,7 +151,7 @@ class ControlBox:
         self._channel.call(UnlockProtectiveStop(arm=self._arm))
 
     def restart_safety(self) -> None:
-        """Clear what the safety system has stopped; the arm is switched off then."""
+        """Clear the stops of the safety system; the arm is switched off then."""
         self._channel.call(RestartSafety(arm=self._arm))
 
     def enable_motion(
@@ -160,7 +160,8 @@ class ControlBox:
         """Enable motion of this real arm, until the session ends or `disable_motion`.
 
         Args:
-            serial_number: Of the robot that you have in view, as its nameplate has it.
+            serial_number: Serial number of the robot that you have in view, as its
+                nameplate has it.
             accept_calibration: Move although the robot's calibration is another one
                 than the description's: poses are off by millimetres.
 
@@ -182,7 +183,7 @@ class ControlBox:
         """Set the tool centre point, for clients of UR's protocols.
 
         Args:
-            pose: In the frame of the flange: x, y, z [m] and a rotation vector [rad].
+            pose: TCP in the flange's frame: x, y, z [m] and a rotation vector [rad].
         """
         self._channel.call(
             SetTcp(arm=self._arm, pose=pose)  # type: ignore[arg-type]
@@ -191,7 +192,7 @@ class ControlBox:
     def set_safety_limits(
         self, *, enabled: bool | None = None, force: float | None = None
     ) -> None:
-        """Choose what stops the arm protectively by itself.
+        """Configure the automatic protective stops.
 
         Args:
             enabled: Whether a path error, the force of a contact or a command beyond a

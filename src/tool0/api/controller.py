@@ -136,8 +136,8 @@ class ControllerHandle:
             stamp: Simulated time at which the trajectory starts [s]; now, if left out.
             path_tolerance: Largest error on the way, by joint [rad | m]; below 0
                 disables the check.
-            goal_tolerance: Largest error at the end, by joint [rad | m]; likewise.
-            goal_time_tolerance: Grace after the last point [s]; likewise.
+            goal_tolerance: Largest error at the end, by joint [rad | m], as above.
+            goal_time_tolerance: Grace after the last point [s], as above.
 
         Raises:
             GoalRejectedError: If the controller refuses; its motion continues.
@@ -259,11 +259,11 @@ class ControllerHandle:
         """Send a goal to a GripperActionController, as ROS's actions do.
 
         Args:
-            position: Of the driven joint [rad | m].
+            position: Position of the driven joint [rad | m].
             max_effort: Largest effort of the drive [N·m | N]; the controller's own, if
                 left out or 0.  ROS 2's parallel gripper writes it to its
                 ``max_effort_interface``: there it is the force of the pads [N].
-            max_velocity: Of ROS 2's parallel gripper, for its
+            max_velocity: Largest velocity of ROS 2's parallel gripper, for its
                 ``max_velocity_interface``: the speed of the pads [m/s]; the
                 controller's own, if left out.
 

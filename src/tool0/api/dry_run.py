@@ -28,7 +28,7 @@ from tool0.simulation.simulation import Simulation
 
 ENGINE: Final = "mujoco"
 LOOK: Final = 0.02
-"""Between two looks at the contacts [s]."""
+"""Time between two looks at the contacts [s]."""
 
 
 @final
@@ -54,20 +54,20 @@ class JointPeak:
     """The joint of an arm that came nearest to a limit."""
 
     joint: str
-    """Its name."""
+    """Name of the joint."""
     value: float
-    """[rad/s] or [N·m], an absolute value."""
+    """Absolute value of the quantity [rad/s] or [N·m]."""
     share: float
-    """Fraction of its limit."""
+    """Fraction of the joint's limit."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DryRun:
-    """What a program did in the simulation."""
+    """Result of a program in the simulation."""
 
     end: ProgramRun
-    """How it ended, after how long."""
+    """State of the run at its end, with its duration."""
     touches: tuple[TouchReport, ...]
     """Touches in the order of their times."""
     speed: JointPeak
@@ -178,7 +178,7 @@ class _Observer:
         )
 
     def outcome(self, end: ProgramRun) -> DryRun:
-        """Return what was seen."""
+        """Return the observations."""
         return DryRun(
             end=end,
             touches=tuple(self._touches.values()),

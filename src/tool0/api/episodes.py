@@ -36,8 +36,8 @@ class EpisodesHandle:
         """Choose the folder, on the simulation's machine; it may have episodes already.
 
         Args:
-            folder: Where the recordings and their index are written.
-            task: What is to be done, in words; each line of the index has it.
+            folder: Folder to which the recordings and their index are written.
+            task: Description of the task; each line of the index has it.
             reset: Whether each episode starts with a reset of robot and objects.
 
         Raises:

@@ -39,7 +39,7 @@ def find_grasps(
 
     Args:
         item: A box, a sphere, or a cylinder that stands.
-        pose: Where it is, in the root.
+        pose: Pose of the object, in the root.
         largest: The gripper's widest opening [m].
 
     Raises:
@@ -80,8 +80,8 @@ def grasps_from_above(position: Vector3, width: float) -> tuple[Grasp, ...]:
     """Return the poses of a gripper that looks down, along the axes of the root.
 
     Args:
-        position: Of the middle of its pads, in the root [m].
-        width: Of what is between them [m].
+        position: Position of the middle of its pads, in the root [m].
+        width: Width of the object between them [m].
     """
     frame = to_transform(Pose(xyz=position))
     return tuple(Grasp(_from_above(frame, k * math.pi / 2.0), width) for k in range(4))
@@ -160,7 +160,7 @@ class Bin:
     """A box that is open above, its sides along the root's axes."""
 
     lower: Vector3
-    """Its corner, outside, in the root [m]."""
+    """Lower corner of the box, outside, in the root [m]."""
     upper: Vector3
     """The opposite corner, outside, in the root [m]."""
 

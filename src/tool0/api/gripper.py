@@ -28,7 +28,7 @@ class Gripper:
 
     @property
     def geometry(self) -> ParallelGripper:
-        """How the opening follows from its joint, and the ranges of speed and force."""
+        """Opening as a function of the joint's position; ranges of speed and force."""
         return self._geometry
 
     @property
@@ -113,7 +113,7 @@ class Gripper:
             opening: Distance between the pads [m], 0 … ``geometry.max_opening``.
             position: Instead of an opening: position of the driven joint
                 [rad | m].
-            speed: Of the pads relative to each other [m/s], within
+            speed: Speed of the pads relative to each other [m/s], within
                 ``geometry.speed``; the fastest, if left out.
             force: Largest force at each pad [N], within ``geometry.force``: an object
                 between them is gripped with it.  The maximum, if left out.

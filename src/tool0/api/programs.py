@@ -187,7 +187,7 @@ class ProgramHandle:
 
     @property
     def status(self) -> ProgramRun:
-        """What it does now: state, step, error."""
+        """Present state of the program, with its step and error."""
         runs = self._channel.call(ReadRuns())
         found = next((item for item in runs if item.run == self._run), None)
         if found is not None:

@@ -36,7 +36,7 @@ QUANTITIES: Final = (
     "desired_position",
     "desired_velocity",
 )
-"""What is recorded of each joint, in the order of the columns."""
+"""Quantities recorded of each joint, in the order of the columns."""
 
 _INTERVAL: Final = 0.1
 """Interval at which received snapshots are packed [wall s]."""
@@ -126,7 +126,7 @@ class Recording(AbstractContextManager["Recording"]):
     def desired_velocity(self) -> Array:
         """Desired velocities [rad/s | m/s], shape (n_samples, n_joints).
 
-        NaN likewise.
+        NaN as for ``desired_position``.
         """
         return self._of("desired_velocity")
 

@@ -83,11 +83,11 @@ class JointValues:
     time: float
     """Simulated time [s]."""
     position: Mapping[str, float]
-    """[rad | m]"""
+    """Positions [rad | m]."""
     velocity: Mapping[str, float]
-    """[rad/s | m/s]"""
+    """Velocities [rad/s | m/s]."""
     effort: Mapping[str, float]
-    """[N·m | N]"""
+    """Efforts [N·m | N]."""
 
 
 @final
@@ -123,7 +123,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def info(self) -> SimulationInfo:
-        """What does not change: engine, control period, ground, limits, YAML."""
+        """Constant properties: engine, control period, ground, limits, YAML."""
         return self._info
 
     @cached_property
@@ -142,7 +142,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def is_realtime(self) -> bool:
-        """Whether time passes by itself; otherwise ``run`` and ``wait`` advance it."""
+        """Whether time passes on its own; otherwise ``run`` and ``wait`` advance it."""
         return self.info.is_realtime
 
     @property
@@ -350,10 +350,10 @@ class Robot(AbstractContextManager["Robot"]):
 
         Args:
             name: A link or an object that can move.
-            force: [N], of constant direction in the robot's root.
-            torque: [N·m], likewise.
-            point: Where the force acts now [m], in the root; the body's centre of mass
-                if left out.
+            force: Force [N], of constant direction in the robot's root.
+            torque: Torque [N·m], in the same axes.
+            point: Point where the force acts now [m], in the root; the body's centre
+                of mass if left out.
             duration: Simulated time [s]; without end if left out.
 
         Raises:
@@ -565,7 +565,7 @@ class Robot(AbstractContextManager["Robot"]):
         """Save the measured positions of the driven joints under ``name``.
 
         Args:
-            name: Of the pose.
+            name: Name of the pose.
             robot: Only the joints of this robot; those of all, if left out.
 
         Raises:
@@ -736,7 +736,7 @@ class Robot(AbstractContextManager["Robot"]):
         """Advance simulated time, and return when it has passed.
 
         Args:
-            duration: [simulated s], 0 or more.
+            duration: Duration [simulated s], 0 or more.
 
         Raises:
             ControlError: If the simulation is paused or closed.

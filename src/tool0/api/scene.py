@@ -103,7 +103,7 @@ class SceneHandle:
                 or a mesh's file in metres (``tool0.scene.mesh`` scales others).
             xyz: Position of its origin, in the robot's root [m].
             rpy: Its orientation, fixed-axis roll, pitch, yaw [rad].
-            mass: [kg]; an object without one is fixed.
+            mass: Mass [kg]; an object without one is fixed.
             friction: Coulomb coefficient of sliding friction.
             rgba: Each within 0 … 1; a colour of its own, if left out.
             allow_penetration: Whether it may be more than 2 mm inside a link.
@@ -160,7 +160,7 @@ class SceneHandle:
 
         Args:
             name: The object.
-            position: Of its origin, in the robot's root [m].
+            position: Position of its origin, in the robot's root [m].
             quat_wxyz: Its orientation there; of any length but zero.
             linear: Velocity of its origin, in the root's axes [m/s].
             angular: Angular velocity, in the root's axes [rad/s].

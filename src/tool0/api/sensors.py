@@ -128,7 +128,7 @@ class CameraHandle:
     """One camera of a robot: ``robot.camera(name)``."""
 
     camera: Camera
-    """Where it is, its picture's size and its field of view."""
+    """Pose of the camera, size of its picture, and field of view."""
     _channel: Channel
 
     def image(self, snapshot: Snapshot | None = None) -> CameraImage:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
 from tool0.description.grasp_frames import grasp_frame
-from tool0.description.scene import Scene
+from tool0.description.scene import Scene, SceneObject
 from tool0.description.scene_file import load_scene
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, to_transform
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from tool0.description.model import RobotModel
 
 ITEM, BIN, TABLE = "cube", "bin", "table"
-"""Their names in the scene ``table_and_bin``."""
+"""Names of the object, the bin and the table in the scene ``table_and_bin``."""
 TABLE_TOP = -0.02
-"""Of that scene, in the robot's root [m]."""
+"""Height of that scene's table, in the robot's root [m]."""
 ARM_LENGTH = 0.81725
 """Upper arm and forearm of the arm for which that scene is laid out [m]."""
 LIFT = 0.15
@@ -34,7 +34,7 @@ NEAR, FAR = 0.40, 0.65
 RIGHT, LEFT = -0.10, 0.30
 """Range of y [m]."""
 BIN_Y, BIN_HALF_WIDTH = -0.32, 0.10
-"""Of the bin [m]."""
+"""Position in y of the bin's centre, and half its width [m]."""
 GAP = 0.12
 """Distance of an object's centre from the bin, for a gripper beside it [m]."""
 ATTEMPTS = 1000
@@ -51,6 +51,8 @@ class PickTable:
     """Position of the arm's base in the root [m]."""
     arm: str | None = None
     """Name of the arm and its gripper; the robot's only ones, if None."""
+    is_turned: bool = False
+    """Whether the arm looks along -x of the root: the table is turned by pi."""
 
     @property
     def lift(self) -> float:
@@ -59,7 +61,8 @@ class PickTable:
 
     def at(self, x: float, y: float) -> tuple[float, float]:
         """Return the place in the root of one in the scene ``table_and_bin`` [m]."""
-        return self.base[0] + x * self.scale, self.base[1] + y * self.scale
+        scale = -self.scale if self.is_turned else self.scale
+        return self.base[0] + x * scale, self.base[1] + y * scale
 
     def scene(self, *, edge: float, mass: float, friction: float) -> Scene:
         """Return the scene with a cube of ``edge`` [m] and ``mass`` [kg]."""
@@ -101,7 +104,7 @@ class PickTable:
 
         Args:
             robot: The robot.
-            height: Of the object, which stands [m].
+            height: Height of the standing object [m].
             seed: The same one yields the same poses.
         """
         rng = random.Random(seed)
@@ -134,6 +137,25 @@ class PickTable:
         except ModelError:
             return False
         return True
+
+
+def joined(tables: Iterable[SceneObject]) -> SceneObject:
+    """Return a table around several ones, which are boxes along the root's axes."""
+    first, *_ = boxes = [item for item in tables if isinstance(item.geometry, Box)]
+    low, high = (
+        [
+            bound(
+                item.pose.xyz[k] + side * item.geometry.size[k] / 2.0
+                for item in boxes
+                if isinstance(item.geometry, Box)
+            )
+            for k in range(3)
+        ]
+        for bound, side in ((min, -1.0), (max, 1.0))
+    )
+    x, y, z = ((a + b) / 2.0 for a, b in zip(low, high, strict=True))
+    dx, dy, dz = (b - a for a, b in zip(low, high, strict=True))
+    return replace(first, geometry=Box(size=(dx, dy, dz)), pose=Pose(xyz=(x, y, z)))
 
 
 def arm_scale(model: RobotModel) -> float:

@@ -18,6 +18,11 @@ Which = Sequence[int] | Sequence[bool] | NDArray[np.integer] | NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
 
+def are_finite(values: Array) -> bool:
+    """Return whether all numbers are finite; the sum of their squares tells soonest."""
+    return math.isfinite(np.vdot(values, values)) or bool(np.isfinite(values).all())
+
+
 @final
 class Arguments:
     """Checks the arguments of one method."""
@@ -43,7 +48,7 @@ class Arguments:
                     f"the mask 'which' has shape {values.shape}; it must be ({n},), "
                     "one per copy"
                 )
-            return np.flatnonzero(values)
+            return values.nonzero()[0]
         if values.size == 0:
             return np.empty(0, np.intp)
         if values.ndim != 1 or not np.issubdtype(values.dtype, np.integer):
@@ -75,21 +80,21 @@ class Arguments:
         """
         whole = (self._n, *shape)
         try:
-            given = np.asarray(values, dtype=np.float64)
+            given: Array = np.asarray(values, dtype=np.float64)
         except (TypeError, ValueError):
             raise self._error(
                 f"'{name}' must be numbers of shape {whole}{axes}, got {values!r:.80}"
             ) from None
         if given.shape == shape:
-            given = np.broadcast_to(given, whole)
+            value, given = given, np.empty(whole)
+            given[...] = value
         if given.shape != whole:
             raise self._error(
                 f"'{name}' has shape {given.shape}; it must be {whole}{axes}, or "
                 f"{shape} for all copies alike"
             )
-        is_sound = np.isfinite(given[which])
-        if not is_sound.all():
-            at = np.argwhere(~is_sound)[0]
+        if not are_finite(given) and not are_finite(given[which]):
+            at = np.argwhere(~np.isfinite(given[which]))[0]
             index = (int(which[at[0]]), *map(int, at[1:]))
             raise self._error(
                 f"'{name}' has {given[index]} at {list(index)}; every number must be "

@@ -15,10 +15,12 @@ from tool0.description.drive_limits import DriveLimits
 from tool0.description.scene import SceneObject
 from tool0.description.shapes import resized
 from tool0.errors import ConfigError, ControlError, EngineUnavailableError
+from tool0.kernel.memory import IntArray
 from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 
 if TYPE_CHECKING:
+    from tool0.batch.copy_sensor import CopySensor
     from tool0.batch.saved import SavedCopy
     from tool0.engines.mujoco.contact_arrays import ContactArrays
     from tool0.engines.mujoco.copies import ObjectArrays
@@ -117,6 +119,12 @@ class BatchBackend(Protocol):
     def are_touching(self, first: Names, second: Names | None) -> NDArray[np.bool_]:
         """Return whether there is such a contact in each copy."""
 
+    def start_sensor(self, sensor: CopySensor) -> None:
+        """Sample in all copies now, and then whenever it is due."""
+
+    def stop_sensor(self, sensor: CopySensor) -> None:
+        """Stop sampling."""
+
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object, at rest; ControlError if that is impossible."""
 
@@ -146,7 +154,7 @@ class BatchBackend(Protocol):
         self,
         rows: Indices,
         controller: int,
-        joints: Sequence[int],
+        joints: IntArray,
         *,
         times: Array,
         positions: Array,

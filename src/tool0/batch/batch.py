@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
-import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, final
@@ -25,6 +23,7 @@ from tool0.batch.backend import (
 )
 from tool0.batch.commands import Commands
 from tool0.batch.contacts import Bodies, Contacts, checked_bodies
+from tool0.batch.force_torque import BatchForceTorque
 from tool0.batch.frames import GripperFrames
 from tool0.batch.images import Images
 from tool0.batch.making import (
@@ -34,6 +33,7 @@ from tool0.batch.making import (
     make_cores,
     only_scene,
 )
+from tool0.batch.one_thread import OneThread
 from tool0.batch.saved import BatchState
 from tool0.description.camera import default_cameras, merged
 from tool0.description.config import DescriptionConfig, File
@@ -116,7 +116,7 @@ class Batch:
         self._device = checked_device(device, threads)
         self._threads = checked_threads(threads, self._n if device == CPU else 1)
         self._dt = dt
-        robot = load_description(description)
+        self._robot = robot = load_description(description)
         self._model = robot.model
         scenes = copied_scenes(robot, scene, self._n)
         if device != CPU:
@@ -139,14 +139,19 @@ class Batch:
         self._chains: dict[str, LinkFrames] = {}
         self._tcp_frames: dict[str, GripperFrames] = {}
         self._inverses: dict[str, InverseKinematics] = {}
+        self._diverged: NDArray[np.bool_] | None = None
         self._joints: tuple[Array, Array, Array] | None = None
         self._object_arrays: ObjectArrays | None = None
-        """Arrays read since the state last changed, like ``_joints``."""
+        """Arrays read since the state last changed, like the two before."""
         self._sizes: dict[str, Array] = {}
         """Sizes of objects that were read since they last changed, by name."""
+        self._sensors: dict[str | None, BatchForceTorque] = {}
+        """By link, and by what else they were asked for by."""
         self._is_closed = False
-        self._user = threading.RLock()
-        """Held by the thread that reads or changes the state."""
+        self._alone = OneThread()
+        """Entered by the thread that reads the state."""
+        self._changing = self._alone.then(self._forget)
+        """Entered by the thread that changes the state."""
 
     # ---- what it is -----------------------------------------------------------------
 
@@ -216,7 +221,7 @@ class Batch:
     @property
     def time(self) -> Array:
         """Simulated time of each copy since its reset [s], shape (n,)."""
-        with self._alone():
+        with self._alone:
             return _frozen(self._copies.time)
 
     @property
@@ -237,8 +242,11 @@ class Batch:
     @property
     def diverged(self) -> NDArray[np.bool_]:
         """Copies whose physics failed, shape (n,): each stands still until a reset."""
-        with self._alone():
-            return _frozen(self._copies.has_diverged.copy())
+        found = self._diverged
+        if found is None:
+            with self._alone:
+                found = self._diverged = _frozen(self._copies.has_diverged.copy())
+        return found
 
     def tool_pose(self, robot: str | None = None) -> tuple[Array, Array]:
         """Return position [m], (n, 3), and quat_wxyz, (n, 4), of tool0 in the root.
@@ -321,10 +329,8 @@ class Batch:
     def opening(self, gripper: str | None = None) -> Array:
         """Return the distance between the pads [m], shape (n,); 0 is closed."""
         geometry = self._gripper(gripper)
-        q = self.position[:, self.joint_names.index(geometry.joint)]
-        return _frozen(
-            np.array([max(0.0, geometry.opening(value)) for value in q.tolist()])
-        )
+        q = self.position[:, self.joint_names.index(geometry.joint)].tolist()
+        return _frozen(np.array([max(0.0, geometry.opening(value)) for value in q]))
 
     @property
     def object_position(self) -> Array:
@@ -344,7 +350,7 @@ class Batch:
     @property
     def object_angular(self) -> Array:
         """Their angular velocities in these axes [rad/s], shape (n, n_objects, 3)."""
-        return self._objects().angular
+        return _frozen(self._objects().angular)
 
     def pad_forces(self, gripper: str | None = None) -> Array:
         """Return the normal force on each pad in the last step [N], shape (n, 2).
@@ -355,7 +361,7 @@ class Batch:
             ControlError: If there is no such gripper, or it has no two pads.
         """
         pads = self.pad_names(gripper)
-        with self._alone():
+        with self._alone:
             return _frozen(self._copies.pad_forces(pads))
 
     @property
@@ -365,7 +371,7 @@ class Batch:
         Raises:
             ControlError: If this is the CPU.
         """
-        with self._alone():
+        with self._alone:
             return self._copies.arrays()
 
     def tool_wrench(self, robot: str | None = None) -> Array:
@@ -386,7 +392,7 @@ class Batch:
         arms = find_arms(self._model)
         flange = _named(arms, robot, "arm", self._model).flange
         links = frozenset(self._model.links_from(flange))
-        with self._alone():
+        with self._alone:
             return _frozen(self._copies.wrenches(links, flange))
 
     def contacts(
@@ -411,7 +417,7 @@ class Batch:
         """
         bodies = self._bodies("contacts", first), self._bodies("contacts", second)
         rows = Arguments(self._n, "contacts").which(which)
-        with self._alone():
+        with self._alone:
             found = self._copies.contacts(*bodies)
         chosen = np.isin(found.world, rows)
         return Contacts(
@@ -441,8 +447,33 @@ class Batch:
         """
         bodies = self._bodies("in_contact", first), self._bodies("in_contact", second)
         assert bodies[0] is not None
-        with self._alone():
+        with self._alone:
             return _frozen(self._copies.are_touching(bodies[0], bodies[1]))
+
+    @property
+    def force_torque(self) -> BatchForceTorque:
+        """The force-torque sensor of the robot's only tool0, in each copy."""
+        return self.force_torque_of(None)
+
+    def force_torque_of(self, link: str | None) -> BatchForceTorque:
+        """Return the force-torque sensor at a link, by its name or that of a sensor.
+
+        Raises:
+            ModelError: If there is neither.
+            ControlError: If no link is named, and the robot has no tool0 or several.
+        """
+        if link not in self._sensors:
+            sensor = BatchForceTorque(
+                link,
+                self._robot,
+                self._cores,
+                self._copies,
+                alone=self._alone,
+                changing=self._changing,
+            )
+            named = self._sensors.setdefault(sensor.link, sensor)
+            self._sensors[link] = named
+        return self._sensors[link]
 
     # ---- commands -------------------------------------------------------------------
 
@@ -484,7 +515,7 @@ class Batch:
                 if array is not None:
                     is_held = self._copies.holds(array)
                     check.on_device(name, array, shape, axes, is_held=is_held)
-            with self._changing():
+            with self._changing:
                 self._commands.start_on_device(
                     rows, parts, positions, velocities, duration
                 )
@@ -494,7 +525,7 @@ class Batch:
         if velocities is not None:
             qd = check.rows("velocities", velocities, shape, rows, axes)
         self._commands.check_positions(names, q[:, None], rows)
-        with self._changing():
+        with self._changing:
             speeds = None if qd is None else qd[:, None]
             self._commands.start(rows, parts, q[:, None], speeds, [duration])
 
@@ -531,7 +562,7 @@ class Batch:
         if velocities is not None:
             qd = check.rows("velocities", velocities, shape, rows, axes)
         self._commands.check_positions(names, q, rows)
-        with self._changing():
+        with self._changing:
             self._commands.start(rows, parts, q, qd, points)
 
     def move_gripper(
@@ -570,20 +601,26 @@ class Batch:
         if self._copies.holds(opening):
             check.on_device("opening", opening, (), "", is_held=True)
         else:
-            openings = ends = check.rows("opening", opening, (), rows)
-            is_beyond = (ends[rows] < 0.0) | (ends[rows] > geometry.max_opening)
-            for end in ends[rows][is_beyond]:
-                geometry.position(float(end))  # raises ModelError
-        fastest, strongest = geometry.speed[1], geometry.force[1]
-        speeds = check.rows("speed", fastest if speed is None else speed, (), rows)
-        forces = check.rows("force", strongest if force is None else force, (), rows)
-        with self._changing():
+            openings = check.rows("opening", opening, (), rows)
+            for end in openings[rows].tolist():
+                if not 0.0 <= end <= geometry.max_opening:
+                    geometry.position(end)  # raises ModelError
+        speeds, forces = (
+            [most] * len(rows)
+            if given is None
+            else check.rows(name, given, (), rows)[rows].tolist()
+            for name, given, most in (
+                ("speed", speed, geometry.speed[1]),
+                ("force", force, geometry.force[1]),
+            )
+        )
+        with self._changing:
             self._commands.grip(
                 geometry,
                 rows,
                 openings,
-                speeds[rows].tolist(),
-                forces[rows].tolist(),
+                speeds,
+                forces,
                 has_force=force is not None,
             )
 
@@ -609,7 +646,7 @@ class Batch:
         rows = Arguments(self._n, "step").which(which)
         if len(rows) < self._n and self._device != CPU:
             raise needs_cpu("Batch.step(which=…)", self._device)
-        with self._changing():
+        with self._changing:
             self._copies.step(int(ticks), rows)
 
     def run(self, duration: float) -> None:
@@ -643,7 +680,7 @@ class Batch:
             _check_starts(free, q[:, columns], rows)
             names = [joint.name for joint in free]
             starts = dict(zip(names, q[rows][:, columns].T, strict=True))
-        with self._changing():
+        with self._changing:
             self._copies.reset(rows, starts)
 
     def save(self) -> BatchState:
@@ -657,7 +694,7 @@ class Batch:
             ControlError: If a goal of a GripperActionController is active in a copy, or
                 this is a GPU.
         """
-        with self._changing():
+        with self._changing:
             return BatchState(self._copies.save(), self._images.save(), self._dt)
 
     def restore(
@@ -696,7 +733,7 @@ class Batch:
                 f"Batch.restore: the state is of steps of {state.dt} s, but this batch "
                 f"has steps of {self._dt} s"
             )
-        with self._changing():
+        with self._changing:
             self._copies.restore(rows, [state.copies[int(k)] for k in sources])
             self._images.restore(rows, [state.looks[int(k)] for k in sources])
             self._sizes.clear()
@@ -731,7 +768,7 @@ class Batch:
         quats = check.rows("quat", turn, (4,), rows)[rows]
         if not (np.abs(quats).max(axis=1, initial=0.0) > 0.0).all():
             raise ControlError("Batch.place: a 'quat' is zero; it must not be")
-        with self._changing():
+        with self._changing:
             self._copies.place(rows, name, xyz, quats)
 
     def set_mass(self, name: str, mass: ArrayLike, which: Which | None = None) -> None:
@@ -826,7 +863,7 @@ class Batch:
             RenderError: If there is no such camera, or no OpenGL here.
         """
         rows = Arguments(self._n, "render_all").which(which)
-        with self._alone():
+        with self._alone:
             return self._images.render(camera, rows)
 
     def segment_all(
@@ -845,7 +882,7 @@ class Batch:
             RenderError: If there is no such camera, or no OpenGL here.
         """
         rows = Arguments(self._n, "segment_all").which(which)
-        with self._alone():
+        with self._alone:
             return self._images.segment(camera, rows)
 
     def set_camera(
@@ -867,7 +904,7 @@ class Batch:
             ControlError: If a shape or a number is wrong.
             RenderError: If there is no such camera.
         """
-        with self._alone():
+        with self._alone:
             self._images.set_camera(name, position, quat, which)
 
     def set_look(
@@ -888,7 +925,7 @@ class Batch:
             ControlError: If a shape or a number is wrong.
             ConfigError: If a value is out of range.
         """
-        with self._alone():
+        with self._alone:
             self._images.set_look(lamp, brightness, which)
 
     def set_colour(
@@ -905,12 +942,12 @@ class Batch:
             ControlError: If a shape or a number is wrong, or there is no such object.
         """
         self._object(name)
-        with self._alone():
+        with self._alone:
             self._images.set_colour(name, rgba, which)
 
     def close(self) -> None:
         """End the batch; closing twice is allowed."""
-        with self._alone():
+        with self._alone:
             self._is_closed = True
             self._images.close()
             for core in self._cores:
@@ -939,27 +976,11 @@ class Batch:
 
         return DeviceCopies(self._cores[0], self._model, self._n, self._device)
 
-    @contextlib.contextmanager
-    def _alone(self) -> Iterator[None]:
-        """Raise ControlError if another thread is reading or changing the state."""
-        if not self._user.acquire(blocking=False):
-            raise ControlError(
-                "another thread is using this batch; give each thread a batch of its "
-                "own, or guard this one with a lock"
-            )
-        try:
-            yield
-        finally:
-            self._user.release()
-
-    @contextlib.contextmanager
-    def _changing(self) -> Iterator[None]:
+    def _forget(self) -> None:
         """Forget arrays that were read: the state changes."""
-        with self._alone():
-            if self._is_closed:
-                raise ControlError("the batch is closed")
-            self._joints = self._object_arrays = None
-            yield
+        if self._is_closed:
+            raise ControlError("the batch is closed")
+        self._diverged = self._joints = self._object_arrays = None
 
     def __reduce__(self) -> NoReturn:
         """Refuse to be pickled or copied."""
@@ -971,20 +992,21 @@ class Batch:
 
     def _states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts of the joints."""
-        with self._alone():
-            if self._joints is None:
+        found = self._joints
+        if found is None:
+            with self._alone:
                 position, velocity, effort = map(_frozen, self._copies.states())
-                self._joints = position, velocity, effort
-            return self._joints
+                found = self._joints = position, velocity, effort
+        return found
 
     def _objects(self) -> ObjectArrays:
-        from tool0.engines.mujoco.copies import ObjectArrays
-
-        with self._alone():
-            if self._object_arrays is None:
-                arrays = map(_frozen, self._copies.objects())
-                self._object_arrays = ObjectArrays(*arrays)
-            return self._object_arrays
+        found = self._object_arrays
+        if found is None:
+            with self._alone:
+                found = self._object_arrays = self._copies.objects()
+                for array in found:
+                    _frozen(array)
+        return found
 
     def _positions(self) -> dict[str, Array]:
         """Return each joint's positions, shape (n,)."""
@@ -1027,7 +1049,7 @@ class Batch:
                 changed_object(item, field, number)
             except ConfigError as error:
                 raise ControlError(f"Batch.{method}: copy {i}: {error}") from None
-        with self._changing():
+        with self._changing:
             self._copies.change(rows, name, field, numbers)
             self._sizes.pop(name, None)
 

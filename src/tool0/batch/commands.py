@@ -17,6 +17,7 @@ from tool0.control.trajectory import TrajectoryGoal
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.model import Joint, ParallelGripper, RobotModel
 from tool0.errors import ControlError
+from tool0.kernel.memory import IntArray
 from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 from tool0.motion.gripper import direct_path
@@ -34,6 +35,17 @@ class ControllerJoints(NamedTuple):
     joints: tuple[str, ...]
     columns: list[int]
     """Columns of the joints, in an array of all joints that are commanded."""
+    number: int
+    """The controller's number among the running ones."""
+    numbers: IntArray
+    """Numbers of the joints in the controller."""
+    lifts_limits: bool
+    """Whether a gripper's goal may limit the drives of the joints."""
+
+    def chosen(self, values: Array) -> Array:
+        """Return the columns of the joints in (…, k)."""
+        n = values.shape[-1]
+        return values if self.columns == list(range(n)) else values[..., self.columns]
 
 
 @final
@@ -51,6 +63,9 @@ class Commands:
         self._parts: dict[tuple[str, ...], list[ControllerJoints]] = {}
         self._position_ranges: dict[tuple[str, ...], Array] = {}
         """Of the joints that were commanded before."""
+        self._drive_limits: dict[tuple[str, float, float], DriveLimits] = {}
+        """Of the last grip, by gripper, speed and force."""
+        self._gripper_controllers: dict[str, tuple[str, Role]] = {}
 
     @cached_property
     def arm_joints(self) -> tuple[str, ...]:
@@ -89,7 +104,16 @@ class Commands:
         parts = []
         for name in dict.fromkeys(owners[joint] for joint in names):
             columns = [k for k, joint in enumerate(names) if owners[joint] == name]
-            part = ControllerJoints(name, tuple(names[k] for k in columns), columns)
+            joints = tuple(names[k] for k in columns)
+            number, its = self._running[name]
+            part = ControllerJoints(
+                name,
+                joints,
+                columns,
+                number,
+                np.array([its.index(joint) for joint in joints], np.int32),
+                not self._driven_by_grippers.isdisjoint(joints),
+            )
             spec = self._first.trajectory_controller(name).spec
             check_names(
                 TrajectoryGoal(points=(), joint_names=part.joints),
@@ -103,20 +127,20 @@ class Commands:
         self, names: Sequence[str], positions: Array, rows: Indices
     ) -> None:
         """Raise GoalRejectedError for positions (n, m, k) beyond the joints' limits."""
-        ranges = self._ranges(tuple(names))
+        low, high = self._ranges(tuple(names))
         chosen = positions[rows]
-        is_beyond = (chosen < ranges[:, 0]) | (chosen > ranges[:, 1])
-        if is_beyond.any():
+        is_beyond = (chosen < low) | (chosen > high)
+        if np.count_nonzero(is_beyond):
             i, m, k = np.argwhere(is_beyond)[0].tolist()
             where = f"point {m} of copy {rows[i]}"
             joint = self._limited(names)[k]
             check_position(joint, float(chosen[i, m, k]), where)
 
     def _ranges(self, names: tuple[str, ...]) -> Array:
-        """Return the ranges of joints' positions [rad | m], shape (k, 2)."""
+        """Return the ranges of joints' positions [rad | m], shape (2, k)."""
         if names not in self._position_ranges:
             ranges = [position_range(joint) for joint in self._limited(names)]
-            self._position_ranges[names] = np.array(ranges)
+            self._position_ranges[names] = np.array(ranges).T
         return self._position_ranges[names]
 
     def start(
@@ -131,8 +155,8 @@ class Commands:
         if not rows.size:
             return
         for part in parts:
-            q = positions[..., part.columns]
-            qd = None if velocities is None else velocities[..., part.columns]
+            q = part.chosen(positions)
+            qd = None if velocities is None else part.chosen(velocities)
             if self._start_native(rows, part, q, qd, times):
                 continue
             for i in rows.tolist():
@@ -158,11 +182,12 @@ class Commands:
         """Start motions to positions (n, k) that lie on the device."""
         goals = {}
         for part in parts:
-            number, joints = self._running[part.controller]
             limited = self._limited(part.joints)
-            goals[number] = [
-                JointGoal(column, joints.index(joint.name), *position_range(joint))
-                for column, joint in zip(part.columns, limited, strict=True)
+            goals[part.number] = [
+                JointGoal(column, number, *position_range(joint))
+                for column, number, joint in zip(
+                    part.columns, part.numbers.tolist(), limited, strict=True
+                )
             ]
         self._copies.command(rows, goals, positions, velocities, duration)
 
@@ -181,14 +206,15 @@ class Commands:
         ``openings`` [m] have shape (n,), and may lie on the device.  Without
         ``has_force`` a GripperActionController applies its own effort.
         """
-        limits: dict[tuple[float, float], DriveLimits] = {}
-        bounds = []
+        old, bounds = self._drive_limits, []
+        self._drive_limits = {}
         for speed, force in zip(speeds, forces, strict=True):
-            if (speed, force) not in limits:
-                limits[speed, force] = DriveLimits(
-                    gripper=gripper, speed=speed, force=force
-                )
-            bounds.append(limits[speed, force])
+            key = gripper.name, speed, force
+            limits = old.get(key) or DriveLimits(
+                gripper=gripper, speed=speed, force=force
+            )
+            old[key] = self._drive_limits[key] = limits
+            bounds.append(limits)
         name, role = self._gripper_controller(gripper)
         if not rows.size:
             return
@@ -251,15 +277,14 @@ class Commands:
         times: Sequence[float],
     ) -> bool:
         """Start motions without Python; False if only Python can."""
-        number, joints = self._running[part.controller]
         return self._copies.start(
             rows,
-            number,
-            [joints.index(joint) for joint in part.joints],
-            times=np.tile(times, (len(rows), 1)),
+            part.number,
+            part.numbers,
+            times=np.array([times] * len(rows)),
             positions=positions[rows],
             velocities=None if velocities is None else velocities[rows],
-            lifts_limits=not self._driven_by_grippers.isdisjoint(part.joints),
+            lifts_limits=part.lifts_limits,
         )
 
     @cached_property
@@ -286,6 +311,11 @@ class Commands:
 
     def _gripper_controller(self, gripper: ParallelGripper) -> tuple[str, Role]:
         """Return name and role of the running controller that drives a gripper."""
+        if gripper.name not in self._gripper_controllers:
+            self._gripper_controllers[gripper.name] = self._found_controller(gripper)
+        return self._gripper_controllers[gripper.name]
+
+    def _found_controller(self, gripper: ParallelGripper) -> tuple[str, Role]:
         statuses = self._manager.list()
         roles = (Role.TRAJECTORY, Role.GRIPPER)
         for status in statuses:

@@ -16,6 +16,7 @@ from tool0.batch.backend import (
     changed_object,
     needs_gpu,
 )
+from tool0.batch.copy_sensor import CopySensor
 from tool0.batch.saved import SavedCopy
 from tool0.control.ros1.goal_check import INSTANT
 from tool0.description.drive_limits import DriveLimits
@@ -27,18 +28,18 @@ from tool0.engines.mujoco.contact_arrays import (
 )
 from tool0.engines.mujoco.copies import (
     ObjectArrays,
-    joint_views,
+    ObjectReader,
     mujoco_engine,
-    object_arrays,
+    read_objects,
 )
 from tool0.errors import EngineError, GoalRejectedError
 from tool0.kernel import library
 from tool0.kernel.many import BatchKernel, StartResult
-from tool0.kernel.memory import Addresses
+from tool0.kernel.memory import Addresses, IntArray
 from tool0.kernel.motions import JointGoal
 from tool0.kernel.program import Ended, TickProgram
 from tool0.kinematics.chain import Array
-from tool0.motion.gripper import direct_path
+from tool0.motion.gripper import direct_duration
 from tool0.simulation.core import Core
 from tool0.simulation.executor import Executor
 
@@ -58,19 +59,26 @@ class Copies:
     def __init__(self, cores: Sequence[Core], threads: int) -> None:
         """Take the cores over; the kernel runs them in so many threads."""
         self._cores = tuple(cores)
+        self._period = cores[0].control_period
         self._executors = tuple(map(Executor, cores))
         self._engines = [mujoco_engine(core.engine) for core in cores]
-        self._views = [joint_views(engine) for engine in self._engines]
         n = len(cores)
+        self._objects = ObjectReader(self._engines[0].world.states, n)
+        self._n_joints = len(self._engines[0].joint_names)
         compiled = library.load()
-        self._kernel = None if compiled is None else BatchKernel(compiled, threads)
-        self._ticks = np.zeros(n, dtype=np.int64)
-        self._untold = np.zeros(n, dtype=np.int64)
-        """Ticks that the kernel executed and the core does not know of."""
+        self._left, self._ticks, self._untold = np.zeros((3, n), dtype=np.int64)
+        """Ticks to execute, those since the reset, and those that the kernel executed
+        and the core does not know of."""
+        self._kernel: BatchKernel | None = None
+        if compiled is not None:
+            counts = {"left": self._left, "ticks": self._ticks, "untold": self._untold}
+            self._kernel = BatchKernel(compiled, threads, **counts)
         self._is_loaded = np.zeros(n, dtype=np.bool_)
         self._programs: list[TickProgram | None] = [None] * n
         self._has_diverged = np.zeros(n, dtype=np.bool_)
-        self._robots: Addresses = np.zeros(n, dtype=np.uintp)
+        self._last_steps: Addresses = np.zeros((n, 3), dtype=np.uintp)
+        """Where the kernel has the last step of a loaded copy; otherwise 0."""
+        self._sensors: list[CopySensor] = []
         self._laws: dict[int, Addresses] = {}
         """Addresses of the laws of each running controller, by number."""
 
@@ -82,7 +90,7 @@ class Copies:
     @property
     def time(self) -> Array:
         """Simulated time of each copy [s]."""
-        return np.asarray(self._ticks * self._cores[0].control_period)
+        return np.asarray(self._ticks * self._period)
 
     @property
     def has_diverged(self) -> NDArray[np.bool_]:
@@ -91,28 +99,44 @@ class Copies:
 
     def step(self, ticks: int, rows: Indices) -> None:
         """Advance these copies, but for those that have diverged."""
-        left = np.zeros_like(self._ticks)
-        left[rows] = np.where(self._has_diverged[rows], 0, ticks)
-        while (rows := left.nonzero()[0]).size:
-            is_loaded = self.load(rows)
-            native = rows if is_loaded else rows[self._is_loaded[rows]]
-            if native.size and self._kernel is not None:
-                most = np.minimum(left[native], MOST_TICKS).astype(np.int32)
-                done, results = self._kernel.run(self._robots[native], most)
-                self._ticks[native] += done
-                self._untold[native] += done
-                left[native] -= done
-                if (is_due := results == Ended.MASSES).any():
-                    robots = self._robots[native[is_due]]
-                    self._kernel.refresh_masses(robots, self._cores[0].hardware)
-                events = (results * ~is_due).nonzero()[0]
-                for i, result in zip(
-                    native[events].tolist(), results[events].tolist(), strict=True
-                ):
-                    left[i] -= self._tick(i, Ended(result), int(left[i]))
-            if not is_loaded:
-                for i in np.setdiff1d(rows, native).tolist():
-                    left[i] -= self._tick(i, None, int(left[i]))
+        left = self._left
+        left[:] = 0
+        left[rows] = ticks
+        left[self._has_diverged] = 0
+        while True:
+            before = self._ticks.copy() if self._sensors else self._ticks
+            others = self._load_left()
+            is_open = self._kernel is not None and self._run(self._kernel)
+            for i in others:
+                left[i] -= self._tick(i, None, int(left[i]))
+            for sensor in self._sensors:
+                sensor.tick(self._ticks - before, self._last_steps)
+            if not is_open and not others:
+                return
+
+    def _run(self, kernel: BatchKernel) -> bool:
+        """Let the kernel execute what is left, or a part; follow how that ends.
+
+        Return whether ticks may be left.
+        """
+        most = kernel.most
+        most[:] = MOST_TICKS
+        for sensor in self._sensors:
+            np.minimum(most, sensor.left, out=most, casting="same_kind")
+        if not kernel.run():
+            return False
+        kernel.refresh(self._cores[0].hardware)
+        for i in kernel.results.nonzero()[0].tolist():
+            self._left[i] -= self._tick(i, Ended(kernel.results[i]), int(self._left[i]))
+        return True
+
+    def _load_left(self) -> list[int]:
+        """Load the copies with ticks left; return those that Python must execute."""
+        if np.count_nonzero(self._is_loaded) == len(self._left):
+            return []
+        self.load(rows := self._left.nonzero()[0])
+        others: list[int] = rows[~self._is_loaded[rows]].tolist()
+        return others
 
     def _tick(self, i: int, event: Ended | None, left: int) -> int:
         """Execute a tick of one copy in Python; return by how much less is left."""
@@ -134,17 +158,21 @@ class Copies:
     def load(self, rows: Indices) -> bool:
         """Load these copies into the kernel; return whether all are."""
         is_loaded = self._is_loaded[rows]
-        if is_loaded.all():
+        if np.count_nonzero(is_loaded) == len(rows):
             return True
+        kernel = self._kernel
+        if kernel is None:
+            return False
         for i in rows[~is_loaded].tolist():
-            program = None if self._kernel is None else self._cores[i].program()
+            program = self._cores[i].program()
             if program is None:
                 continue
             self._is_loaded[i] = True
             self._programs[i] = program
-            self._robots[i] = program.robot_address
+            kernel.robots[i] = program.robot_address
+            self._last_steps[i] = program.step_address
             for number in range(program.n_controllers):
-                addresses = self._laws.setdefault(number, np.zeros_like(self._robots))
+                addresses = self._laws.setdefault(number, np.zeros_like(kernel.robots))
                 addresses[i] = program.law_address(number)
         return bool(self._is_loaded[rows].all())
 
@@ -172,6 +200,8 @@ class Copies:
             self._unload(i)
             self._has_diverged[i] = False
             self._ticks[i] = self._untold[i] = 0
+        for sensor in self._sensors:
+            sensor.restart(rows)
 
     def save(self) -> tuple[SavedCopy, ...]:
         """Return the state of each copy, as ``BatchBackend.save``."""
@@ -179,7 +209,9 @@ class Copies:
         for i, engine in enumerate(self._engines):
             core = self.observed(i).saved()
             self._unload(i)
-            found.append(SavedCopy(core, engine.saved(), bool(self._has_diverged[i])))
+            sensors = {sensor.kind: sensor.saved(i) for sensor in self._sensors}
+            has_diverged = bool(self._has_diverged[i])
+            found.append(SavedCopy(core, engine.saved(), has_diverged, sensors))
         return tuple(found)
 
     def restore(self, rows: Indices, saved: Sequence[SavedCopy]) -> None:
@@ -196,6 +228,11 @@ class Copies:
                 core.scene.changed(item)
             self._has_diverged[i] = state.has_diverged
             self._ticks[i] = core.ticks
+            for sensor in self._sensors:
+                if sensor.kind in state.sensors:
+                    sensor.resume(i, state.sensors[sensor.kind])
+                else:
+                    sensor.restart(rows[rows == i])
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4)."""
@@ -217,30 +254,27 @@ class Copies:
 
     def _unload(self, i: int) -> None:
         self._is_loaded[i] = False
+        self._last_steps[i] = 0
         self._programs[i] = None
+        if self._kernel is not None:
+            self._kernel.robots[i] = 0
 
     def states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""
-        rows = [
-            (*view, program.effort)
-            if program is not None and not has_diverged
-            else core.state[1:]
-            for core, view, program, has_diverged in zip(
-                self._cores,
-                self._views,
-                self._programs,
-                self._has_diverged.tolist(),
-                strict=True,
-            )
-        ]
-        position, velocity, effort = (
-            np.array(part) for part in zip(*rows, strict=True)
-        )
+        is_native = self._is_loaded & ~self._has_diverged
+        if self._kernel is not None:
+            found = self._kernel.read(is_native, self._n_joints)
+        else:
+            found = np.empty((3, len(is_native), self._n_joints))
+        if np.count_nonzero(is_native) < len(is_native):
+            for i in (~is_native).nonzero()[0].tolist():
+                found[:, i] = self._cores[i].state[1:]
+        position, velocity, effort = found
         return position, velocity, effort
 
     def objects(self) -> ObjectArrays:
         """Return poses and velocities of the objects."""
-        return object_arrays(self._engines)
+        return read_objects(self._objects, self._engines)
 
     def pad_forces(self, pads: Sequence[str]) -> Array:
         """Return the normal force on each pad in the last step [N], (n, n_pads)."""
@@ -258,13 +292,24 @@ class Copies:
         """Return where bodies touch, as ``BatchBackend.are_touching``."""
         return are_touching([each.world for each in self._engines], first, second)
 
+    def start_sensor(self, sensor: CopySensor) -> None:
+        """Sample in all copies now, and then whenever it is due."""
+        for i in range(len(self._cores)):
+            self.executor(i)  # its core is up to date then
+        sensor.restart(np.arange(len(self._cores)))
+        self._sensors.append(sensor)
+
+    def stop_sensor(self, sensor: CopySensor) -> None:
+        """Stop sampling."""
+        self._sensors.remove(sensor)
+
     # ---- commands to copies that are loaded ----------------------------------------
 
     def start(
         self,
         rows: Indices,
         controller: int,
-        joints: Sequence[int],
+        joints: IntArray,
         *,
         times: Array,
         positions: Array,
@@ -276,11 +321,12 @@ class Copies:
         Raises:
             GoalRejectedError: If no joint can move so; nothing has changed.
         """
-        if lifts_limits or (times[:, 0] <= 2.0 * INSTANT).any():
+        if lifts_limits or min(times[:, 0].tolist(), default=1.0) <= 2.0 * INSTANT:
             return False
         if self._kernel is None or not self.load(rows):
             return False
         started, which = self._kernel.start(
+            self._kernel.robots[rows],
             self._laws[controller][rows],
             joints,
             now=self.time[rows],
@@ -330,17 +376,17 @@ class Copies:
         if here is None:
             return False
         ends = np.asarray(openings)[rows].tolist()
-        gripper, period = limits[0].gripper, self._cores[0].control_period
-        paths = [
-            direct_path(gripper, at, end, each.speed or gripper.speed[1], period)
+        gripper, period = limits[0].gripper, self._period
+        durations = [
+            direct_duration(gripper, at, end, each.speed or gripper.speed[1], period)
             for each, at, end in zip(limits, here.tolist(), ends, strict=True)
         ]
-        targets = np.array([path.positions[1:] for path in paths])
+        targets = np.array(list(map(gripper.position, ends)))[:, None, None]
         has_started = self.start(
             rows,
             controller,
-            [joint],
-            times=np.array([path.times[1:] for path in paths]),
+            np.array([joint], np.int32),
+            times=np.array(durations)[:, None],
             positions=targets,
             velocities=np.zeros_like(targets),
             lifts_limits=False,

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tool0.batch.arguments import Indices
 from tool0.batch.backend import DeviceArrays, Names, ObjectField, needs_cpu
+from tool0.batch.copy_sensor import CopySensor
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.forward_kinematics import joint_position
 from tool0.description.model import RobotModel
@@ -17,6 +18,7 @@ from tool0.engines.mujoco.copies import ObjectArrays, mujoco_engine
 from tool0.engines.mujoco.warp_worlds import WarpWorlds, check_device
 from tool0.errors import GoalRejectedError
 from tool0.kernel.device import DeviceControl, DeviceState, is_on_device
+from tool0.kernel.memory import IntArray
 from tool0.kernel.motions import JointGoal
 from tool0.kinematics.chain import Array
 from tool0.simulation.core import Core
@@ -149,6 +151,13 @@ class DeviceCopies:
         """Return where bodies touch, as ``BatchBackend.are_touching``."""
         return self._worlds.are_touching(first, second)
 
+    def start_sensor(self, sensor: CopySensor) -> NoReturn:
+        """Raise ControlError: contacts on a device have no torques here."""
+        raise needs_cpu("Batch.force_torque", self._device)
+
+    def stop_sensor(self, sensor: CopySensor) -> None:
+        """Do nothing: none was started."""
+
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4).
 
@@ -182,7 +191,7 @@ class DeviceCopies:
         self,
         rows: Indices,
         controller: int,
-        joints: Sequence[int],
+        joints: IntArray,
         *,
         times: Array,
         positions: Array,
@@ -197,7 +206,7 @@ class DeviceCopies:
         refused = self._control.start(
             rows,
             controller,
-            joints,
+            joints.tolist(),
             now=self.time[rows],
             times=times,
             positions=positions,

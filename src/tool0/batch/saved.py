@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, final
 
 if TYPE_CHECKING:
+    from tool0.batch.copy_sensor import SavedSensor, SensorKind
     from tool0.batch.images import CopyLook
     from tool0.engines.mujoco.engine import SavedEngine
     from tool0.simulation.core import SavedCore
@@ -20,6 +21,8 @@ class SavedCopy:
     core: SavedCore
     engine: SavedEngine
     has_diverged: bool
+    sensors: Mapping[SensorKind, SavedSensor] = field(default_factory=dict)
+    """State of the force-torque sensors that were running."""
 
 
 @final

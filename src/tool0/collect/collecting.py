@@ -41,7 +41,7 @@ _POLL: Final = 0.5
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Progress:
-    """How far a collection is."""
+    """Progress of a collection."""
 
     n_episodes: int
     n_requested: int
@@ -83,7 +83,7 @@ def collect(
             ``module:name`` or ``file.py:name``.  The task's expert if left out.
         seed: Base of the seeds of the episodes.
         format: Columns and further files: ``parquet`` or ``lerobot``.
-        instruction: What is to be done, in words, for LeRobot's format; the task's own
+        instruction: Description of the task for LeRobot's format; the task's own
             sentence if left out.
         copies: Simulations of a worker that take turns.
         progress: Called about twice a second.

@@ -26,7 +26,7 @@ MANIFEST: Final = "manifest.json"
 EPISODES: Final = "episodes.jsonl"
 _DATA_PATH: Final = "data/chunk-{:03d}/episode_{:06d}.parquet"
 _COUNTS: Final = {"length", "success", "bytes"}
-"""What the index is read for."""
+"""Columns for which the index is read."""
 _PART: Final = ".part"
 _WRITERS: Final = 8
 """Files that are written at a time."""
@@ -41,7 +41,7 @@ class Manifest:
     n_episodes: int
     """Episodes in it."""
     n_requested: int
-    """Episodes it shall have."""
+    """Episodes that it should contain."""
     n_succeeded: int
     n_frames: int
     """Actions of all episodes."""

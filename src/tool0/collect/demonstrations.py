@@ -29,7 +29,7 @@ from tool0.recording.reading import RecordingFile, open_recording
 from tool0.recording.video import cameras_of
 
 OBJECT: Final = "object."
-"""Before the name of an object, in the name of its observation."""
+"""Prefix of the name of an object, in the name of its observation."""
 _POSE: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
@@ -48,15 +48,15 @@ def export_lerobot(
     """Write the episodes of a folder as a LeRobot data set of version 3.0.
 
     Args:
-        folder: What ``tool0 record --episodes`` made.
+        folder: Folder written by ``tool0 record --episodes``.
         target: A new folder.
         rate: Frames per simulated second [Hz]: a whole number, at most the recordings'
             own rate.
         only_successes: Leave out the episodes that failed.
-        instruction: What is to be done, in words; what the episodes were recorded
+        instruction: Description of the task; that with which the episodes were recorded
             with, if left out.
         cameras: Cameras of the robot or its scene whose images each frame has.
-        width: Of these [pixels]; the camera's own, if left out.
+        width: Width of these [pixels]; the camera's own, if left out.
         height: Likewise.
         progress: Called with the episodes done and their total.
 

@@ -21,7 +21,7 @@ class Finished:
     message: bytes | None
     """None if the worker ended without one."""
     trouble: str = ""
-    """How it ended; empty if the chunk was not begun."""
+    """Reason of the worker's end; empty if the chunk was not begun."""
 
 
 def lost(chunks: Iterable[Chunk], trouble: str) -> list[Finished]:

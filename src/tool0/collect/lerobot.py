@@ -204,7 +204,7 @@ def descriptions(
     Args:
         folder: A data set with at least one episode.
         lengths: The frames of each episode.
-        instruction: What is to be done in all of them.
+        instruction: Description of the task of all of them.
     """
     import pyarrow.parquet as pq
 

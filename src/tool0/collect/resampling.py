@@ -25,10 +25,10 @@ class Resampled:
         time is that of a snapshot if the interval is a multiple of the snapshots'.
 
         Args:
-            tick: Of each snapshot [control periods], shape (n,).
-            period: Of the control loop [s].
+            tick: Ticks of each snapshot [control periods], shape (n,).
+            period: Period of the control loop [s].
             rate: Times per simulated second [Hz].
-            name: Of the recording, for errors.
+            name: Name of the recording, for errors.
 
         Raises:
             ConfigError: If ``rate`` is above that of the snapshots, or no number > 0.
@@ -39,7 +39,7 @@ class Resampled:
         ticks, self._rows = np.unique(tick, return_index=True)
         steps = np.diff(ticks)
         interval = 1.0 / (rate * period)
-        """Between two times [ticks]."""
+        """Interval between two times [ticks]."""
         usual = int(np.median(steps)) if len(steps) else 1
         if interval < usual * (1.0 - 1e-9):
             raise ConfigError(
@@ -72,7 +72,8 @@ class Resampled:
         """Return values at each time, linear between two snapshots.
 
         Args:
-            values: Of each snapshot, shape (n, m); between NaN and a number is NaN.
+            values: Values of each snapshot, shape (n, m); between NaN and a number is
+                NaN.
         """
         return self._interpolated(values[self._rows])
 

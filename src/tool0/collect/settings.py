@@ -34,12 +34,12 @@ class Settings:
     seed: int
     """Base of the episodes' seeds."""
     policy: str | None
-    """Where the policy is: ``module:name`` or ``file.py:name``; None for the expert."""
+    """Policy as ``module:name`` or ``file.py:name``; None for the expert."""
     digest: str | None
     """SHA-256 of the policy's file."""
     format: Format
     instruction: str
-    """What is to be done in each episode, in words; only LeRobot's format has it."""
+    """Description of the task of each episode; only LeRobot's format has it."""
 
     def to_json(self) -> dict[str, Any]:
         """Return the settings as JSON values; ``from_json`` is the inverse."""

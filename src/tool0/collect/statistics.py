@@ -1,4 +1,4 @@
-"""What LeRobot normalises by: of the frames of an episode, and of a whole data set.
+"""LeRobot's statistics for normalisation: of an episode, and of a whole data set.
 
 Names and meaning are those of lerobot 0.6.1 (lerobot/datasets/compute_stats.py), with
 exact quantiles instead of its histograms' for an episode.

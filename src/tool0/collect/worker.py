@@ -49,7 +49,7 @@ class Worker:
         Args:
             settings: ``Settings.to_json``.
             n_copies: Simulations that take turns.
-            paths: Where the driver looks for modules.
+            paths: Folders in which the driver looks for modules.
         """
         sys.path += [path for path in paths if path not in sys.path]
         self._settings = Settings.from_json(settings)

@@ -136,9 +136,18 @@ class TrajectoryFollower(Controller, Protocol):
         """Return the setpoints of the joints."""
 
     def resume_from_kernel(
-        self, splines: Mapping[int, JointSpline], now: float
+        self,
+        splines: Mapping[int, JointSpline],
+        now: float,
+        *,
+        is_first: bool,
+        has_points: bool,
     ) -> None:
-        """Continue with the motions of joints, by number, that the kernel started."""
+        """Continue with the motions of joints, by number, that the kernel started.
+
+        ``is_first`` says whether the coming tick is their first one, ``has_points``
+        whether they have several points, where the controller distinguishes that.
+        """
 
 
 @runtime_checkable

@@ -99,7 +99,7 @@ class OwnArm:
     names: str
     """Prefix of its links, and of what its hardware offers."""
     joints: tuple[str, ...]
-    """Its joints, from base to flange."""
+    """Joints of the arm, from base to flange."""
 
     def written(self, text: str) -> str:
         """Return YAML ``text`` for its joints, instead of those of the catalogue.

@@ -225,7 +225,7 @@ def _pieces(
 @final
 @dataclass(frozen=True, slots=True)
 class _Composer:
-    """Makes the parts of one robot."""
+    """Builds the parts of one robot."""
 
     description: RobotDescription
     robot: CatalogueRobot | None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import final
 
-from tool0.control.law import REAL_CLOCK, TrajectoryClock, TrajectoryLaw
+from tool0.control.law import TrajectoryLaw
 from tool0.control.parameters import Pid
 from tool0.control.sampler import GoalMonitor, TrajectorySampler
 from tool0.control.spline import JointSpline, hold
@@ -73,22 +73,10 @@ class JointTracking:
             errors[k] = shortest_turn(0.0, errors[k])
         return errors, rates
 
-    def law(
-        self,
-        monitor: GoalMonitor | TrajectoryMonitor | None,
-        *,
-        lead: float = 0.0,
-        clock: TrajectoryClock = REAL_CLOCK,
-    ) -> TrajectoryLaw:
+    def law(self, monitor: GoalMonitor | TrajectoryMonitor | None) -> TrajectoryLaw:
         """Return how the joints follow the splines until an event."""
         return TrajectoryLaw(
-            self.sampler,
-            monitor,
-            self.pid,
-            self.feed_forward,
-            self._wrapping,
-            lead,
-            clock,
+            self.sampler, monitor, self.pid, self.feed_forward, self._wrapping
         )
 
     def setpoint(self, *, lag: float = 0.0, speed_scaling: float = 1.0) -> Setpoint:

@@ -15,6 +15,7 @@ from tool0.control.parameters import Pid
 from tool0.control.sampler import GoalMonitor, TrajectorySampler
 from tool0.control.trajectory_monitor import TrajectoryMonitor
 from tool0.description.drive_limits import DriveLimits
+from tool0.protocol.goals import Tolerance
 
 
 class TrajectoryClock(NamedTuple):
@@ -43,6 +44,27 @@ class TrajectoryClock(NamedTuple):
 REAL_CLOCK = TrajectoryClock()
 
 
+class TrajectoryStart(NamedTuple):
+    """How a trajectory without a goal starts with the coming tick, as in ROS 2."""
+
+    is_spliced: bool
+    """Whether it follows the desired motion, if that has several points."""
+    from_desired: bool
+    """Whether it also starts there otherwise, and not with the measured motion."""
+    reads_velocity: bool
+    """Whether the measured motion has a velocity; otherwise it is 0."""
+    may_end_moving: bool
+    """Whether its last point may have velocities."""
+    path: Sequence[Tolerance]
+    """One tolerance per joint on the way."""
+    at_goal: Sequence[Tolerance]
+    """One tolerance per joint at the end."""
+    goal_time: float
+    """Grace after the end [s]."""
+    timeout: float
+    """When it is given up after the end [s]."""
+
+
 class TrajectoryLaw(NamedTuple):
     """Sample the desired motion; a PID and feed-forward turn errors into commands."""
 
@@ -58,6 +80,10 @@ class TrajectoryLaw(NamedTuple):
     lead: float = 0.0
     """Time by which commands are ahead of the motion that errors refer to [s]."""
     clock: TrajectoryClock = REAL_CLOCK
+    start: TrajectoryStart | None = None
+    """How another trajectory starts; None with a lead leaves that to the controller."""
+    has_points: bool = False
+    """Whether the motion has several points: another one may follow it."""
 
 
 class CommandLaw(NamedTuple):

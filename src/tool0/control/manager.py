@@ -75,7 +75,7 @@ class ControllerManager:
         """Load nothing yet.
 
         ``config`` has the controllers that can be loaded, ``joints`` their limits, and
-        ``model`` what the robot has besides joints.
+        ``model`` describes the rest of the robot.
         """
         self._hardware = hardware
         self.config = config
@@ -100,7 +100,8 @@ class ControllerManager:
         """The running controllers in load order, with their joints; a new tuple
         whenever a controller starts or stops."""
         self.running_specs: tuple[ControllerSpec, ...] = ()
-        """Their parameters; the same ones when a controller restarts."""
+        """Parameters of the running controllers; the same ones when a controller
+        restarts."""
         self._observers: tuple[Callable[[JointState], None], ...] = ()
         self._setpoints: tuple[tuple[str, Callable[[], Setpoint | None]], ...] = ()
         """Name and setpoint function of each running controller."""
@@ -314,7 +315,7 @@ class ControllerManager:
         return tuple(skipped)
 
     def _take_shared(self, item: LoadedController, state: JointState) -> None:
-        """Take the joints from what drives them for a mode that shares them."""
+        """Take the joints from their controllers for a mode that shares them."""
         for other in self._loaded.values():
             if other.arm_mode is not None and set(other.held) & set(item.claims):
                 self._disengage(other, state)
@@ -416,7 +417,7 @@ class ControllerManager:
 
     @staticmethod
     def _may_share(first: LoadedController, second: LoadedController) -> bool:
-        """Return whether the arm deviates from what one of them commands."""
+        """Return whether the arm deviates from the commands of one of them."""
         return any(
             one.arm_mode is not None and other.type in one.arm_mode.companions
             for one, other in ((first, second), (second, first))

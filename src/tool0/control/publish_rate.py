@@ -6,7 +6,7 @@ import math
 from typing import final
 
 _ROUNDING = 1e-9
-"""[s] that sums of periods may differ from multiples of the tick."""
+"""Tolerance by which sums of periods may differ from multiples of the tick [s]."""
 
 _PAUSE = 0.5
 """Pause after which missed publications are dropped [s]: the publisher did not

@@ -343,7 +343,7 @@ class JointSpline(NamedTuple):
             start: When the new trajectory starts [s].
             knots: Those of the new trajectory.
             first: The first of them that is used: after ``now`` and ``start``.
-            suspects: Which of the segments behind the bridge may be implausible.
+            suspects: Segments behind the bridge that may be implausible.
             goal: Whose tolerances hold on the new segments.
             tolerances: Those tolerances.
 
@@ -393,7 +393,7 @@ def section_through(
         knots: Those of the trajectory.
         origin: Time [s] and motion at the start of the first segment.
         first: The knot that it leads to.
-        suspects: Which of the segments behind it may be implausible.
+        suspects: Segments behind it that may be implausible.
         goal: Whose tolerances hold.
         tolerances: Those tolerances.
 

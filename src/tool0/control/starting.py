@@ -1,4 +1,4 @@
-"""Which controllers of a YAML drive a robot without doubt."""
+"""Chooses the controllers of a YAML that drive a robot without ambiguity."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from tool0.protocol.controllers import Role
 _GOALS = (Role.TRAJECTORY, Role.GRIPPER)
 _STATES = ("JointStateController", "JointStateBroadcaster")
 _SCALED = "Scaled"
-"""In the type of a trajectory controller that scales its speed, of Universal Robots."""
+"""Word in the types of Universal Robots' trajectory controllers that scale their
+speed."""
 
 
 class Choice(NamedTuple):

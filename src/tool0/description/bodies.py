@@ -219,7 +219,7 @@ class DynamicsTable(NamedTuple):
     """The constants of ``JointDynamics``."""
 
     gravity: float
-    """[m/s²]"""
+    """Gravity [m/s²]."""
     bodies: tuple[DynamicBody, ...]
     springs: tuple[DynamicSpring, ...]
 

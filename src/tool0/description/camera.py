@@ -35,7 +35,7 @@ _ARM_LENGTH = 1.098
 _WORKSPACE: Vector3 = (0.35, 0.05, 0.15)
 """Point that the camera of the scene looks at, in the frame of the arm's base [m]."""
 _VIEWPOINT: Vector3 = (1.0, -1.0, 0.7)
-"""Where that camera is, from there [m]."""
+"""Position of that camera relative to this point [m]."""
 _NAME = re.compile(r"[A-Za-z]\w*")
 
 
@@ -54,9 +54,9 @@ class Camera:
     pose: Pose = field(default_factory=Pose)
     """Pose of the optical frame in the link."""
     width: int = 640
-    """[pixels]"""
+    """Width of the image [pixels]."""
     height: int = 480
-    """[pixels]"""
+    """Height of the image [pixels]."""
     field_of_view: float = math.radians(45.0)
     """Vertical field of view [rad]."""
     near: float = 0.01
@@ -64,7 +64,7 @@ class Camera:
     far: float = 10.0
     """Depth beyond which points are invisible [m]."""
     location: SourceLocation | None = field(default=None, compare=False, repr=False)
-    """Its source location, for messages."""
+    """Location of the camera in the user's file, for messages."""
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):

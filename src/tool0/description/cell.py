@@ -60,7 +60,7 @@ def _root(document: Document) -> Element:
 
 
 class _Footprint(NamedTuple):
-    """The vertical cylinder around what a base occupies, in the world."""
+    """The vertical cylinder around the space that a base occupies, in the world."""
 
     x: float
     y: float

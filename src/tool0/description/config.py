@@ -1,4 +1,4 @@
-"""Which robot, or which cell of robots, to simulate.
+"""Selection of the robot, or the cell of robots, to simulate.
 
 ``DescriptionConfig`` is the only declaration of these options: ``tool0.bringup``, the
 command line and ``ur_robotiq.urdf.xacro`` all take its fields.
@@ -190,9 +190,10 @@ class CellRobot:
     """One robot of a cell."""
 
     name: str
-    """Such as ``left``; its links, joints and controllers start with ``left_``."""
+    """Name such as ``left``; the robot's links, joints and controllers start with
+    ``left_``."""
     description: DescriptionConfig
-    """Its arm, gripper, base and mount."""
+    """Arm, gripper, base and mount of the robot."""
     initial_pose: str | Mapping[str, float] | None = None
     """A named pose, or positions by joint without the prefix [rad | m]; ``home`` if not
     given."""
@@ -200,7 +201,7 @@ class CellRobot:
     """ros_control YAML instead of its built-in controllers.  It is written for the
     robot alone: the names of joints and controllers get the prefix."""
     location: SourceLocation | None = None
-    """Where it was read from, for messages."""
+    """Source of the robot's entry, for messages."""
 
     def __post_init__(self) -> None:
         if not _ROBOT_NAME.fullmatch(self.name):
@@ -240,7 +241,7 @@ class Cell:
     namespaces: bool = False
     """Whether each robot has a namespace and a controller manager of its own in ROS."""
     location: SourceLocation | None = None
-    """Its file, for messages."""
+    """Location of the cell's file, for messages."""
 
     def __post_init__(self) -> None:
         if not self.robots:

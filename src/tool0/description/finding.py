@@ -28,15 +28,15 @@ class Finding:
     severity: Severity = "error"
     """``error``: it fails or does something unintended; ``warning``: suspicious."""
     key: str = ""
-    """Its subject: a parameter's full name, an element, a joint."""
+    """Subject of the finding: a parameter's full name, an element, a joint."""
     message: str
-    """What is wrong, and why it matters."""
+    """Description of the problem, and why it matters."""
     remedy: str = ""
-    """What to write or do instead; empty if the message is sufficient."""
+    """Remedy; empty if the message is sufficient."""
 
     @property
     def text(self) -> str:
-        """What is wrong, and what would be right: ``message; remedy``."""
+        """Problem and remedy as one text: ``message; remedy``."""
         return "; ".join(part for part in (self.message, self.remedy) if part)
 
     def as_json(self) -> dict[str, str | int | None]:

@@ -31,7 +31,8 @@ class FlatTree:
     def __init__(self, joints: Sequence[TreeJoint], root: Array | None = None) -> None:
         """Take the joints; ``root`` turns the results, shape (3, 3)."""
         self.turns: list[Array] = [turn_z_to(joint.axis) for joint in joints]
-        """Of each joint's frame, shape (3, 3): its third column is the axis."""
+        """Rotation of each joint's frame, shape (3, 3): its third column is the
+        axis."""
         self.parents = [joint.parent for joint in joints]
         self.is_prismatic = [joint.is_prismatic for joint in joints]
         self.placements: list[Frame] = []

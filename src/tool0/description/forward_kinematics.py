@@ -156,7 +156,7 @@ class FrameMotion:
     linear: Vector3 = _ZERO
     """Velocity of its origin [m/s]."""
     angular: Vector3 = _ZERO
-    """[rad/s]"""
+    """Angular velocity [rad/s]."""
 
     def carry(self, fixed: Transform) -> FrameMotion:
         """Return the motion of a frame fixed to this one at ``fixed``."""

@@ -1,4 +1,4 @@
-"""Where a gripper grasps: its pads, and the frame between them."""
+"""Grasp frame of a gripper: its pads, and the frame between them."""
 
 from __future__ import annotations
 

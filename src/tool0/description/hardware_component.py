@@ -1,4 +1,4 @@
-"""The hardware components of a robot: what its ``<ros2_control>`` tags describe.
+"""The hardware components of a robot: its ``<ros2_control>`` tags.
 
 A component is one device with a driver: an arm, a gripper.  It offers command and state
 interfaces, each of which is one number with a name, such as ``elbow_joint/position``.
@@ -25,7 +25,7 @@ class HardwareInterface:
     """One number that controllers command or read, in SI units."""
 
     name: str
-    """Such as ``position``."""
+    """Name such as ``position``."""
     lower: float = -math.inf
     """Smallest command."""
     upper: float = math.inf

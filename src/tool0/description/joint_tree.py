@@ -28,7 +28,7 @@ class TreeJoint(NamedTuple):
     parent: int
     """Index of the joint that carries it; -1 is the root."""
     placement: Array
-    """Its frame at 0 in that of its parent, shape (4, 4)."""
+    """Frame of the joint at 0 in that of its parent, shape (4, 4)."""
     axis: Vector3
     is_prismatic: bool
 
@@ -39,7 +39,7 @@ class JointFrames(NamedTuple):
     rotations: list[Array]
     """m arrays of shape (n, 3, 3)."""
     origins: Array
-    """[m], shape (n, m, 3)."""
+    """Origins of the frames [m], shape (n, m, 3)."""
     axes: Array
     """Unit vectors, shape (n, m, 3)."""
 

@@ -44,7 +44,7 @@ MESHES = ("tool0", "upstream")
 GRIPPER_MODELS = ("mimic", "linkage")
 
 _LINKAGE_FILE = "linkage.yaml"
-"""Of grippers with a linkage model."""
+"""File name of the linkage model of grippers that have one."""
 _PREFIX = re.compile(r"\w*")
 _UPRIGHT = 0.01
 """Largest tilt of an arm that stands on a pedestal [rad]."""
@@ -71,7 +71,7 @@ Poses = Mapping[str, Mapping[str, float]]
 def load_description(
     config: DescriptionConfig, *, spawn_z: float = SPAWN_Z
 ) -> RobotDescription:
-    """Return what ``config`` describes; a catalogue arm stands in ``world``.
+    """Return the robot of ``config``; a catalogue arm stands in ``world``.
 
     Its pedestal reaches to the ground, ``spawn_z`` [m] below ``world``.
 

@@ -1,4 +1,4 @@
-"""How a robot and its scene are lit in images."""
+"""Light and colours of a robot and its scene in images."""
 
 from __future__ import annotations
 

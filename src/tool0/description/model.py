@@ -34,8 +34,9 @@ DEFAULT_TURN_VELOCITY = 1.0
 DEFAULT_SLIDE_VELOCITY = 0.25
 """The same for prismatic joints [m/s]."""
 TIME_TO_FULL_SPEED = 0.4
-"""[s], at the largest acceleration.  A guess, for lack of a datasheet: the
-shoulder of a UR5 gets 7.9 rad/s², which its drive can give to the outstretched arm."""
+"""Time to the largest speed at the largest acceleration [s].  A guess, for lack of a
+datasheet: the shoulder of a UR5 gets 7.9 rad/s², which its drive can give to the
+outstretched arm."""
 _ROUNDING = 1e-3
 """Tolerance of the triangle inequality, for numbers rounded by CAD programs."""
 ROBOTIQ: Final = "robotiq"
@@ -169,8 +170,8 @@ class JointType(enum.Enum):
 
 
 RECOVERABLE = 0.05
-"""How far beyond a limit a joint may be so that motions still bring it back [rad | m]:
-a push, a stop or a hand leaves it there."""
+"""Largest distance beyond a limit from which motions still bring a joint back [rad |
+m]: a push, a stop or a hand leaves it there."""
 
 
 @final
@@ -252,7 +253,7 @@ class Spring:
     """effort = stiffness · (reference - position)."""
 
     stiffness: float
-    """[N·m/rad | N/m]"""
+    """Stiffness of the spring [N·m/rad | N/m]."""
     reference: float = 0.0
     """Position at which the spring is slack [rad | m]."""
 
@@ -358,11 +359,11 @@ class RotaryOpening:
     """
 
     pad_offset: float
-    """[m]"""
+    """Constant distance of a pad from the centre [m]."""
     pad_cos: float
-    """[m]"""
+    """Coefficient of cos q in a pad's distance from the centre [m]."""
     pad_sin: float
-    """[m]"""
+    """Coefficient of sin q in a pad's distance from the centre [m]."""
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [rad]."""
@@ -394,7 +395,7 @@ class LinearOpening:
     """
 
     pad_offset: float
-    """[m]"""
+    """Distance of a pad from the centre at q = 0 [m]."""
     pad_slope: float
     """Below zero: the pads close as the position grows."""
 
@@ -424,7 +425,7 @@ class ParallelGripper:
     joint: str
     """The driven joint."""
     law: RotaryOpening | LinearOpening
-    """How the opening follows from the joint's position."""
+    """Opening as a function of the joint's position."""
     max_opening: float
     """Largest distance between the pads [m]."""
     speed: tuple[float, float]
@@ -481,15 +482,15 @@ class RobotModel:
     transmissions: tuple[Transmission, ...] = ()
     """The drives: one per driven joint."""
     grippers: tuple[ParallelGripper, ...] = ()
-    """Its parallel grippers."""
+    """Parallel grippers of the robot."""
     loops: tuple[LoopJoint, ...] = ()
     """Pairs of links connected in a point, beyond the tree."""
     self_collide: bool = False
     """Whether all its links collide with each other, whatever each says."""
     hardware: tuple[HardwareComponent, ...] = field(default=(), hash=False)
-    """Its ``<ros2_control>`` tags; without them, ``<transmission>`` defines drives."""
+    """The ``<ros2_control>`` tags; without them, ``<transmission>`` defines drives."""
     initial_positions: Mapping[str, float] = field(default_factory=dict, hash=False)
-    """Where ``<ros2_control>`` lets joints start, by joint [rad | m]."""
+    """Start positions of joints in ``<ros2_control>``, by joint [rad | m]."""
     locations: dict[str, SourceLocation] = field(
         default_factory=dict, compare=False, repr=False
     )

@@ -15,7 +15,7 @@ class NamedPose:
     """Positions of some or all joints, under a name."""
 
     name: str
-    """Such as ``home``."""
+    """Name such as ``home``."""
     positions: Positions
     """Joint → [rad | m]."""
     saved: bool

@@ -101,7 +101,7 @@ class PoseStore:
         A pose with joints of an arm does not move its gripper.
 
         Args:
-            name: Of the pose.
+            name: Name of the pose.
             robot: Only the joints of this robot; all, if left out.
 
         Raises:

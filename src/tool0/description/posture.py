@@ -12,14 +12,14 @@ from tool0.errors import ControlError
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Branch:
-    """Which of the eight postures that reach one pose; None for either.
+    """One of the eight postures that reach a pose; None for either.
 
     Left, up and no flip is the usual posture of a UR.  Where two branches meet the arm
     is singular.
     """
 
     shoulder: Literal["left", "right"] | None = None
-    """On which side of the line from the base to the wrist's centre the upper arm is,
+    """Side of the line from the base to the wrist's centre on which the upper arm is,
     as seen from behind the base."""
     elbow: Literal["up", "down"] | None = None
     """Whether the elbow is above the line from the shoulder to the fourth joint;
@@ -64,7 +64,7 @@ class Solution:
     positions: Mapping[str, float]
     """Joint → position [rad], from base to tip."""
     branch: Branch
-    """Its branch, one of eight."""
+    """Branch of the posture, one of eight."""
     distance: float
     """Distance from ``near``: each joint's turn divided by its largest velocity, as the
     root of the sum of squares [s]."""

@@ -44,9 +44,10 @@ from tool0.errors import DescriptionError, ModelError, SourceLocation
 logger = logging.getLogger(__name__)
 
 MAX_SIZE, MAX_MASS = 100.0, 1e6
-"""[m, kg]: beyond them the physics of either engine diverges."""
+"""Largest size [m] and mass [kg]: beyond them the physics of either engine diverges."""
 MAX_FRICTION = 1e6
-"""[1] A larger friction changes no motion, and only spoils the engines' numerics."""
+"""Largest coefficient of friction.  A larger one changes no motion, and only spoils the
+engines' numerics."""
 
 _WORLD = "world"
 """The name of a root link that Gazebo takes for the world itself."""
@@ -87,11 +88,11 @@ class RigidModel:
     """The name of each part of the shape."""
     T_model_link: Transform = field(default_factory=Transform)
     T_model_shape: Transform = field(default_factory=Transform)
-    """Where the origin of the shape, which is the object's, sits in the model."""
+    """Pose in the model of the shape's origin, which is the object's."""
     placement: Transform = field(default_factory=Transform)
     """The model's own ``<pose>``, in the pose that it is asked to have."""
     mass: float | None = None
-    """[kg]; None stands still."""
+    """Mass [kg]; None for a body that stands still."""
     friction: float = DEFAULT_FRICTION
     rgba: RGBA = _UNPAINTED
 
@@ -241,7 +242,7 @@ def _replace_impossible_inertia(robot: Element) -> None:
 
 
 def _urdf_mass(model: RobotModel, extensions: list[Element]) -> float | None:
-    """Return the mass of all links [kg]; None of what stands still."""
+    """Return the mass of all links [kg]; None if the model stands still."""
     if model.root == _WORLD or any(_flag(item, "static") for item in extensions):
         return None
     mass = sum(link.inertial.mass for link in model.links if link.inertial is not None)
@@ -264,7 +265,7 @@ def _urdf_colour(model: RobotModel, extensions: list[Element]) -> RGBA:
 
 
 def _gazebo_colour(element: Element | None) -> RGBA | None:
-    """Return what ``Gazebo/Red`` and the like look like; None for textures."""
+    """Return the colour of ``Gazebo/Red`` and the like; None for textures."""
     name = "" if element is None else text_of(element)
     return _GAZEBO_COLOURS.get(name.removeprefix("Gazebo/").lower())
 

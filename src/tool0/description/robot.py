@@ -24,7 +24,7 @@ class CatalogueRobot:
     """An arm of the catalogue with its gripper."""
 
     name: str = ""
-    """Its name in a cell, such as ``left``; empty for a single robot."""
+    """Name of the robot in a cell, such as ``left``; empty for a single robot."""
     arm: CataloguePart
     gripper: CataloguePart | None = None
     prefix: str = ""
@@ -55,7 +55,7 @@ class RobotDescription:
     source: Path
     """The xacro or URDF file that it was read from."""
     robots: tuple[CatalogueRobot, ...] = ()
-    """Its arms and grippers of the catalogue; none for your own file."""
+    """Arms and grippers of the catalogue; none for your own file."""
     disabled_collisions: frozenset[frozenset[str]] = frozenset()
     """Pairs of links that planned motions need not keep apart, of an SRDF."""
     cell: Cell | None = None
@@ -74,7 +74,7 @@ class RobotDescription:
 
     @property
     def title(self) -> str:
-        """Title for people: the names of its parts, or that of your own file."""
+        """Title shown to users: the names of its parts, or that of your own file."""
         return ", ".join(robot.title for robot in self.robots) or self.source.name
 
     @property

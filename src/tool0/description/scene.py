@@ -167,8 +167,8 @@ def bin_walls(
         size: Outer dimensions x, y, z [m].
         wall: Thickness of floor and walls [m].
         pose: Pose of the centre of the outer box, in the robot's root.
-        friction: Of each of the five.
-        rgba: Of each of the five.
+        friction: Friction of each of the five.
+        rgba: Colour of each of the five.
 
     Raises:
         ConfigError: If the walls leave no room inside, or a value is invalid.

@@ -18,7 +18,8 @@ from tool0.errors import ConfigError, DescriptionError, SourceLocation
 MESH_SUFFIXES = (".dae", ".obj", ".stl")
 MOST_MESH_BYTES = 100_000_000
 _STL_HEADER, _STL_TRIANGLE = 84, 50
-"""Of binary STL [bytes]: name and number of triangles; normal, corners, two spare."""
+"""Sizes in a binary STL [bytes]: header with the number of triangles; each triangle
+with its normal, corners and two spare bytes."""
 _STL_TRAILER = 1024
 """Some programs write something after the triangles [bytes]."""
 SHAPES = ("box", "cylinder", "sphere", "mesh")
@@ -41,9 +42,9 @@ class Cylinder:
     """A cylinder about z, centred at its origin."""
 
     radius: float
-    """[m]"""
+    """Radius of the cylinder [m]."""
     length: float
-    """Along z [m]."""
+    """Length of the cylinder along z [m]."""
 
 
 @final
@@ -52,7 +53,7 @@ class Sphere:
     """A sphere, centred at its origin."""
 
     radius: float
-    """[m]"""
+    """Radius of the sphere [m]."""
 
 
 @final
@@ -270,7 +271,7 @@ def _find_mesh(uri: str, location: SourceLocation | None) -> Path:
 
 
 def _size_problem(path: Path) -> str:
-    """Return what is wrong with a mesh's size, before all of it is read."""
+    """Return the problem with a mesh's size, before all of it is read."""
     try:
         size = path.stat().st_size
         with path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""What a motion could collide with, at one moment."""
+"""Everything that a motion could collide with, at one moment."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Plane(NamedTuple):
 
     name: str
     point: Vector3
-    """[m], in the robot's root."""
+    """Point on the plane [m], in the robot's root."""
     normal: Vector3
     """Unit normal that points to the robot's side."""
 
@@ -33,12 +33,12 @@ class Plane(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surroundings:
-    """Where everything is."""
+    """Positions of the robot and of everything around it."""
 
     positions: Mapping[str, float]
     """Joint → position of all movable joints [rad | m]."""
     objects: tuple[tuple[SceneObject, ObjectState], ...] = ()
-    """What stands around the robot, and where."""
+    """Objects around the robot, with their states."""
     held: tuple[HeldObject, ...] = ()
-    """What moves with a gripper."""
+    """Objects that move with a gripper."""
     planes: tuple[Plane, ...] = ()

@@ -36,7 +36,7 @@ class Pose:
     """A frame in its parent, as in URDF's ``<origin>``."""
 
     xyz: Vector3 = (0.0, 0.0, 0.0)
-    """[m]"""
+    """Position of the frame's origin [m]."""
     rpy: Vector3 = (0.0, 0.0, 0.0)
     """Fixed-axis roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
 
@@ -51,7 +51,7 @@ class Transform:
     """The pose of one frame in another: ``T_a_c = T_a_b @ T_b_c``."""
 
     position: Vector3 = (0.0, 0.0, 0.0)
-    """[m]"""
+    """Position of the frame's origin [m]."""
     rotation: Rotation = _IDENTITY
     """Rows of the rotation matrix, shape (3, 3)."""
 

@@ -20,7 +20,7 @@ class Frames(NamedTuple):
     """Rigid transforms."""
 
     position: Array
-    """[m], shape (n, 3)."""
+    """Positions of the frames' origins [m], shape (n, 3)."""
     rotation: Array
     """Rotation matrices, shape (n, 3, 3)."""
 

@@ -54,7 +54,7 @@ class Quantity:
 
         Args:
             value: The value; one that is no finite float is left to others.
-            what: What has the value, for the message.
+            what: Name of the value, for the message.
         """
         if self.suspect <= abs(value) <= sys.float_info.max:
             hint = self.suggestion(value, lambda meant: True)
@@ -67,7 +67,7 @@ class Quantity:
 LENGTH: Final = Quantity("length", {"m": 1.0, "mm": 1e-3}, 1.0)
 ANGLE: Final = Quantity("angle", {"rad": 1.0, "deg": math.radians(1.0)}, 10.0)
 SPEED: Final = Quantity("speed", {"m/s": 1.0, "mm/s": 1e-3}, 10.0)
-"""Of a tool: no arm is as fast."""
+"""Speed of a tool; no arm reaches 10 m/s."""
 
 Metres = Annotated[float, LENGTH]
 Radians = Annotated[float, ANGLE]
@@ -78,7 +78,7 @@ FAR: Final = 100.0
 LARGEST_MOVABLE: Final = 5.0
 """A body that can move is smaller in some direction [m]."""
 LARGEST_FIXED: Final = 20.0
-"""So is one that cannot: ground may be a block [m]."""
+"""Size from which a fixed body is probably in mm: ground may be a block [m]."""
 
 
 def read_number(text: str, *quantities: Quantity) -> tuple[float, Quantity | None]:
@@ -86,7 +86,7 @@ def read_number(text: str, *quantities: Quantity) -> tuple[float, Quantity | Non
 
     Args:
         text: A number, with a unit or without one.
-        quantities: What it may measure.
+        quantities: Quantities that it may measure.
 
     Raises:
         ConfigError: If it is no finite number, if it has another unit, or if it is

@@ -23,9 +23,10 @@ def velocity_efforts(
     at constant joint velocities, weighed by their masses.
 
     Args:
-        dynamics: Of the robot.
-        position: In the order of the model's movable joints [rad | m].
-        velocity: In the same order; those of mimic joints follow from their masters.
+        dynamics: Dynamics of the robot.
+        position: Positions of the model's movable joints, in its order [rad | m].
+        velocity: Velocities in the same order; those of mimic joints follow from their
+            masters.
     """
     frames = dynamics.frames(position)
     efforts = np.zeros(len(frames))

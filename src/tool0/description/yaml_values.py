@@ -83,7 +83,7 @@ class Namespace:
         return frozenset(keys - outer)
 
     def read_values(self) -> dict[str, Value]:
-        """Return what the getters returned, by path, defaults included."""
+        """Return the values that the getters returned, by path, with defaults."""
         return {self.path_of(key): value for key, value in self.reading.values.items()}
 
     def adjustable_paths(self) -> frozenset[str]:

@@ -26,7 +26,7 @@ URCAP_PORT: Final = 63352
 _COMMAND_REGISTER: Final = 1000
 _STATUS_REGISTER: Final = 2000
 _REGISTERS: Final = 3
-"""Of six bytes, each: command and status."""
+"""Number of registers of a command, and of a status; each has six bytes."""
 _UNIT: Final = 9
 """The gripper's address as delivered."""
 _ANSWER: Final = re.compile(rb"([A-Z]{3}) (\d{1,3})\n")
@@ -35,7 +35,7 @@ _BAUD: Final = termios.B115200
 
 
 class GripperReading(NamedTuple):
-    """What a gripper reports."""
+    """Status of a gripper."""
 
     position: int
     """0 open … 255 closed."""
@@ -51,7 +51,7 @@ class GripperLink(Protocol):
     """A connection to a gripper.  Its methods raise TransportError if it is lost."""
 
     def read(self) -> GripperReading | None:
-        """Return what the gripper reports; None if it has no power."""
+        """Return the gripper's status; None if it has no power."""
 
     def write(self, command: CommandRegisters) -> None:
         """Send it a command."""

@@ -1,4 +1,4 @@
-"""What Modbus clients and servers share: header, checksum, functions and exceptions.
+"""Modbus for clients and servers: header, checksum, functions and exceptions.
 
 "MODBUS Application Protocol Specification V1.1b3" and "MODBUS Messaging on TCP/IP
 Implementation Guide V1.0b", "MODBUS over Serial Line Specification V1.02"
@@ -15,9 +15,9 @@ from typing import Final
 HEADER: Final = struct.Struct(">HHHB")
 """Transaction, protocol (0), length of what follows, and unit, which counts."""
 MAX_LENGTH: Final = 254
-"""Of the unit and a request or a response [bytes]."""
+"""Largest size of the unit and a request or a response together [bytes]."""
 ERROR: Final = 0x80
-"""Added to the function of a response that is an exception."""
+"""Number added to the function of a response that is an exception."""
 
 
 class ModbusFunction(IntEnum):
@@ -41,7 +41,7 @@ class Refusal(IntEnum):
     ILLEGAL_ADDRESS = 2
     ILLEGAL_VALUE = 3
     NO_RESPONSE = 11
-    """Of a gateway: the device behind it does not answer."""
+    """The device behind a gateway does not answer."""
 
 
 @cache

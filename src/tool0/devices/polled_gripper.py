@@ -1,4 +1,4 @@
-"""A gripper that a thread reads again and again, and lets have the newest command."""
+"""A gripper that a thread polls, and to which it sends the newest command."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from tool0.errors import TransportError
 logger = logging.getLogger(__name__)
 
 PERIOD: Final = 0.016
-"""Between two readings [s]: about what the URCap manages."""
+"""Period of readings [s]: about what the URCap manages."""
 RETRY: Final = 1.0
-"""Between attempts to connect [s]."""
+"""Pause between attempts to connect [s]."""
 _ACTIVE: Final = CommandRegisters(activate=True)
 
 
@@ -38,9 +38,9 @@ class PolledGripper:
         self._wake = threading.Event()
         self._is_closing = False
         self.reading: GripperReading | None = None
-        """The newest; None while there is none."""
+        """The newest reading; None while there is none."""
         self.read_at = 0.0
-        """When it came, by the monotonic clock [s]."""
+        """Time at which that reading arrived, by the monotonic clock [s]."""
         self.problem = "it was not read yet"
         """Why there is no reading; empty if there is one."""
         self._last = _ACTIVE
@@ -119,7 +119,7 @@ class PolledGripper:
             self.is_sent = self._wanted is None
 
     def _note_loss(self, problem: str) -> None:
-        """Forget what was wanted: nothing moves again by itself."""
+        """Discard the command, so that nothing moves again without a new one."""
         if problem != self.problem:
             logger.warning("%s: %s", self._name, problem)
         with self._lock:

@@ -8,7 +8,8 @@ from tool0.description.model import LinearOpening, ParallelGripper
 
 FULL: Final = 255
 TOP_CURRENT: Final = 1.0
-"""Of the motor at the strongest grip [A]: the peak of the 2F-85's data sheet."""
+"""Current of the motor at the strongest grip [A]: the peak of the 2F-85's data
+sheet."""
 
 
 @final

@@ -18,7 +18,7 @@ class Activation(IntEnum):
     """gSTA: how far the activation is."""
 
     RESET = 0
-    """Not activated, or an automatic release."""
+    """The gripper is not activated, or in an automatic release."""
     IN_PROGRESS = 1
     COMPLETE = 3
 
@@ -30,7 +30,7 @@ class ObjectStatus(IntEnum):
     MET_OPENING = 1
     MET_CLOSING = 2
     ARRIVED = 3
-    """At the requested position: there is no object, or it was lost."""
+    """The fingers are at the requested position: there is no object, or it was lost."""
 
 
 class Fault(IntEnum):

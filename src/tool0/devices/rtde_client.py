@@ -68,11 +68,11 @@ class RtdeClient:
         inputs: Mapping[str, Sequence[str]] | None = None,
         timeout: float = 2.0,
     ) -> None:
-        """Connect, and set up what is read and written.
+        """Connect, and set up the fields that are read and written.
 
         Args:
-            host: Of the controller.
-            port: Of RTDE.
+            host: Host name or address of the controller.
+            port: Port of RTDE.
             outputs: Fields to read, at the controller's rate.
             optional: Further ones, if the controller has them.
             inputs: Recipes of fields to write, by a name.
@@ -96,7 +96,7 @@ class RtdeClient:
             self._negotiate()
             self.version = self._controller_version()
             self.rate = 500.0 if self.version.is_e_series else 125.0
-            """Of the controller, and of the packages [Hz]."""
+            """Rate of the controller and of its packages [Hz]."""
             self.columns, self._recipe, self._layout = self._set_up(outputs, optional)
             self._inputs = {
                 name: self._set_up_input(fields)
@@ -174,7 +174,7 @@ class RtdeClient:
     def _set_up(
         self, outputs: Sequence[str], optional: Sequence[str]
     ) -> tuple[Mapping[str, slice], bytes, struct.Struct]:
-        """Set up what is read: where each field is, the recipe's number, the layout."""
+        """Set up the fields to read: places, the recipe's number, the layout."""
         names = [*outputs, *optional]
         types, _ = self._recipe_of(names)
         lacking = [n for n, t in zip(names, types, strict=True) if t in _NOT_THERE]

@@ -39,7 +39,7 @@ class PacketType(IntEnum):
 
 
 class Level(IntEnum):
-    """How serious a text message is."""
+    """Severity of a text message."""
 
     EXCEPTION = 0
     ERROR = 1
@@ -63,7 +63,7 @@ FORMATS: Final = {
 LENGTHS: Final = {
     name: int(layout[0]) if len(layout) > 1 else 1 for name, layout in FORMATS.items()
 }
-"""How many numbers a field of each type has."""
+"""Number of values in a field of each type."""
 
 
 def packet(kind: PacketType, payload: bytes = b"") -> bytes:
@@ -119,7 +119,7 @@ def layout(types: Sequence[str], *, recipe_id: bool) -> Struct:
 
 @final
 class PacketBuffer:
-    """Cuts what arrives from a client into packets."""
+    """Cuts a client's data into packets."""
 
     def __init__(self) -> None:
         self._received = bytearray()

@@ -23,11 +23,12 @@ from tool0.gym.expert import Expert, expert
 from tool0.gym.hold import Hold
 from tool0.gym.options import Randomisation
 from tool0.gym.registration import register, register_tasks
-from tool0.gym.task import Start, State, Target, Task
+from tool0.gym.task import ArmState, Start, State, Target, Task
 from tool0.gym.ways import Grasp, carried, grasp, lift, place, push, reach
 from tool0.gym.workspace import Workspace
 
 __all__ = [
+    "ArmState",
     "Expert",
     "Grasp",
     "Hold",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import final
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tool0.description.transform_arrays import Frames, from_rotation_vectors
 from tool0.errors import ControlError
 from tool0.gym.options import EnvOptions
-from tool0.gym.tool import downward
+from tool0.gym.tool import raised
 from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
@@ -36,25 +37,15 @@ NAMES = {
 
 @final
 class Actions:
-    """The meaning of actions: numbers within -1 … 1, the gripper's last."""
+    """Actions of n copies: numbers within -1 … 1, those of one arm after another."""
 
-    def __init__(self, workspace: Workspace, options: EnvOptions) -> None:
-        self._workspace = workspace
-        self.mode = options.action
-        self.names = (
-            *(NAMES[options.action] or workspace.chain.joint_names),
-            "gripper",
-        )
+    def __init__(self, arms: Sequence[ArmActions]) -> None:
+        self.names = tuple(name for arm in arms for name in arm.names)
         """What each number moves."""
-        period = options.period
-        self.linear = LINEAR_SPEED * workspace.scale * period
-        """Way of the tcp at an action of 1 [m]."""
-        self.turn = TURN_SPEED * period
-        """Turn of the tool at an action of 1 [rad]."""
-        self.joint = JOINT_SPEED * workspace.fastest * period
-        """Way of each joint at an action of 1 [rad], shape (6,)."""
-        self.limit = FASTEST * workspace.fastest * period
-        """Largest way of each joint [rad], shape (6,)."""
+        ends = np.cumsum([len(arm.names) for arm in arms])
+        self._starts = ends[:-1].tolist()
+        self.grippers = tuple((ends - 1).tolist())
+        """Which numbers are openings of grippers."""
 
     def checked(self, actions: ArrayLike, n: int) -> Array:
         """Return actions of n copies as numbers within -1 … 1, shape (n, m).
@@ -75,13 +66,45 @@ class Actions:
             raise ControlError(
                 f"the action has shape {given.shape}; it must be {wanted}{axes}"
             )
-        if np.isnan(given).any():
+        if np.count_nonzero(np.isnan(given)):
             i, k = np.argwhere(np.isnan(given))[0].tolist()
             raise ControlError(
                 f"the action of copy {i} is NaN for '{self.names[k]}'; every number "
                 "must be within -1 … 1"
             )
-        return given.clip(-1.0, 1.0)
+        return np.asarray(np.minimum(np.maximum(given, -1.0), 1.0))
+
+    def of_arms(self, actions: Array) -> list[Array]:
+        """Return the part of each arm, shape (n, m) each, of checked actions."""
+        return np.split(actions, self._starts, axis=1)
+
+
+@final
+class ArmActions:
+    """The meaning of one arm's actions: those of its gripper are the last."""
+
+    def __init__(self, workspace: Workspace, options: EnvOptions) -> None:
+        self._workspace = workspace
+        self.mode = options.action
+        prefix, axes = workspace.prefix, NAMES[options.action]
+        self.names = (
+            *([prefix + axis for axis in axes] or workspace.chain.joint_names),
+            f"{prefix}gripper",
+        )
+        """What each number moves."""
+        period = options.period
+        self.linear = LINEAR_SPEED * workspace.scale * period
+        """Way of the tcp at an action of 1 [m]."""
+        self.turn = TURN_SPEED * period
+        """Turn of the tool at an action of 1 [rad]."""
+        self.joint = JOINT_SPEED * workspace.fastest * period
+        """Way of each joint at an action of 1 [rad], shape (6,)."""
+        self.limit = FASTEST * workspace.fastest * period
+        """Largest way of each joint [rad], shape (6,)."""
+        self._moves = np.array([*[self.linear] * 3, self.turn])
+        self._lower, self._upper = workspace.lower + MARGIN, workspace.upper - MARGIN
+        # Below, the finger tips would press on the table; out of there is allowed.
+        self._lowest = workspace.lowest
 
     def openings(self, actions: Array) -> Array:
         """Return the openings of the gripper: -1 is closed, 1 open [m], shape (n,)."""
@@ -97,11 +120,15 @@ class Actions:
         """
         if self.mode == "joint":
             found = target + actions[:, :-1] * self.joint
+        elif self.mode == "cartesian":
+            moves = actions[:, :4] * self._moves
+            tool = self._workspace.tool
+            found = tool.steered(target, moves, self._lowest, self.limit)
         else:
             found = self.approach(target, self._tool_target(actions, target))
-        low = np.maximum(q - LEAD, self._workspace.lower + MARGIN)
-        high = np.minimum(q + LEAD, self._workspace.upper - MARGIN)
-        return np.asarray(np.clip(found, low, high))
+        low = np.maximum(q - LEAD, self._lower)
+        high = np.minimum(q + LEAD, self._upper)
+        return np.asarray(np.minimum(np.maximum(found, low), high))
 
     def approach(self, target: Array, pose: Frames) -> Array:
         """Return targets [rad], (n, 6), with which the tool is nearer to a pose."""
@@ -110,11 +137,7 @@ class Actions:
     def _tool_target(self, actions: Array, target: Array) -> Frames:
         pose = self._workspace.tool.pose(target)
         position = pose.position + actions[:, :3] * self.linear
-        # Below, the finger tips would press on the table; out of there is allowed.
-        lowest = np.minimum(pose.position[:, 2], self._workspace.lowest)
-        position[:, 2] = np.maximum(position[:, 2], lowest)
-        if self.mode == "cartesian":
-            return Frames(position, downward(pose.yaw + actions[:, 3] * self.turn))
         return Frames(
-            position, from_rotation_vectors(actions[:, 3:6] * self.turn) @ pose.rotation
+            raised(position, pose.position, self._lowest),
+            from_rotation_vectors(actions[:, 3:6] * self.turn) @ pose.rotation,
         )

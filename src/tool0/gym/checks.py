@@ -52,7 +52,7 @@ def check_functions(task: Task, state: State) -> None:
     Raises:
         ConfigError: If one is wrong, with the function and the shape that it must have.
     """
-    n, g = len(state.q), len(task.goal_names)
+    n, g = len(state.goal), len(task.goal_names)
     achieved, desired = task.achieved(state), task.desired(state)
     _check_array(task, "achieved", achieved, (n, g))
     _check_array(task, "desired", desired, (n, g))

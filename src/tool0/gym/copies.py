@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any, Final, NamedTuple, final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from tool0.batch.backend import CPU
 from tool0.batch.batch import Batch
 from tool0.batch.saved import BatchState
-from tool0.description.transform_arrays import quats_wxyz
 from tool0.gym.actions import Actions
+from tool0.gym.arms import ArmCopies
+from tool0.gym.bounds import FARTHEST, columns, finite
 from tool0.gym.checks import check_functions, check_objects, check_start
 from tool0.gym.held import grasped
 from tool0.gym.looks import Looks
@@ -21,41 +22,11 @@ from tool0.gym.options import EnvOptions
 from tool0.gym.sizes import Sizes
 from tool0.gym.task import Mask, State, Task
 from tool0.gym.tasks import task_class
-from tool0.gym.workspace import Workspace
+from tool0.gym.workspace import workspaces
 from tool0.kinematics.chain import Array
 
-GRIP_FORCE = 60.0
-"""At each pad [N], as far as the gripper can."""
 MOVING = 0.4
 """Time in which an arm that holds an object moves to its random start [s]."""
-DEADBAND = 0.02
-"""Change of a gripper's target that moves it, part of its largest opening."""
-FARTHEST = 10.0
-"""Bound of coordinates in observations [m]."""
-FASTEST_OBJECT = 20.0
-"""Bound of velocities of objects in observations [m/s]."""
-STRONGEST, MOST_TORQUE = 1000.0, 100.0
-"""Bounds of wrenches in observations [N], [N·m]."""
-
-
-_XYZ: Final = ("x", "y", "z")
-_WXYZ: Final = ("qw", "qx", "qy", "qz")
-_WRENCH: Final = ("fx", "fy", "fz", "tx", "ty", "tz")
-_SPEED: Final = ("vx", "vy", "vz")
-
-
-class ObservationPart(NamedTuple):
-    """One part of the state that an observation has."""
-
-    name: str
-    columns: tuple[str, ...]
-    """Names of its m numbers."""
-    low: Array
-    """Shape (m,)."""
-    high: Array
-    """Shape (m,)."""
-    of_robot: bool = True
-    """Whether a robot measures it on itself; otherwise it is of its surroundings."""
 
 
 @final
@@ -70,34 +41,34 @@ class Copies:
         """
         self.n = n
         self.options = options
-        self._task_class = task_class(task)
-        self.workspace = workspace = Workspace(options)
-        self.task = self._task_class(workspace)
-        self.actions = Actions(workspace, options)
-        scene = self.task.scene()
+        self._task_class = of = task_class(task)
+        spaces = workspaces(options, of.arms, of.distance_of_arms)
+        self.workspace = next(iter(spaces.values()))
+        self.task = of(self.workspace)
+        self._scene = scene = self.task.scene()
         self._items = check_objects(self.task, scene)
-        self._sizes = Sizes(self.task, self._items, workspace, options, n)
-        self._scene = scene
-        self.batch = self._make_batch(n, options.threads, options.device)
-        names, gripper = self.batch.joint_names, workspace.gripper
-        self._arm = [names.index(joint) for joint in workspace.chain.joint_names]
-        self._drive = names.index(gripper.joint)
-        self._objects = [self.batch.object_names.index(x) for x in self.task.objects]
-        self._start = self.batch.position[0].copy()
-        self._start[self._arm] = workspace.start
-        self._start[self._drive] = gripper.position(gripper.max_opening)
-        self._force = min(max(GRIP_FORCE, gripper.force[0]), gripper.force[1])
-        self.target = np.tile(workspace.start, (n, 1))
-        """Targets of the arm's joints [rad], shape (n, 6)."""
-        self._opening_target = np.full(n, gripper.max_opening)
-        self._last_opening = self._opening_target.copy()
+        self._sizes = Sizes(self.task, self._items, self.workspace, options, n)
+        self.batch = batch = self._make_batch(n, options.threads, options.device)
+        self.arms = tuple(
+            ArmCopies(batch, space, options, has_wrench=self.task.needs_wrench)
+            for space in spaces.values()
+        )
+        """The arms, in the order of actions and observations."""
+        self.actions = Actions([arm.actions for arm in self.arms])
+        self._objects = columns(
+            [batch.object_names.index(x) for x in self.task.objects]
+        )
+        self._start = batch.position[0].copy()
+        for arm in self.arms:
+            arm.put(self._start, arm.space.start)
         drawn = check_start(self.task, self.task.draw(np.random.default_rng(0)))
         self._goal = np.zeros((n, len(drawn.goal)))
         self._looks: Looks | None = None
         if options.ranges is not None and options.observation == "image":
-            cameras = workspace.cameras
-            self._looks = Looks(self.batch, options.ranges, scene.objects, cameras)
+            cameras = self.workspace.cameras
+            self._looks = Looks(batch, options.ranges, scene.objects, cameras)
         self._state: State | None = None
+        self._goals: tuple[Array, Array] | None = None
         check_functions(self.task, self.state)
 
     def _make_batch(self, n: int, threads: int | None, device: str) -> Batch:
@@ -115,10 +86,10 @@ class Copies:
         twin = Copies(self._task_class, self.n, self.options)
         twin.batch.restore(self.batch.save())
         twin._sizes.extents = self._sizes.extents.copy()
-        twin.target = self.target.copy()
-        twin._opening_target = self._opening_target.copy()
-        twin._last_opening = self._last_opening.copy()
+        for arm, own in zip(twin.arms, self.arms, strict=True):
+            arm.copy_from(own)
         twin._goal = self._goal.copy()
+        twin._state = twin._goals = None
         return twin
 
     # ---- time -----------------------------------------------------------------------
@@ -130,7 +101,7 @@ class Copies:
         does not depend on the other copies.
         """
         n, count = self.n, len(self.task.objects)
-        q = np.tile(self.workspace.start, (n, 1))
+        q = [np.tile(arm.space.start, (n, 1)) for arm in self.arms]
         places, yaws = np.zeros((n, count, 3)), np.zeros((n, count))
         mass, friction, factor = np.ones((3, n, count))
         is_held = np.zeros(n, dtype=bool)
@@ -138,8 +109,10 @@ class Copies:
             rng = generators[i]
             places[i], yaws[i], self._goal[i], is_held[i] = self.task.draw(rng)
             if self.options.ranges is not None:
-                mass[i], friction[i], noise = self._disturbances(rng)
-                q[i] += noise
+                mass[i], friction[i] = self._disturbances(rng)
+                for each in q:
+                    noise = rng.uniform(-1.0, 1.0, each.shape[1])
+                    each[i] += noise * self.options.ranges.joint_noise
                 factor[i] = self._sizes.draw(rng)
         batch = self.batch
         self._put_arms(which & ~is_held, q)
@@ -159,17 +132,18 @@ class Copies:
                     batch.set_mass(item.name, mass[:, k], which)
             placed = which if k else which & ~is_held
             batch.place(item.name, places[:, k], quat[:, k], placed)
-        self._opening_target[which] = self.workspace.gripper.max_opening
-        self._opening_target[is_held] = 0.0
+        for arm, each in zip(self.arms, q, strict=True):
+            arm.restart(which, each, is_held & (arm is self.arms[0]))
         if is_held.any() and self.options.ranges is not None:
-            batch.command(q, velocities=0.0 * q, duration=MOVING, which=is_held)
+            for arm, each in zip(self.arms, q, strict=True):
+                arm.move(each, MOVING, is_held)
             batch.step(round(MOVING / batch.control_period), is_held)
-        self.target[which] = q[which]
-        self._last_opening[which] = batch.opening()[which]
-        self._state = None
+        for arm in self.arms:
+            arm.settle(which)
+        self._state = self._goals = None
 
-    def _disturbances(self, rng: np.random.Generator) -> tuple[Array, Array, Array]:
-        """Return masses and frictions of the objects, and deviations of the joints."""
+    def _disturbances(self, rng: np.random.Generator) -> tuple[Array, Array]:
+        """Return random masses and frictions of the objects."""
         ranges = self.options.ranges
         assert ranges is not None
         count = len(self._items)
@@ -177,59 +151,37 @@ class Copies:
         own = own.reshape(count, 2)
         mass = own[:, 0] * rng.uniform(*ranges.mass, count)
         friction = own[:, 1] * rng.uniform(*ranges.friction, count)
-        noise = rng.uniform(-1.0, 1.0, len(self._arm)) * ranges.joint_noise
-        return mass, friction, noise
+        return mass, friction
 
-    def _put_arms(self, which: Mask, q: Array) -> None:
-        """Reset copies, with their arms at ``q`` [rad], (n, 6), and open grippers."""
+    def _put_arms(self, which: Mask, q: Sequence[Array]) -> None:
+        """Reset copies, each arm at its ``q`` [rad], (n, 6), and grippers open."""
         position = np.tile(self._start, (self.n, 1))
-        position[:, self._arm] = q
+        for arm, each in zip(self.arms, q, strict=True):
+            arm.put(position, each)
         self.batch.reset(which, position)
 
     @cached_property
     def _grasp(self) -> BatchState:
-        """The start with the first object in the gripper, of one copy."""
-        space, hold, item = self.workspace, self.task.hold, self._items[0]
-        assert hold is not None
-        place = np.array([*space.start_position[:2], item.pose.xyz[2]])
-        yaw = space.start_yaw
-        quat = np.array([[np.cos(yaw / 2.0), 0.0, 0.0, np.sin(yaw / 2.0)]])
-        low = self._start.copy()
-        low[self._arm] = space.posture(hold.places(place[None], quat)[0])
+        """The start with the first object in the first gripper, of one copy."""
+        assert self.task.hold is not None
         with self._make_batch(1, 1, CPU) as batch:
             return grasped(
                 batch,
-                item.name,
-                place=place,
-                yaw=yaw,
-                hold=hold,
-                force=self._force,
-                low=low,
-                high=space.start,
+                self._items[0],
+                space=self.workspace,
+                hold=self.task.hold,
+                force=self.arms[0].force,
+                start=self._start,
             )
 
     def act(self, actions: Array) -> None:
         """Advance all copies by one control period; ``actions`` are checked ones."""
-        batch, options = self.batch, self.options
-        q = batch.position[:, self._arm]
-        is_sound = np.isfinite(q).all(axis=1) & ~batch.diverged
-        self._last_opening = self.state.opening
-        moved = self.actions.positions(actions, self.target, q)
-        self.target = np.where(is_sound[:, None], moved, self.target)
-        batch.command(
-            self.target,
-            duration=options.period,
-            joints=self.workspace.chain.joint_names,
-            which=is_sound,
-        )
-        widest = self.workspace.gripper.max_opening
-        openings = self.actions.openings(actions)
-        is_new = np.abs(openings - self._opening_target) > DEADBAND * widest
-        if is_new.any():
-            self._opening_target = np.where(is_new, openings, self._opening_target)
-            batch.move_gripper(self._opening_target, force=self._force, which=is_new)
-        batch.step(options.ticks)
-        self._state = None
+        measured = self.state.arms.values()
+        given = self.actions.of_arms(actions)
+        for arm, each, state in zip(self.arms, given, measured, strict=True):
+            arm.act(each, state.opening)
+        self.batch.step(self.options.ticks)
+        self._state = self._goals = None
 
     # ---- what there is --------------------------------------------------------------
 
@@ -240,114 +192,28 @@ class Copies:
             self._state = self._measure()
         return self._state
 
+    def goals(self) -> tuple[Array, Array]:
+        """Return the goals that are achieved now, and those to achieve, (n, g)."""
+        if self._goals is None:
+            task, state = self.task, self.state
+            self._goals = task.achieved(state), task.desired(state)
+        return self._goals
+
     def _measure(self) -> State:
         batch = self.batch
-        q = _finite(batch.position[:, self._arm])
-        pose = self.workspace.tool.pose(q)
-        opening = _finite(batch.opening())
         return State(
-            q=q,
-            qd=_finite(batch.velocity[:, self._arm]),
-            tcp_position=pose.position,
-            tcp_rotation=pose.rotation,
-            opening=opening,
-            opening_rate=(opening - self._last_opening) / self.options.period,
-            opening_target=self._opening_target.copy(),
-            object_position=_finite(batch.object_position[:, self._objects]),
-            object_quat=_finite(batch.object_quat[:, self._objects]),
-            object_velocity=_finite(batch.object_linear[:, self._objects]),
+            arms={arm.space.arm: arm.measure() for arm in self.arms},
+            object_position=finite(batch.object_position[:, self._objects]),
+            object_quat=finite(batch.object_quat[:, self._objects]),
+            object_velocity=finite(batch.object_linear[:, self._objects]),
             object_size=self._sizes.extents,
             goal=self._goal.copy(),
-            wrench=self._wrench(),
         )
 
-    def _wrench(self) -> Array:
-        if not self.task.needs_wrench:
-            return np.empty((self.n, 0))
-        return _finite(self.batch.tool_wrench())
-
-    def values(self) -> list[Array]:
-        """Return the observed state by its parts, each of shape (n, m)."""
-        state = self.state
-        values = [
-            state.q,
-            state.qd,
-            state.tcp_position,
-            quats_wxyz(state.tcp_rotation),
-            state.opening[:, None],
-            state.opening_target[:, None],
-        ]
-        if self.task.needs_wrench:
-            values.append(state.wrench)
-        for k in range(len(self.task.objects)):
-            position = state.object_position[:, k]
-            values += [
-                position,
-                state.object_quat[:, k],
-                state.object_velocity[:, k],
-                position - state.tcp_position,
-            ]
-            if self.task.objects[k] in self._sizes.names:
-                values.append(state.object_size[:, k])
-        goal = self.task.desired(state)
-        values += [goal, goal - self.task.achieved(state)]
-        for given in self.task.observe(state).values():
-            values.append(_finite(np.asarray(given, np.float64).reshape(self.n, -1)))
-        return values
-
-    def parts(self) -> list[ObservationPart]:
-        """Return what ``values`` are, in their order."""
-        workspace, task = self.workspace, self.task
-        fastest = 2.0 * workspace.fastest
-        widest = 1.1 * workspace.gripper.max_opening
-        joints = workspace.chain.joint_names
-        parts = [
-            ObservationPart(
-                "joint_position",
-                tuple(f"{name}.position" for name in joints),
-                workspace.lower - 0.1,
-                workspace.upper + 0.1,
-            ),
-            ObservationPart(
-                "joint_velocity",
-                tuple(f"{name}.velocity" for name in joints),
-                -fastest,
-                fastest,
-            ),
-            _symmetric("tcp_position", _of("tcp", _XYZ), FARTHEST),
-            _symmetric("tcp_quat_wxyz", _of("tcp", _WXYZ), 1.0),
-            *(
-                ObservationPart(
-                    name, (f"gripper.{name}",), np.zeros(1), np.full(1, widest)
-                )
-                for name in ("opening", "opening_target")
-            ),
-        ]
-        if task.needs_wrench:
-            bound = np.repeat([STRONGEST, MOST_TORQUE], 3)
-            columns = _of("wrench", _WRENCH)
-            parts.append(ObservationPart("wrench", columns, -bound, bound))
-        # What the robot does not measure on itself: objects and goal.
-        around = []
-        for name in task.objects:
-            away = f"tcp_to_{name}"
-            around += [
-                _symmetric(f"{name}_position", _of(name, _XYZ), FARTHEST),
-                _symmetric(f"{name}_quat_wxyz", _of(name, _WXYZ), 1.0),
-                _symmetric(f"{name}_velocity", _of(name, _SPEED), FASTEST_OBJECT),
-                _symmetric(away, _of(away, _XYZ), FARTHEST),
-            ]
-            if name in self._sizes.names:
-                zeros, most = np.zeros(3), np.full(3, FARTHEST)
-                columns = _of(f"{name}_size", _XYZ)
-                around.append(ObservationPart(f"{name}_size", columns, zeros, most))
-        for name in ("goal", "to_goal"):
-            around.append(_symmetric(name, _of(name, task.goal_names), FARTHEST))
-        for name, given in task.observe(self.state).items():
-            width = np.reshape(given, (self.n, -1)).shape[1]
-            columns = _of(name, [str(k) for k in range(width)])
-            around.append(_symmetric(name, columns, np.inf))
-        return parts + [part._replace(of_robot=False) for part in around]
+    @property
+    def resized(self) -> tuple[str, ...]:
+        """Objects whose sizes are random."""
+        return self._sizes.names
 
     def rewards(self, success: Mask) -> Array:
         """Return the rewards, shape (n,); a copy that diverged gets the worst."""
@@ -355,9 +221,11 @@ class Copies:
         if self.options.reward == "sparse":
             found = np.where(success, 0.0, -1.0)
         elif self.options.observation == "goal":
-            found = self.goal_rewards(task.achieved(state), task.desired(state))
+            found = self.goal_rewards(*self.goals())
         else:
             found = task.reward(state, success)
+        if not np.count_nonzero(self.batch.diverged):
+            return found
         return np.where(self.batch.diverged, task.worst_reward, found)
 
     def goal_rewards(self, achieved: Array, desired: Array) -> Array:
@@ -370,8 +238,8 @@ class Copies:
 
     def successes(self) -> Mask:
         """Return whether the task is done, shape (n,)."""
-        state, task = self.state, self.task
-        done = task.is_success(task.achieved(state), task.desired(state))
+        task = self.task
+        done = task.is_success(*self.goals())
         return done & ~self.batch.diverged
 
     def checked(self, actions: ArrayLike) -> Array:
@@ -401,19 +269,3 @@ class Copies:
                 segments = self.batch.segment_all(name)
                 found[keys.segmentation] = np.stack(segments)
         return found
-
-
-def _finite(values: Array) -> Array:
-    """Return a copy in which what diverged is a number, too."""
-    if np.isfinite(values).all():
-        return values.copy()
-    return np.nan_to_num(values, nan=0.0, posinf=FARTHEST, neginf=-FARTHEST)
-
-
-def _of(name: str, parts: Sequence[str]) -> tuple[str, ...]:
-    return tuple(f"{name}.{part}" for part in parts)
-
-
-def _symmetric(name: str, columns: tuple[str, ...], bound: float) -> ObservationPart:
-    bounds = np.full(len(columns), bound)
-    return ObservationPart(name, columns, -bounds, bounds)

@@ -97,7 +97,7 @@ class Lift(Task):
         return np.asarray(np.maximum(0.0, desired - achieved)[..., 0])
 
     def progress(self, state: State) -> Array:
-        lifted = np.clip(self.achieved(state)[:, 0] / LIFTED, 0.0, 1.0)
+        lifted = np.minimum(np.maximum(self.achieved(state)[:, 0] / LIFTED, 0.0), 1.0)
         return _grasping(state, self.workspace, 0.3, 0.2) + 0.5 * lifted
 
     def expert(self, state: State, commanded: Frames) -> Target:

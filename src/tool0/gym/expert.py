@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tool0.description.transform_arrays import Frames, from_rotation_vectors
 from tool0.errors import ConfigError
+from tool0.gym.arms import ArmCopies
 from tool0.gym.copies import Copies
 from tool0.gym.environments import TaskEnv, TaskVectorEnv
 from tool0.gym.task import Target, Task
@@ -39,32 +40,50 @@ class Expert:
         it works with images, too.
         """
         copies = self._copies
-        commanded = copies.workspace.tool.pose(copies.target)
-        target = copies.task.expert(copies.state, commanded)
-        actions = np.empty((copies.n, len(copies.actions.names)))
-        actions[:, :-1] = self._motion(target, commanded)
-        widest = copies.workspace.gripper.max_opening
-        actions[:, -1] = np.clip(2.0 * target.opening / widest - 1.0, -1.0, 1.0)
+        commanded = {
+            arm.space.arm: arm.space.tool.pose(arm.target) for arm in copies.arms
+        }
+        targets = copies.task.experts(copies.state, commanded)
+        if targets.keys() != commanded.keys():
+            raise ConfigError(
+                f"task {type(copies.task).__name__}: experts is for the arms "
+                f"{', '.join(targets)}; it must be for {', '.join(commanded)}"
+            )
+        actions = np.concatenate(
+            [
+                _action(arm, targets[name], commanded[name])
+                for name, arm in zip(commanded, copies.arms, strict=True)
+            ],
+            axis=1,
+        )
         found: NDArray[np.float32] = actions.astype(np.float32)
         return found[0] if self._single else found
 
-    def _motion(self, target: Target, pose: Frames) -> Array:
-        """Return the actions of the arm, shape (n, m - 1), whose target is ``pose``."""
-        actions, q = self._copies.actions, self._copies.target
-        way = GAIN * (target.position - pose.position)
-        if actions.mode == "cartesian":
-            turn = GAIN * wrapped(target.yaw - pose.yaw)[:, None]
-        else:
-            turn = GAIN * chord_vectors(pose.rotation, downward(target.yaw))
-        linear = _within(way / actions.linear, target.speed)
-        angular = _within(turn / actions.turn, np.ones(len(turn)))
-        if actions.mode != "joint":
-            return np.concatenate([linear, angular], axis=1)
-        aim = Frames(
-            pose.position + linear * actions.linear,
-            from_rotation_vectors(angular * actions.turn) @ pose.rotation,
-        )
-        return _within((actions.approach(q, aim) - q) / actions.joint, np.ones(len(q)))
+
+def _action(arm: ArmCopies, target: Target, pose: Frames) -> Array:
+    """Return the actions of an arm whose tcp is sent to ``pose`` now, shape (n, m)."""
+    widest = arm.space.gripper.max_opening
+    opening = np.clip(2.0 * target.opening / widest - 1.0, -1.0, 1.0)
+    return np.concatenate([_motion(arm, target, pose), opening[:, None]], axis=1)
+
+
+def _motion(arm: ArmCopies, target: Target, pose: Frames) -> Array:
+    """Return the actions without those of the gripper, shape (n, m - 1)."""
+    actions, q = arm.actions, arm.target
+    way = GAIN * (target.position - pose.position)
+    if actions.mode == "cartesian":
+        turn = GAIN * wrapped(target.yaw - pose.yaw)[:, None]
+    else:
+        turn = GAIN * chord_vectors(pose.rotation, downward(target.yaw))
+    linear = _within(way / actions.linear, target.speed)
+    angular = _within(turn / actions.turn, np.ones(len(turn)))
+    if actions.mode != "joint":
+        return np.concatenate([linear, angular], axis=1)
+    aim = Frames(
+        pose.position + linear * actions.linear,
+        from_rotation_vectors(angular * actions.turn) @ pose.rotation,
+    )
+    return _within((actions.approach(q, aim) - q) / actions.joint, np.ones(len(q)))
 
 
 def expert(env: Any) -> Expert:  # Env or VectorEnv, in any wrappers
@@ -79,9 +98,10 @@ def expert(env: Any) -> Expert:  # Env or VectorEnv, in any wrappers
             f"there is no expert for {env!r:.80}; make a tool0/… environment"
         )
     task = type(inner.copies.task)
-    if task.expert is Task.expert:
+    if task.expert is Task.expert and task.experts is Task.experts:
+        method = "experts" if task.arms else "expert"
         raise ConfigError(
-            f"the task {task.__name__} has no expert: give it a method `expert`"
+            f"the task {task.__name__} has no expert: give it a method `{method}`"
         )
     return Expert(inner.copies, single=isinstance(inner, TaskEnv))
 

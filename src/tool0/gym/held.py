@@ -8,8 +8,10 @@ import numpy as np
 
 from tool0.batch.batch import Batch
 from tool0.batch.saved import BatchState
+from tool0.description.scene import SceneObject
 from tool0.errors import ConfigError
 from tool0.gym.hold import Hold
+from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
 CLOSING, RISING, SETTLING = 0.8, 1.0, 0.5
@@ -20,50 +22,54 @@ SLIP: Final = 0.003
 
 def grasped(
     batch: Batch,
-    name: str,
+    item: SceneObject,
     *,
-    place: Array,
-    yaw: float,
+    space: Workspace,
     hold: Hold,
     force: float,
-    low: Array,
-    high: Array,
+    start: Array,
 ) -> BatchState:
     """Grasp an object on the table, lift it, and return the state of the only copy.
 
     Args:
         batch: One copy, to be closed by the caller.
-        name: The object.
-        place: Where it stands [m], shape (3,).
-        yaw: Of the object [rad].
+        item: The object.
+        space: The arm that grasps it, and which rises to its start.
         hold: How the pads hold it.
         force: At each pad [N].
-        low: Positions of all joints around the object, gripper open, (n_joints,).
-        high: Positions of the arm's joints after the lift [rad], shape (6,).
+        start: Positions of all joints at the start, grippers open, (n_joints,).
 
     Raises:
         ConfigError: If the gripper does not hold the object.
     """
-    batch.reset(position=low)
+    place = np.array([*space.start_position[:2], item.pose.xyz[2]])
+    yaw = space.start_yaw
     quat = np.array([np.cos(yaw / 2.0), 0.0, 0.0, np.sin(yaw / 2.0)])
-    batch.place(name, place, quat)
+    joints = space.chain.joint_names
+    low = start.copy()
+    columns = [batch.joint_names.index(joint) for joint in joints]
+    low[columns] = space.posture(hold.places(place[None], quat[None])[0])
+    batch.reset(position=low)
+    batch.place(item.name, place, quat)
     batch.run(SETTLING)
-    batch.move_gripper(0.0, force=force)
+    batch.move_gripper(0.0, force=force, gripper=space.gripper_name)
     batch.run(CLOSING)
-    before = _offset(batch, name)
-    batch.command(high, velocities=np.zeros_like(high), duration=RISING)
+    before = _offset(batch, space, item)
+    high = space.start
+    batch.command(high, velocities=np.zeros_like(high), duration=RISING, joints=joints)
     batch.run(RISING + SETTLING)
-    slip = float(np.linalg.norm(_offset(batch, name) - before))
-    width = float(batch.opening()[0])
+    slip = float(np.linalg.norm(_offset(batch, space, item) - before))
+    width = float(batch.opening(space.gripper_name)[0])
     if slip > SLIP or not np.isclose(width, hold.width, rtol=0.2):
         raise ConfigError(
-            f"the gripper cannot hold '{name}': it slipped by {1000.0 * slip:.1f} mm, "
-            f"and the pads are {width:.4f} m apart; Task.hold.width is {hold.width} m"
+            f"the gripper cannot hold '{item.name}': it slipped by {1000.0 * slip:.1f} "
+            f"mm, and the pads are {width:.4f} m apart; Task.hold.width is "
+            f"{hold.width} m"
         )
     return batch.save()
 
 
-def _offset(batch: Batch, name: str) -> Array:
+def _offset(batch: Batch, space: Workspace, item: SceneObject) -> Array:
     """Return where an object is relative to the tool [m], shape (3,)."""
-    k = batch.object_names.index(name)
-    return np.asarray(batch.object_position[0, k] - batch.tool_pose()[0][0])
+    k = batch.object_names.index(item.name)
+    return np.asarray(batch.object_position[0, k] - batch.tool_pose(space.arm)[0][0])

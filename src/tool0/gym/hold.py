@@ -34,8 +34,12 @@ class Hold(NamedTuple):
             position: Of the object in the root [m], shape (n, 3).
             quat: Its orientations w, x, y, z, shape (n, 4); only their yaw counts.
         """
-        yaw = yaws_of_quats(quat)
         x, y, z = self.point
+        if x == y == 0.0:  # no yaw moves it
+            found = position.copy()
+            found[:, 2] += z
+            return found
+        yaw = yaws_of_quats(quat)
         c, s = np.cos(yaw), np.sin(yaw)
         away = np.stack([c * x - s * y, s * x + c * y, np.full(len(yaw), z)], axis=1)
         return np.asarray(position + away)

@@ -10,7 +10,9 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from tool0.gym.copies import FARTHEST, Copies
+from tool0.gym.bounds import FARTHEST
+from tool0.gym.copies import Copies
+from tool0.gym.parts import parts, values
 from tool0.kinematics.chain import Array
 
 Observation = Array | dict[str, NDArray[Any]]
@@ -27,6 +29,8 @@ class NumberNames:
     surroundings: frozenset[str]
     """Those numbers that a robot does not measure on itself: objects and goals."""
     action: tuple[str, ...]
+    grippers: tuple[int, ...] = ()
+    """Which numbers of an action are openings of grippers."""
 
 
 @final
@@ -36,13 +40,13 @@ class Observer:
     def __init__(self, copies: Copies) -> None:
         self._copies = copies
         self._mode = copies.options.observation
-        parts = copies.parts()
-        self._low = np.concatenate([part.low for part in parts])
-        self._high = np.concatenate([part.high for part in parts])
-        ends = np.cumsum([len(part.low) for part in parts]).tolist()
+        found = parts(copies)
+        self._low = np.concatenate([part.low for part in found])
+        self._high = np.concatenate([part.high for part in found])
+        ends = np.cumsum([len(part.low) for part in found]).tolist()
         self.slices = {
             part.name: slice(end - len(part.low), end)
-            for part, end in zip(parts, ends, strict=True)
+            for part, end in zip(found, ends, strict=True)
         }
         """Where each part is in the state."""
         self.names = _names(copies)
@@ -85,15 +89,14 @@ class Observer:
     def observe(self) -> Observation:
         """Return what the copies are observed to be now; nothing is shared."""
         copies = self._copies
-        values = np.concatenate(copies.values(), axis=1)
-        state = values.clip(self._low, self._high)
+        numbers = np.concatenate(values(copies), axis=1)
+        state: Array = np.minimum(np.maximum(numbers, self._low), self._high)
         if self._mode == "state":
             return state
         if self._mode == "dict":
             return {name: state[:, part].copy() for name, part in self.slices.items()}
         if self._mode == "goal":
-            achieved = copies.task.achieved(copies.state)
-            desired = copies.task.desired(copies.state)
+            achieved, desired = copies.goals()
             return {
                 "observation": state,
                 "achieved_goal": achieved.clip(-FARTHEST, FARTHEST),
@@ -105,14 +108,14 @@ class Observer:
 def row(observation: Observation, i: int) -> Any:  # an array, or one per key
     """Return a copy of the observation of copy ``i``."""
     if isinstance(observation, dict):
-        return {name: values[i].copy() for name, values in observation.items()}
+        return {name: array[i].copy() for name, array in observation.items()}
     return observation[i].copy()
 
 
 def _names(copies: Copies) -> NumberNames:
-    parts = copies.parts()
-    state = tuple(name for part in parts for name in part.columns)
-    around = [name for part in parts if not part.of_robot for name in part.columns]
+    found = parts(copies)
+    state = tuple(name for part in found for name in part.columns)
+    around = [name for part in found if not part.of_robot for name in part.columns]
     goals = {
         key: tuple(f"{key}.{name}" for name in copies.task.goal_names)
         for key in ("achieved_goal", "desired_goal")
@@ -120,7 +123,7 @@ def _names(copies: Copies) -> NumberNames:
     return NumberNames(
         observations={
             "state": {"": state},
-            "dict": {part.name: part.columns for part in parts},
+            "dict": {part.name: part.columns for part in found},
             "goal": {"observation": state, **goals},
             "image": {"state": state},
         }[copies.options.observation],
@@ -128,4 +131,5 @@ def _names(copies: Copies) -> NumberNames:
             [*around, *(n for names in goals.values() for n in names)]
         ),
         action=copies.actions.names,
+        grippers=copies.actions.grippers,
     )

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from tool0.description.scene import Scene
 from tool0.description.transform_arrays import Frames
+from tool0.errors import ControlError, did_you_mean
 from tool0.gym.hold import Hold
 from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
@@ -26,8 +27,8 @@ NEARNESS = 5.0
 """How fast progress falls with the distance from the goal [1/m]."""
 
 
-class State(NamedTuple):
-    """What is measured in n copies; k objects.  Poses are in the root."""
+class ArmState(NamedTuple):
+    """What is measured of one arm and its gripper in n copies, in the root."""
 
     q: Array
     """Positions of the arm's joints [rad], shape (n, 6)."""
@@ -43,6 +44,20 @@ class State(NamedTuple):
     """Its mean change in the last control period [m/s], shape (n,)."""
     opening_target: Array
     """The commanded opening [m], shape (n,)."""
+    wrench: Array
+    """Force [N] and torque [N·m] on the tool, as ``Batch.tool_wrench``, shape (n, 6);
+    (n, 0) without ``Task.needs_wrench``."""
+
+
+class State(NamedTuple):
+    """What is measured in n copies; k objects.  Poses are in the root.
+
+    The properties are those of the arm of a task with one; ``of`` chooses one of
+    several.
+    """
+
+    arms: Mapping[str, ArmState]
+    """The arms by name."""
     object_position: Array
     """[m], shape (n, k, 3)."""
     object_quat: Array
@@ -54,9 +69,70 @@ class State(NamedTuple):
     meshes and compounds."""
     goal: Array
     """What was drawn at the start of the episode, as wide as ``Start.goal``."""
-    wrench: Array
-    """Force [N] and torque [N·m] on the tool, as ``Batch.tool_wrench``, shape (n, 6);
-    (n, 0) without ``Task.needs_wrench``."""
+
+    def of(self, arm: str) -> State:
+        """Return the state with one of the arms, and everything else.
+
+        Raises:
+            ControlError: If there is no such arm.
+        """
+        if arm not in self.arms:
+            raise ControlError(f"no arm '{arm}'{did_you_mean(arm, self.arms)}")
+        return self._replace(arms={arm: self.arms[arm]})
+
+    @property
+    def arm(self) -> ArmState:
+        """The only arm.
+
+        Raises:
+            ControlError: If there are several.
+        """
+        if len(self.arms) > 1:
+            raise ControlError(
+                f"this state has several arms: {', '.join(self.arms)}; choose one, as "
+                f"state.of('{next(iter(self.arms))}')"
+            )
+        return next(iter(self.arms.values()))
+
+    @property
+    def q(self) -> Array:
+        """Positions of the arm's joints [rad], shape (n, 6)."""
+        return self.arm.q
+
+    @property
+    def qd(self) -> Array:
+        """Their velocities [rad/s], shape (n, 6)."""
+        return self.arm.qd
+
+    @property
+    def tcp_position(self) -> Array:
+        """[m], shape (n, 3)."""
+        return self.arm.tcp_position
+
+    @property
+    def tcp_rotation(self) -> Array:
+        """Rotation matrices, shape (n, 3, 3)."""
+        return self.arm.tcp_rotation
+
+    @property
+    def opening(self) -> Array:
+        """Distance between the pads [m], shape (n,)."""
+        return self.arm.opening
+
+    @property
+    def opening_rate(self) -> Array:
+        """Its mean change in the last control period [m/s], shape (n,)."""
+        return self.arm.opening_rate
+
+    @property
+    def opening_target(self) -> Array:
+        """The commanded opening [m], shape (n,)."""
+        return self.arm.opening_target
+
+    @property
+    def wrench(self) -> Array:
+        """Force [N] and torque [N·m] on the tool, as in ``ArmState``, shape (n, 6)."""
+        return self.arm.wrench
 
 
 class Start(NamedTuple):
@@ -69,8 +145,8 @@ class Start(NamedTuple):
     goal: Array
     """Shape (g,), or any other if ``Task.desired`` does not return it as it is."""
     is_held: bool = False
-    """Whether the closed gripper holds the first object, as ``Task.hold`` says.  Its
-    place and yaw do not count then."""
+    """Whether the closed gripper holds the first object, as ``Task.hold`` says: that of
+    the first arm.  Its place and yaw do not count then."""
 
 
 class Target(NamedTuple):
@@ -87,7 +163,7 @@ class Target(NamedTuple):
 
 
 class Task(abc.ABC):
-    """A task in one workspace.
+    """A task of one arm, or of two that face each other.
 
     Its functions have no memory and get arrays over all copies; what they return has
     one row per copy, which depends on no other copy.
@@ -100,6 +176,10 @@ class Task(abc.ABC):
     fixed where they are placed."""
     goal_names: tuple[str, ...] = ()
     """What the columns of a goal are."""
+    arms: tuple[str, ...] = ()
+    """Names of two arms, such as ``("left", "right")``; none for a single arm."""
+    distance_of_arms: float = 1.5
+    """Distance between the bases of two arms of scale 1 [m]."""
     hold: Hold | None = None
     """How a start's gripper holds the first object; a task without such starts needs
     none."""
@@ -113,7 +193,10 @@ class Task(abc.ABC):
     """Reward of a copy whose physics diverged."""
 
     def __init__(self, workspace: Workspace) -> None:
-        """Prepare the task for an arm, a gripper, and the table that fits them."""
+        """Prepare the task for an arm, a gripper, and the table that fits them.
+
+        Of two arms, it is the workspace of the first; ``workspace.of`` has both.
+        """
         self.workspace = workspace
 
     @abc.abstractmethod
@@ -146,7 +229,8 @@ class Task(abc.ABC):
 
     def reward(self, state: State, success: Mask) -> Array:
         """Return the dense rewards, shape (n,): progress - 1, and 0 with success."""
-        return np.where(success, 0.0, np.clip(self.progress(state), 0.0, 1.0) - 1.0)
+        progress = np.minimum(np.maximum(self.progress(state), 0.0), 1.0)
+        return np.where(success, 0.0, progress - 1.0)
 
     def observe(self, state: State) -> Mapping[str, Array]:
         """Return further parts of observations by name, shapes (n,) or (n, m)."""
@@ -160,10 +244,20 @@ class Task(abc.ABC):
         """
         raise NotImplementedError
 
+    def experts(
+        self, state: State, commanded: Mapping[str, Frames]
+    ) -> Mapping[str, Target]:
+        """Return where each arm goes next, by its name.
+
+        A task of two arms has this instead of ``expert``.  ``commanded`` has the target
+        of each tcp now.
+        """
+        return {arm: self.expert(state, pose) for arm, pose in commanded.items()}
+
 
 def length(vectors: Array) -> Array:
     """Return the lengths of vectors (…, k), shape (…)."""
-    return np.asarray(np.sqrt((vectors * vectors).sum(axis=-1)))
+    return np.asarray(np.sqrt(np.add.reduce(vectors * vectors, axis=-1)))
 
 
 def nearness(distance: Array, rate: float = NEARNESS) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tool0.errors import ConfigError, did_you_mean
+from tool0.gym.benchmarks.handover import Handover
 from tool0.gym.benchmarks.nut_on_peg import NutOnPeg
 from tool0.gym.benchmarks.open_drawer import OpenDrawer
 from tool0.gym.benchmarks.peg_insertion import PegInsertion
@@ -20,6 +21,7 @@ TASKS: dict[str, type[Task]] = {
     "NutOnPeg": NutOnPeg,
     "OpenDrawer": OpenDrawer,
     "PickClutter": PickClutter,
+    "Handover": Handover,
 }
 EPISODE_STEPS = {
     "Reach": 100,
@@ -31,6 +33,7 @@ EPISODE_STEPS = {
     "NutOnPeg": 300,
     "OpenDrawer": 200,
     "PickClutter": 200,
+    "Handover": 300,
 }
 """Time limit of each task, in actions."""
 

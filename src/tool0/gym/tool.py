@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from tool0.description.transform import Transform
-from tool0.description.transform_arrays import Frames, sine_vectors
+from tool0.description.transform_arrays import Frames, quats_wxyz, sine_vectors
 from tool0.kernel.library import load
 from tool0.kernel.tool import ToolKernel
 from tool0.kinematics.chain import ArmChain, Array, Posture
@@ -50,9 +50,31 @@ class Tool:
             return Frames(*self._kernel.poses(q))
         return self._T_root_base @ self._in_base(self._chain.forward(q))
 
+    def quats(self, rotations: Array) -> Array:
+        """Return rotations, (n, 3, 3), as unit quaternions with w >= 0, (n, 4)."""
+        if self._kernel is not None:
+            return self._kernel.quats(rotations)
+        return quats_wxyz(rotations)
+
     def _in_base(self, posture: Posture) -> Frames:
         T = posture.T_base_tip
         return Frames(T[:, :3, 3], T[:, :3, :3]) @ self._T_tip_tcp
+
+    def steered(self, q: Array, moves: Array, lowest: float, limit: Array) -> Array:
+        """Return positions after moves of the tool, which looks down [rad], (n, 6).
+
+        Args:
+            q: Where to start [rad], shape (n, 6).
+            moves: Along the root's axes [m], and the turn about z [rad], shape (n, 4).
+            lowest: Height below which the tool does not go down [m].
+            limit: As in ``approach``.
+        """
+        if self._kernel is not None:
+            return self._kernel.steered(q, moves, lowest, limit)
+        pose = self.pose(q)
+        position = raised(pose.position + moves[:, :3], pose.position, lowest)
+        target = Frames(position, downward(pose.yaw + moves[:, 3]))
+        return self.approach(q, target, limit)
 
     def approach(self, q: Array, target: Frames, limit: Array) -> Array:
         """Return positions nearer to ``target`` [rad], shape (n, 6).
@@ -92,6 +114,16 @@ def chord_vectors(R: Array, R_wanted: Array) -> Array:
     trace = E[:, 0, 0] + E[:, 1, 1] + E[:, 2, 2]
     # The axis times 2 sin(angle/2), from sin(angle): their ratio is 1 / cos(angle/2).
     return np.asarray(sine_vectors(E) / np.sqrt(np.maximum(1.0 + trace, 0.04))[:, None])
+
+
+def raised(position: Array, start: Array, lowest: float) -> Array:
+    """Return positions not below ``lowest`` [m], nor below a start that is lower.
+
+    All are in the root [m], shape (n, 3).
+    """
+    found = position.copy()
+    found[:, 2] = np.maximum(found[:, 2], np.minimum(start[:, 2], lowest))
+    return found
 
 
 def downward(yaw: Array) -> Array:

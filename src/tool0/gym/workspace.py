@@ -1,10 +1,9 @@
-"""Where the tasks are: a table in front of one arm with a gripper, in its reach."""
+"""The table in front of an arm with a gripper: its places, and what the arm reaches."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import final
 
@@ -17,38 +16,31 @@ from tool0.api.table import (
     BIN_Y,
     FAR,
     GAP,
-    ITEM,
     LEFT,
     NEAR,
     RIGHT,
+    TABLE,
     TABLE_TOP,
-    PickTable,
-    arm_scale,
+    joined,
 )
-from tool0.description.camera import Camera, default_cameras, looking
-from tool0.description.config import DescriptionConfig
 from tool0.description.grasp_frames import grasp_frame
-from tool0.description.loading import load_description, named_poses
+from tool0.description.parts import find_grippers, gripper_of
 from tool0.description.scene import PALETTE, Scene, SceneObject
 from tool0.description.shapes import Box
 from tool0.description.transform import Pose, Vector3
 from tool0.errors import ConfigError, did_you_mean
 from tool0.gym.options import EnvOptions
+from tool0.gym.site import FILL, Site
 from tool0.gym.tool import Tool, downward
 from tool0.kinematics.chain import Array, find_chains, fixed_transform
 from tool0.kinematics.geometry import wrapped
 from tool0.kinematics.inverse import InverseKinematics
-from tool0.kinematics.only_part import only_part
 
-LARGEST_EDGE = 0.045
-"""Of a cube [m]."""
-FILL = 0.8
-"""Largest part of the gripper's opening that a cube takes."""
 HIGHEST = 0.6
 """Largest part of the height at which cubes are carried that a cube is high."""
 OPENINGS = 33
-"""Of the gripper, between which the place of the pads is interpolated linearly: within
-0.02 mm for the grippers of the catalogue."""
+"""Number of openings of the gripper between which the place of the pads is interpolated
+linearly: within 0.02 mm for the grippers of the catalogue."""
 CUBE_MASS, CUBE_FRICTION = 0.1, 1.0
 """[kg], coefficient; unless they are randomised."""
 HOVER = 0.02
@@ -57,8 +49,6 @@ RUN_UP = 0.03
 """The same from its nearest corner, which leaves room for the fingers [m]."""
 FIXTURE_RGBA = (0.35, 0.37, 0.4, 1.0)
 """Colour of what is fixed on the table: steel."""
-VIEWPOINT = (0.85, -0.65, 0.6)
-"""Of the camera from the middle of the table, for an arm of scale 1 [m]."""
 NEARER = 0.05
 """How far in front of the area of the starts an arm of scale 1 can work [m]."""
 ATTEMPTS = 200
@@ -67,34 +57,38 @@ ATTEMPTS = 200
 
 @final
 class Workspace:
-    """One arm and gripper of the catalogue, and the table that fits them.
+    """One arm with a gripper, and the table in front of it.
 
     Lengths on the table are in proportion to the arm; cubes and the bin are not.
     Poses are in the robot's root.
     """
 
-    def __init__(self, options: EnvOptions) -> None:
-        """Read the robot's description.
+    def __init__(self, site: Site, arm: str, beside: Mapping[str, Workspace]) -> None:
+        """Take an arm of a task.
+
+        Args:
+            site: All arms of the task.
+            arm: The name of this one in the robot.
+            beside: The workspaces of all arms, once they are made.
 
         Raises:
-            Tool0Error: If the arm or the gripper is unknown, or not built for this.
+            Tool0Error: If the arm or the gripper is not built for this.
         """
-        if options.gripper in (None, "none"):
-            raise ConfigError("the tasks need a gripper; give one, such as 2f85")
-        self.description = DescriptionConfig(arm=options.arm, gripper=options.gripper)
-        robot = load_description(self.description)
-        model = robot.model
-        self.gripper = only_part(
-            {item.name: item for item in model.grippers}, "gripper", model
-        )
+        model = site.model
+        self.arm = arm
+        """Name of the arm in the robot."""
+        self.gripper_name = gripper_of(model, arm) or ""
+        """Name of its gripper in the robot."""
+        self.gripper = find_grippers(model)[self.gripper_name]
         """The gripper's geometry."""
-        self.scale = arm_scale(model)
-        """Size of the arm, relative to a ur5."""
-        self.table = PickTable(scale=self.scale)
-        edge = min(LARGEST_EDGE, FILL * self.gripper.max_opening)
-        self.edge = round(edge, 4)
+        self._site, self._beside = site, beside
+        self.description, self.scale = site.description, site.scale
+        self.cameras = site.cameras
+        """The cameras of images."""
+        self.table = site.tables[arm]
+        self.edge = site.edge
         """Edge of each cube [m]; with random sizes, of the usual one."""
-        self.chain = only_part(find_chains(model), "arm", model)
+        self.chain = find_chains(model)[arm]
         self._inverse = InverseKinematics(self.chain)
         self.fastest = self._inverse.fastest
         """Largest velocities of the arm's joints [rad/s], shape (6,)."""
@@ -117,19 +111,7 @@ class Workspace:
         """Advance of the finger tips, from holding a cube to closed [m]."""
         self.grasp_height = self.grasp_height_of(self.edge)
         """Height of the tcp above what carries the cube, when it grasps it [m]."""
-        cameras = {camera.name: camera for camera in default_cameras(model)}
-        cameras["scene"] = self._overview()
-        for name in options.cameras:
-            if name not in cameras:
-                raise ConfigError(f"no camera '{name}'{did_you_mean(name, cameras)}")
-        width, height = options.image_size
-        self.cameras = tuple(
-            replace(cameras[name], width=width, height=height)
-            for name in options.cameras
-        )
-        """The cameras of images."""
-        self._ready = named_poses(robot)["ready"]
-        self._size_range = (1.0, 1.0) if options.ranges is None else options.ranges.size
+        self._size_range = site.size_range
         self.has_sizes = tuple(self._size_range) != (1.0, 1.0)
         """Whether objects have random sizes."""
         low, high = self.size_factors(np.full(3, self.edge))
@@ -145,12 +127,20 @@ class Workspace:
             self._aheads = z - T_tip_tcp.position[2]
             """Distance from the tcp ahead to the middle of the pads, by opening [m]."""
 
-    def _overview(self) -> Camera:
-        """Return a camera that sees table, gripper and bin from the front."""
-        x, y = self.table.at((NEAR + FAR) / 2.0, (BIN_Y + LEFT) / 2.0)
-        at = (x, y, 0.1 * self.scale)
-        position = [a + self.scale * b for a, b in zip(at, VIEWPOINT, strict=True)]
-        return Camera(name="scene", pose=looking(position, at))
+    @property
+    def prefix(self) -> str:
+        """Of names in actions and observations: the arm's, if there are several."""
+        return f"{self.arm}_" if len(self._beside) > 1 else ""
+
+    def of(self, arm: str) -> Workspace:
+        """Return the workspace of an arm of the task.
+
+        Raises:
+            ConfigError: If there is none.
+        """
+        if arm not in self._beside:
+            raise ConfigError(f"no arm '{arm}'{did_you_mean(arm, self._beside)}")
+        return self._beside[arm]
 
     def grasp_height_of(self, height: float) -> float:
         """Return the height of the tcp above what carries an object [m].
@@ -218,8 +208,7 @@ class Workspace:
     @cached_property
     def bin_centre(self) -> Vector3:
         """The middle of the bin's floor [m]."""
-        whole = self.table.scene(edge=self.edge, mass=CUBE_MASS, friction=CUBE_FRICTION)
-        x, y, z = find_bin(whole.objects, BIN).center
+        x, y, z = find_bin(self._shipped, BIN).center
         return x, y, z
 
     def area(self, *, beside_bin: bool = False) -> tuple[Array, Array]:
@@ -227,8 +216,8 @@ class Workspace:
         right = RIGHT
         if beside_bin:  # the bin keeps its size, so on a small table it reaches further
             right = max(RIGHT, BIN_Y + (BIN_HALF_WIDTH + GAP) / self.scale)
-        low, high = self.table.at(NEAR, right), self.table.at(FAR, LEFT)
-        return np.array(low), np.array(high)
+        corners = self.table.at(NEAR, right), self.table.at(FAR, LEFT)
+        return np.minimum(*corners), np.maximum(*corners)
 
     def draw_place(self, rng: np.random.Generator, low: Array, high: Array) -> Array:
         """Return a random place in reach [m], shape (3,), between two corners."""
@@ -251,6 +240,16 @@ class Workspace:
         with np.errstate(invalid="ignore"):
             return np.asarray(self._inverse.geometry.solve(T[None])[0][self._branch])
 
+    def reaches_from_above(self, positions: Array) -> bool:
+        """Return whether the tcp can be at one of k points, (k, 3) [m], in any posture.
+
+        The tool looks down; the joints' limits do not count.
+        """
+        T = np.array([self._flange(each, self.start_yaw) for each in positions])
+        with np.errstate(invalid="ignore"):
+            found = self._inverse.geometry.solve(T)
+        return bool(np.isfinite(found).all(axis=2).any())
+
     def can_lift(self, place: Array) -> bool:
         """Return whether the arm can grasp and lift a cube at ``place`` [m], (2,)."""
         low = TABLE_TOP + self.grasp_height
@@ -263,8 +262,11 @@ class Workspace:
 
         ``place`` [m], (2,), may be outside of ``area``.
         """
-        nearest = self.area()[0][0] - NEARER * self.scale
-        return bool(place[0] > nearest) and self.can_lift(place)
+        ahead = place[0] - self.table.base[0]
+        if self.table.is_turned:
+            ahead = -ahead
+        nearest = NEAR * self.scale - NEARER * self.scale
+        return bool(ahead > nearest) and self.can_lift(place)
 
     def draw_on_table(
         self,
@@ -306,7 +308,8 @@ class Workspace:
 
     @cached_property
     def _start(self) -> tuple[float, Array]:
-        near = np.array([self._ready[name] for name in self.chain.joint_names])
+        ready = self._site.ready
+        near = np.array([ready[name] for name in self.chain.joint_names])
         best: tuple[float, float, Array] | None = None
         for yaw in (k * math.pi / 2.0 for k in range(-1, 3)):
             found = self._inverse.solutions(
@@ -335,6 +338,12 @@ class Workspace:
 
     # ---- the scene ------------------------------------------------------------------
 
+    @cached_property
+    def _shipped(self) -> tuple[SceneObject, ...]:
+        """Table, bin and a cube, as in the demos."""
+        found = self.table.scene(edge=self.edge, mass=CUBE_MASS, friction=CUBE_FRICTION)
+        return found.objects
+
     def scene(
         self,
         cubes: tuple[str, ...],
@@ -342,13 +351,19 @@ class Workspace:
         friction: float = CUBE_FRICTION,
         with_bin: bool = False,
     ) -> Scene:
-        """Return the table with cubes of these names, and perhaps the bin."""
-        whole = self.table.scene(edge=self.edge, mass=CUBE_MASS, friction=CUBE_FRICTION)
-        fixed = [
+        """Return the table with cubes of these names, and perhaps the bin.
+
+        The table is that of all arms; cubes and bin are in front of this one.
+        """
+        tables = [
             item
-            for item in whole.objects
-            if item.name != ITEM and (with_bin or not item.name.startswith(f"{BIN}."))
+            for space in self._beside.values()
+            for item in space._shipped
+            if item.name == TABLE
         ]
+        fixed = tables if len(tables) == 1 else [joined(tables)]
+        if with_bin:
+            fixed += [item for item in self._shipped if item.name.startswith(f"{BIN}.")]
         low, high = self.area()
         movable = [
             SceneObject(
@@ -364,3 +379,23 @@ class Workspace:
             )
         ]
         return Scene(objects=(*fixed, *movable), cameras=self.cameras)
+
+
+def workspaces(
+    options: EnvOptions, arms: tuple[str, ...] = (), distance: float = 0.0
+) -> dict[str, Workspace]:
+    """Return the workspace of each arm of a task, by the arm's name in the robot.
+
+    Args:
+        options: Arm, gripper and cameras.
+        arms: Names of two arms; none for a single one.
+        distance: Between the bases of two arms of scale 1 [m].
+
+    Raises:
+        Tool0Error: If the arm or the gripper is unknown, or not built for this.
+    """
+    site = Site(options, arms, distance)
+    found: dict[str, Workspace] = {}
+    for name in site.tables:
+        found[name] = Workspace(site, name, found)
+    return found

@@ -36,7 +36,7 @@ class DriveDynamics:
         self._model, self._gravity_vector, self._dt = model, gravity, dt
         self._payloads: dict[str, Payload] = {}
         self.own = self._declared = JointDynamics(model, gravity)
-        """Without and with the declared payloads."""
+        """Dynamics without and with the declared payloads."""
         index = {name: i for i, name in enumerate(joint_names)}
         self.to_model = tuple(index[joint.name] for joint in model.movable_joints)
         """Engine index of each of the model's movable joints."""
@@ -113,8 +113,8 @@ class DriveDynamics:
             joints: The n joints, by the engine's numbers.
             declared: The mass matrices of the model's joints with declared payloads,
                 shape (k, n_joints, n_joints).
-            positions: Of the model's joints [rad | m], shape (k, n_joints): they count
-                if payloads are declared.
+            positions: Positions of the model's joints [rad | m], shape (k, n_joints):
+                they count if payloads are declared.
         """
         rows = [self.to_model.index(i) for i in joints]
         chosen = own = np.ascontiguousarray(declared[:, rows][:, :, rows])
@@ -134,9 +134,31 @@ class DriveDynamics:
         Shape (n, n) [rad/s/(N·m)], by the masses of the description and the ``rotors``,
         by joint [kg·m²].
         """
-        rows = [self.to_model.index(i) for i in joints]
         position = [state.position[i] for i in self.to_model]
-        masses = self.own.mass_matrix(position)[rows][:, rows]
+        own = self.own.mass_matrix(position)[None]
+        return np.asarray(self._mobilities(joints, own, rotors)[0])
+
+    def mobilities(
+        self,
+        joints: Sequence[int],
+        declared: Matrix,
+        positions: Sequence[Sequence[float]],
+        rotors: Mapping[int, float],
+    ) -> Matrix:
+        """Return the ``mobility`` of ``joints`` in k states, shape (k, n, n).
+
+        ``declared`` and ``positions`` are as for ``servo_masses``.
+        """
+        own = declared
+        if self._payloads:
+            own = np.array([self.own.mass_matrix(position) for position in positions])
+        return self._mobilities(joints, own, rotors)
+
+    def _mobilities(
+        self, joints: Sequence[int], own: Matrix, rotors: Mapping[int, float]
+    ) -> Matrix:
+        rows = [self.to_model.index(i) for i in joints]
+        masses = own[:, rows][:, :, rows]
         masses += np.diag([rotors.get(joint, 0.0) for joint in joints])
         return np.asarray(self._dt * np.linalg.inv(masses))
 

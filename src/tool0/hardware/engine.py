@@ -24,9 +24,9 @@ class JointState(NamedTuple):
     time: float
     """Simulated time [s]."""
     position: list[float]
-    """[rad], or [m] for a prismatic joint."""
+    """Positions [rad], or [m] for a prismatic joint."""
     velocity: list[float]
-    """[rad/s] or [m/s]."""
+    """Velocities [rad/s], or [m/s] for a prismatic joint."""
     effort: list[float]
     """Last applied effort [N·m] or [N]."""
 

@@ -289,8 +289,8 @@ class SpeedLimiter:
             applied: The effort applied in the last step.
             gravity: The part of ``effort`` that compensates gravity; the limits of a
                 goal do not apply to it.
-            position: Of the joint [rad | m].
-            velocity: Of the joint [rad/s | m/s].
+            position: Position of the joint [rad | m].
+            velocity: Velocity of the joint [rad/s | m/s].
         """
         most, speed = self._effort, self._speed
         if (

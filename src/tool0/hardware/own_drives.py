@@ -1,4 +1,4 @@
-"""Drives that are not ours: those of a real robot, which follow motions by themselves.
+"""Drives that are not ours: those of a real robot, which follow motions on their own.
 
 An engine with such drives takes no efforts.  Each tick gives it the motion that is
 wanted from then on, and it reports the state of the robot's own controller.
@@ -28,22 +28,22 @@ from tool0.protocol.state import ArmSetpoint
 
 @final
 class WantedMotion(NamedTuple):
-    """How an arm shall move from now on, until something else is wanted."""
+    """Motion that an arm is to follow from now on, until the next one."""
 
     at: Callable[[float], ArmSetpoint]
     """Returns position, velocity and acceleration of its joints at a time [s]."""
     is_streamed: bool = False
-    """Whether it is known only for the end of this tick, and assumed to go on with the
-    same velocities."""
+    """Whether it is known only for the end of this tick; the robot then assumes
+    constant velocities."""
     target: tuple[float, ...] = ()
-    """Where it ends; empty for a stream [rad]."""
+    """End positions [rad]; empty for a stream."""
     key: tuple[object, ...] = ()
     """Equal as long as it is the same motion, at whatever speed."""
 
 
 @final
 class WantedGrip(NamedTuple):
-    """Where the fingers of a gripper shall be."""
+    """Grip that the controllers command of a gripper."""
 
     position: float
     """Final position of the driven joint [rad | m]."""
@@ -53,7 +53,7 @@ class WantedGrip(NamedTuple):
 
 @final
 class Wanted(NamedTuple):
-    """What the controllers want."""
+    """Commands of the controllers."""
 
     now: JointState
     """The measured state at the start of the tick."""
@@ -65,7 +65,7 @@ class Wanted(NamedTuple):
 
 @final
 class RobotReport(Struct, frozen=True, kw_only=True):
-    """What a robot's controller reports besides its motion."""
+    """Report of a robot's controller, besides its motion."""
 
     link: RobotLink
     robot_mode: RobotMode
@@ -74,7 +74,7 @@ class RobotReport(Struct, frozen=True, kw_only=True):
     """State of tool0's program on the controller: without it, nothing can move the
     arm."""
     motion_failure: str = ""
-    """Why the arm came to rest by itself; empty if it did not."""
+    """Reason why the arm came to rest on its own; empty if it did not."""
     speed_slider: float
     speed_scaling: float
     digital_inputs: tuple[bool, ...]
@@ -86,7 +86,7 @@ class RobotReport(Struct, frozen=True, kw_only=True):
     tool_current: float
     tool_temperature: float
     payload_mass: float
-    """[kg]"""
+    """Mass of the payload [kg]."""
     payload_center: tuple[float, float, float]
     """Center of gravity of the payload in the flange [m]."""
     tcp: Pose6
@@ -102,7 +102,7 @@ class OwnDrives(abc.ABC):
     @property
     @abc.abstractmethod
     def start_delay(self) -> float:
-        """How long before its start the robot should know of a motion from rest [s]."""
+        """Lead time with which the robot should know of a motion from rest [s]."""
 
     @property
     @abc.abstractmethod
@@ -161,7 +161,7 @@ class OwnDrives(abc.ABC):
 
     @abc.abstractmethod
     def forgive(self) -> None:
-        """Follow again after the arm came to rest by itself."""
+        """Follow again after the arm came to rest on its own."""
 
     @abc.abstractmethod
     def brake(self) -> None:

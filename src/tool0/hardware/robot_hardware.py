@@ -121,7 +121,7 @@ class DriveState(NamedTuple):
 
 
 class SavedDrives(NamedTuple):
-    """The drives at one instant, with what commands them."""
+    """The drives at one instant, with their controllers."""
 
     setup: DriveSetup
     state: DriveState
@@ -628,6 +628,18 @@ class RobotHardware:
         """
         matrices = self._dynamics.servo_masses(list(self._servos), declared, positions)
         return matrices, self._fastest_with(matrices)
+
+    def mobilities(
+        self,
+        joints: Sequence[int],
+        declared: Matrix,
+        positions: Sequence[Sequence[float]],
+    ) -> Matrix:
+        """Return the mobilities of free joints for the governor in k states.
+
+        Shape (k, n, n); ``DriveDynamics.mobilities`` has the arguments.
+        """
+        return self._dynamics.mobilities(joints, declared, positions, self._rotors)
 
     def _fastest_with(self, masses: Matrix) -> Matrix:
         """Return the largest acceleration of each servo's drive.

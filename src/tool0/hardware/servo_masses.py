@@ -73,7 +73,7 @@ def integral_rate(inertia: float, effort: float, dt: float) -> float:
 
     Args:
         inertia: The joint's in the description [kg·m²].
-        effort: Of its drive at most [N·m].
+        effort: Largest effort of its drive [N·m].
         dt: Length of a step [s].
     """
     if math.isinf(effort):

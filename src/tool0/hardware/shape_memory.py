@@ -1,4 +1,4 @@
-"""Where shapes are in an engine's memory, for compiled code that measures distances."""
+"""Memory of an engine's shapes, for compiled code that measures distances."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ class ShapeMemory(NamedTuple):
     data: int
     position: FloatArray
     centres: FloatArray
-    """Of the shapes [m], shape (n_shapes, 3)."""
+    """Centres of the shapes in the world [m], shape (n_shapes, 3)."""
     rotations: FloatArray
-    """Of the shapes, shape (n_shapes, 9)."""
+    """Rotations of the shapes in the world, shape (n_shapes, 9)."""
     axes: FloatArray
-    """Of the joints in the world, shape (n, 3)."""
+    """Axes of the joints in the world, shape (n, 3)."""
     anchors: FloatArray
     """A point on each axis in the world [m], shape (n, 3)."""
     bodies: FloatArray
     """Rotations of the bodies, shape (n, 9)."""
     radii: FloatArray
-    """Of spheres around the shapes [m], shape (n_shapes,); 0 for planes."""
+    """Radii of spheres around the shapes [m], shape (n_shapes,); 0 for planes."""
     boxes: FloatArray
     """Centre and half sizes of boxes around the shapes [m], shape (n_shapes, 6)."""

@@ -19,6 +19,7 @@ import numpy as np
 from tool0.description.bodies import (
     STANDARD_GRAVITY,
     BodyInertia,
+    DynamicBody,
     JointDynamics,
     Matrix,
     MovingBody,
@@ -43,24 +44,50 @@ _ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 
 class _BodyMotion(NamedTuple):
-    """How a body moves, in the axes of the root."""
+    """Motion of a body, in the axes of the root."""
 
     angular_velocity: Vector3
-    """[rad/s]"""
+    """Angular velocity [rad/s]."""
     angular_acceleration: Vector3
-    """[rad/s²]"""
+    """Angular acceleration [rad/s²]."""
     acceleration: Vector3
     """Acceleration of its origin relative to free fall [m/s²]: at rest it points up."""
 
 
-class _Part(NamedTuple):
+class ToolPart(NamedTuple):
     """The part of a body beyond the flange, in the body's frame."""
 
     body: int
+    """Number of the body; -1 for the world."""
     mass: float
     center: Vector3
     tensor: tuple[float, ...]
     """Inertia about the centre, 9 floats."""
+
+
+class ToolForces(NamedTuple):
+    """The wrench of a tool on its flange but for contacts, in the axes of the root."""
+
+    force: Vector3
+    """[N]"""
+    torque: Vector3
+    """About the flange [N·m]."""
+    flange: Frame
+    """The flange in the root."""
+
+
+class ToolTable(NamedTuple):
+    """The constants of ``ToolDynamics.forces``."""
+
+    bodies: tuple[DynamicBody, ...]
+    """All moving bodies of the robot, in the order of the model's joints."""
+    parts: tuple[ToolPart, ...]
+    carrier: int
+    """The body that the flange is part of; -1 for the world."""
+    flange: Frame
+    """The flange in it."""
+    rise: Vector3
+    """Acceleration of the root relative to free fall [m/s²]."""
 
 
 @final
@@ -99,7 +126,7 @@ class ToolDynamics:
         if self._carrier < 0:
             still = self._inertia(model, fixed_to_world(model))
             self._parts.append(_as_part(-1, still, turns[-1]))
-        self._payloads: list[_Part] = []
+        self._payloads: list[ToolPart] = []
 
     def subtract(self, payloads: Mapping[str, BodyInertia]) -> None:
         """Subtract bodies fixed to these links, in the links' frames, from now on.
@@ -123,11 +150,33 @@ class ToolDynamics:
         """Return force and torque on the flange, in the link's axes at its origin.
 
         Args:
-            position: Of the model's movable joints, in their order [rad | m].
-            velocity: [rad/s | m/s]
-            acceleration: [rad/s² | m/s²]
+            position: Positions of the model's movable joints, in their order [rad | m].
+            velocity: Velocities [rad/s | m/s].
+            acceleration: Accelerations [rad/s² | m/s²].
             contacts: All contacts at that instant; those at other links are ignored.
         """
+        forces = self.forces(position, velocity, acceleration)
+        return self.with_contacts(forces, contacts)
+
+    @property
+    def table(self) -> ToolTable:
+        """The constants of ``forces``, until other payloads are subtracted."""
+        return ToolTable(
+            self._dynamics.table.bodies,
+            (*self._parts, *self._payloads),
+            self._carrier,
+            self._flange,
+            self._world_motion.acceleration,
+        )
+
+    def forces(
+        self,
+        position: Sequence[float],
+        velocity: Sequence[float],
+        acceleration: Sequence[float],
+    ) -> ToolForces:
+        """Return the wrench without contacts; the arguments are those of ``wrench``."""
+        # The kernel does the same (wrench.c).
         frames = [*self._dynamics.frames(position), ROOT]
         motions = self._motions(frames, velocity, acceleration)
         flange = compose(frames[self._carrier], self._flange)
@@ -146,6 +195,12 @@ class ToolDynamics:
             tx += ry * az - rz * ay - nx
             ty += rz * ax - rx * az - ny
             tz += rx * ay - ry * ax - nz
+        return ToolForces((fx, fy, fz), (tx, ty, tz), flange)
+
+    def with_contacts(self, forces: ToolForces, contacts: Iterable[Contact]) -> Wrench:
+        """Return the wrench with all contacts, in the flange's axes at its origin."""
+        (fx, fy, fz), (tx, ty, tz), flange = forces
+        px, py, pz = flange[9:]
         for contact in contacts:
             if sign := (contact.second in self.links) - (contact.first in self.links):
                 x, y, z = contact.point
@@ -246,10 +301,10 @@ def _find_body(
     return -1, dict(fixed_to_world(model))[link]
 
 
-def _as_part(body: int, inertia: BodyInertia, turn: Matrix) -> _Part:
+def _as_part(body: int, inertia: BodyInertia, turn: Matrix) -> ToolPart:
     tensor = (turn.T @ inertia.tensor @ turn).ravel().tolist()
     center = _vector3((turn.T @ inertia.center).tolist())
-    return _Part(body, inertia.mass, center, tuple(tensor))
+    return ToolPart(body, inertia.mass, center, tuple(tensor))
 
 
 def _vector3(values: Sequence[float]) -> Vector3:

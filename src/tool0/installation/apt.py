@@ -33,7 +33,7 @@ def explain_failure(
     """Return why apt failed, and its last error messages.
 
     Args:
-        output: What apt printed.
+        output: Output of apt.
         explanations: Explanation by cause, a key of the table above.
         otherwise: The explanation if no cause matches.
     """

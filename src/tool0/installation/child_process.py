@@ -168,7 +168,7 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
             file.close()
 
     def _end_orphans(self) -> None:
-        """End what a killed supervisor has left; others leave nothing."""
+        """End the processes that a killed supervisor left; others leave none."""
         if self._connection is None or self._process.returncode >= 0:
             return
         with contextlib.suppress(OSError):  # it has ended, or was never started

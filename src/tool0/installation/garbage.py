@@ -33,14 +33,14 @@ def starting() -> Iterator[None]:
 
 
 def started() -> None:
-    """Leave what exists now alone for good, and collect rarely from now on."""
+    """Exempt all present objects for good, and collect rarely from now on."""
     gc.freeze()
     gc.set_threshold(THRESHOLD)
     gc.enable()
 
 
 def leave_alone() -> None:
-    """Collect once, and leave what exists now alone, in a program of somebody's own.
+    """Collect once, and exempt all present objects, in a program that uses tool0.
 
     With its libraries, a collection of everything would pause each thread for 0.1 s or
     more.

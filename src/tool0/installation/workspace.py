@@ -56,7 +56,7 @@ class WorkspaceChanges:
     source: Path
     """The folder of the packages."""
     packages: tuple[str, ...]
-    """Their names."""
+    """Names of the packages."""
     actions: Mapping[Path, FileAction]
     """File → how it was treated."""
     backups: Mapping[Path, Path]

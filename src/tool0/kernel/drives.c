@@ -41,10 +41,11 @@ static void frame_of(const DriveBody *body, double (*frames)[12], int i, double 
     }
 }
 
-void drives_frames(const DriveTable *table, const double *position, double (*frames)[12])
+void drives_frames(const DriveBody *bodies, int n, const double *position,
+                   double (*frames)[12])
 {
-    for (int i = 0; i < table->n_bodies; i++)
-        frame_of(&table->bodies[i], frames, i, position[table->bodies[i].joint]);
+    for (int i = 0; i < n; i++)
+        frame_of(&bodies[i], frames, i, position[bodies[i].joint]);
 }
 
 /* Set loads, by joint, to the efforts that balance gravity and springs. */
@@ -53,7 +54,7 @@ static void static_effort(const DriveTable *table, const double *position, doubl
     const DriveBody *bodies = table->bodies;
     int n = table->n_bodies;
     double frames[n][12], mass[n], moment_x[n], moment_y[n];
-    drives_frames(table, position, frames);
+    drives_frames(bodies, n, position, frames);
     for (int i = 0; i < n; i++) {
         const double *f = frames[i], *c = bodies[i].center;
         double m = mass[i] = bodies[i].mass;
@@ -351,7 +352,7 @@ static int what_is_due(const Drives *drives, const double *command,
             return DRIVES_EVENT;
     const DriveGovernor *governor = &drives->governor;
     if (is_fast(governor, velocity) && is_mobility_due(governor, position))
-        return DRIVES_EVENT;
+        return DRIVES_MOBILITY;
     if (!drives->n_servos || drives->masses_at == drives->steps)
         return DRIVES_OK;
     if (!drives->has_masses || drives->steps % table->pose_period == 0)

@@ -7,7 +7,7 @@
 #ifndef TOOL0_DRIVES_H
 #define TOOL0_DRIVES_H
 
-enum { DRIVES_OK = 0, DRIVES_EVENT = 1, DRIVES_MASSES = 2 };
+enum { DRIVES_OK = 0, DRIVES_EVENT = 1, DRIVES_MASSES = 2, DRIVES_MOBILITY = 3 };
 
 /* A moving body (description/bodies.py, DynamicBody). */
 typedef struct DriveBody {
@@ -75,6 +75,7 @@ typedef struct DriveGoverned {
 /* What keeps joints within their speeds (speed_governor.py, SpeedGovernor). */
 typedef struct DriveGovernor {
     int n_drives, n_free, has_mobility, has_before, sweeps;
+    int is_new; /* the mobility was computed for here */
     double tolerance, largest_turn;
     DriveGoverned *drives; /* (n_drives) */
     int *free;             /* (n_free), joints, the governed ones first */
@@ -104,15 +105,16 @@ typedef struct Drives {
 /* Compute the efforts of the next step; all arrays have shape (n_joints).
  *
  * effort: in, the effort applied in the last step; out, that of the next one.
- * Returns DRIVES_EVENT, with nothing changed, when Python must execute this step: the
- * governor's mobility is due, or a value is not finite; DRIVES_MASSES when masses of the
- * servos are due: masses.c.
+ * Returns DRIVES_EVENT, with nothing changed, when Python must execute this step: a value
+ * is not finite; DRIVES_MASSES and DRIVES_MOBILITY when masses of the servos, or the
+ * governor's mobility, are due: masses.c.
  */
 int drives_efforts(Drives *drives, const double *command, const double *position,
                    const double *velocity, double *effort);
 
-/* Compute the frames of the bodies at `position`, shape (n_joints). */
-void drives_frames(const DriveTable *table, const double *position, double (*frames)[12]);
+/* Compute the frames of n bodies at `position`, shape (n_joints). */
+void drives_frames(const DriveBody *bodies, int n, const double *position,
+                   double (*frames)[12]);
 
 /* Compute the largest effort and velocity of a joint at `position` (DriveLimits.at). */
 void drives_goal_at(const DriveGoal *goal, double position, double *effort,

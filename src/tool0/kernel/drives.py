@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from ctypes import POINTER, c_double, c_int, c_longlong
 from typing import Any, final
 
+from tool0.description.bodies import DynamicBody
 from tool0.description.drive_limits import DriveLimits
 from tool0.description.model import JointLimits, LinearOpening, SafetyController
 from tool0.hardware.limits import DriveBounds
@@ -50,7 +51,10 @@ def _numbers(*names: str) -> list[tuple[str, Any]]:
     return [(name, c_double) for name in names]
 
 
-class _Body(ctypes.Structure):
+@final
+class Body(ctypes.Structure):
+    """``DriveBody`` of ``drives.h``."""
+
     _fields_ = (
         *_integers("parent", "is_prismatic", "master", "joint"),
         *_numbers("multiplier", "mass"),
@@ -91,7 +95,7 @@ class _Table(ctypes.Structure):
         *_numbers("dt", "gravity"),
         *_numbers("damping_ratio", "velocity_bandwidth", "integral_rate"),
         *_numbers("stopped", "blocked", "standstill"),
-        ("bodies", POINTER(_Body)),
+        ("bodies", POINTER(Body)),
         ("springs", POINTER(_Spring)),
         ("bounds", POINTER(_Bounds)),
         ("compensated", POINTER(c_int)),
@@ -121,6 +125,7 @@ class _Governed(ctypes.Structure):
 class _Governor(ctypes.Structure):
     _fields_ = (
         *_integers("n_drives", "n_free", "has_mobility", "has_before", "sweeps"),
+        *_integers("is_new"),
         *_numbers("tolerance", "largest_turn"),
         ("drives", POINTER(_Governed)),
         ("free", POINTER(c_int)),
@@ -189,7 +194,7 @@ class NativeDrives:
             *(self._goals, self._servos, self._masses, self._brakes),
             self._governed,
             _Governor(
-                *(0, 0, 0, 0, SWEEPS, TOLERANCE, LARGEST_TURN),
+                *(0, 0, 0, 0, SWEEPS, 0, TOLERANCE, LARGEST_TURN),
                 *(self._governor_drives, self._free, self._mobility),
                 *(self._posture, self._velocity),
             ),
@@ -224,6 +229,8 @@ class NativeDrives:
         struct, before = self.struct, self._before
         if struct.masses_at >= 0:
             self._keep_masses()
+        if struct.governor.is_new:
+            self._keep_mobility()
         bounded = self._rotors | self._setup.drive_limits.keys()
         state = DriveState(
             struct.steps,
@@ -245,6 +252,15 @@ class NativeDrives:
         fastest = [servo.fastest for servo in self._servos[:n]]
         self._setup = self._setup._replace(masses=masses, fastest=fastest)
         self.struct.masses_at = -1
+
+    def _keep_mobility(self) -> None:
+        """Store the mobility that was set here in the setup."""
+        n = self.struct.governor.n_free
+        mobility = tuple(tuple(self._mobility[k * n : (k + 1) * n]) for k in range(n))
+        posture = tuple(self._posture[:n])
+        governor = self._setup.governor._replace(mobility=mobility, posture=posture)
+        self._setup = self._setup._replace(governor=governor)
+        self.struct.governor.is_new = 0
 
     @property
     def drive_limits(self) -> Mapping[int, DriveLimits]:
@@ -308,23 +324,32 @@ class NativeDrives:
             self._before[index] = math.nan  # no speed limiter remembers it
 
 
+def native_bodies(
+    bodies: Sequence[DynamicBody], joints: Sequence[int]
+) -> ctypes.Array[Body]:
+    """Return bodies for C; ``joints`` are the engine's numbers of their joints."""
+    return (Body * len(bodies))(
+        *(
+            Body(
+                body.parent,
+                body.is_prismatic,
+                body.master,
+                joint,
+                body.multiplier,
+                body.mass,
+                body.placement,
+                body.center,
+                body.tensor,
+                body.armature,
+            )
+            for body, joint in zip(bodies, joints, strict=True)
+        )
+    )
+
+
 def _table(n_joints: int, table: DriveTable) -> _Table:
     dynamics = table.dynamics
-    bodies = [
-        _Body(
-            body.parent,
-            body.is_prismatic,
-            body.master,
-            joint,
-            body.multiplier,
-            body.mass,
-            body.placement,
-            body.center,
-            body.tensor,
-            body.armature,
-        )
-        for body, joint in zip(dynamics.bodies, table.to_model, strict=True)
-    ]
+    bodies = native_bodies(dynamics.bodies, table.to_model)
     springs = [_Spring(*spring) for spring in dynamics.springs]
     bounds = [_drive(drive) for drive in table.bounds]
     n_compensated = len(table.compensated)
@@ -344,7 +369,7 @@ def _table(n_joints: int, table: DriveTable) -> _Table:
         STOPPED,
         BLOCKED,
         STANDSTILL,
-        (_Body * len(bodies))(*bodies),
+        bodies,
         (_Spring * len(springs))(*springs),
         (_Bounds * len(bounds))(*bounds),
         (c_int * n_compensated)(*table.compensated),

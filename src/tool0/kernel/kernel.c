@@ -83,7 +83,7 @@ static void stick(Robot *robot)
     }
 }
 
-/* Execute one physics step; on an event, return RUN_EVENT or RUN_MASSES before it. */
+/* Execute one physics step; if something is due, return what before it. */
 static int step(Robot *robot)
 {
     int n = robot->n_joints;
@@ -92,8 +92,12 @@ static int step(Robot *robot)
     copy(robot->step_effort, robot->effort, n);
     int due = drives_efforts(robot->drives, robot->command, robot->position,
                              robot->velocity, robot->effort);
+    if (due == DRIVES_MASSES)
+        return RUN_MASSES;
+    if (due == DRIVES_MOBILITY)
+        return RUN_MOBILITY;
     if (due != DRIVES_OK)
-        return due == DRIVES_MASSES ? RUN_MASSES : RUN_EVENT;
+        return RUN_EVENT;
     for (int j = 0; j < robot->n_motors; j++)
         robot->motors[j] = robot->effort[robot->motor_joints[j]];
     if (!step_engine(robot))
@@ -106,7 +110,8 @@ static int step(Robot *robot)
 /* Execute up to `most` ticks; *done is how many were.  Returns RUN_...
 
    If `steps_left` is not 0 then, the laws of one further tick are executed, and so many
-   of its steps are left.  After RUN_MASSES, the next call executes them first. */
+   of its steps are left.  After RUN_MASSES and RUN_MOBILITY, the next call
+   executes them first. */
 TOOL0_EXPORT int tool0_run(Robot *robot, int most, int *done)
 {
     int n = robot->n_joints, left = robot->steps_left;
@@ -133,6 +138,7 @@ TOOL0_EXPORT int tool0_run(Robot *robot, int most, int *done)
 
 /* The sizes of the structs that Python has, too, for a test: they must agree. */
 TOOL0_EXPORT const int tool0_struct_sizes[] = {
-    sizeof(Robot), sizeof(Law), sizeof(Piece), sizeof(Grip), sizeof(Drives), sizeof(DriveTable),
-    sizeof(DriveBody), sizeof(DriveBounds), sizeof(DriveGoal), sizeof(DriveServo), 0,
+    sizeof(Robot), sizeof(Law), sizeof(Piece), sizeof(Grip), sizeof(Start), sizeof(Drives),
+    sizeof(DriveTable), sizeof(DriveBody), sizeof(DriveBounds), sizeof(DriveGoal),
+    sizeof(DriveServo), 0,
 };

@@ -85,17 +85,26 @@ static int allows(const Piece *piece, double error, double rate)
     return is_within(tolerance, error, rate);
 }
 
+/* Whether all joints are within their tolerances, on the path (0) or at the goal (2). */
+static int are_all_within(const Law *law, int which)
+{
+    for (int k = 0; k < law->n; k++)
+        if (!is_within(&law->tolerances[4 * k + which], law->errors[k], law->rates[k]))
+            return 0;
+    return 1;
+}
+
 /* Return whether a trajectory goes on: control/trajectory_monitor.TrajectoryMonitor.check */
 static int trajectory_continues(const Law *law, double time)
 {
-    int is_moving = time + law->lead < law->end, are_all_within = 1;
-    for (int k = 0; k < law->n; k++)
-        are_all_within &= is_within(&law->tolerances[4 * k + (is_moving ? 0 : 2)],
-                                    law->errors[k], law->rates[k]);
+    int is_moving = time + law->lead < law->end;
+    int is_first = law->start && law->start->is_first;
+    if ((is_moving || is_first) && !are_all_within(law, 0))
+        return 0;
     if (is_moving)
-        return are_all_within;
+        return 1;
     double past = time - law->end;
-    if (are_all_within ? law->has_goal : past > law->goal_time)
+    if (are_all_within(law, 2) ? law->has_goal : past > law->goal_time)
         return 0;
     return !(past > law->timeout);
 }
@@ -164,6 +173,8 @@ int law_prepare(Law *law, double time, const double *position, const double *vel
     if (law->kind == LAW_GRIPPER)
         return prepare_grip(law, time, position[law->joints[0]]);
     time = law_time(law, time);
+    if (law->start && law->start->n_points && !law_start(law, time, position, velocity))
+        return 0;
     if (!find_pieces(law, time))
         return 0;
     sample(law, time, position, velocity);
@@ -279,6 +290,8 @@ void law_execute(Law *law, double time, double period, const double *position,
                  const double *velocity, double *command)
 {
     double of_trajectory = law_time(law, time);
+    if (law->start)
+        law->start->is_first = 0;
     for (int k = 0; k < law->n; k++) {
         int i = law->joints[k];
         if (law->kind == LAW_TRAJECTORY)

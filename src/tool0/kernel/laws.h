@@ -36,6 +36,21 @@ typedef struct {
     double is_unheard; /* nobody waits for the end of the goal */
 } Grip;
 
+/* How a trajectory of all joints without a goal starts: control/law.TrajectoryStart. */
+typedef struct {
+    int32_t is_known; /* else Python must start it */
+    int32_t is_spliced, from_desired, reads_velocity, may_end_moving;
+    int32_t has_points; /* several, in the motion that is executed */
+    int32_t is_first;   /* the coming tick is the first one of a motion */
+    int32_t n_points;   /* of a trajectory that starts with the coming tick; 0: none */
+    int32_t has_velocities, is_following; /* it: with the desired motion */
+    double now;                           /* when it was commanded [s] */
+    double goal_time, timeout;            /* [s] */
+    const double *tolerances;             /* as those of Law */
+    double *times;                        /* (max_pieces) */
+    double *positions, *velocities;       /* (max_pieces, n) */
+} Start;
+
 typedef struct {
     int32_t kind;
     int32_t n; /* joints */
@@ -59,8 +74,8 @@ typedef struct {
     int32_t *piece; /* the active one */
     int32_t *piece_ahead; /* the commanded one, if that leads */
     int32_t *arrived;
-    const double *tolerances; /* shape (n, 4): position and velocity on the path, and at
-                                 the goal, if all joints are watched together */
+    double *tolerances; /* shape (n, 4): position and velocity on the path, and at the
+                           goal, if all joints are watched together */
     int32_t *started; /* segments of a motion that the kernel started: Python lacks it */
     double *times; /* (n, max_pieces): when they end after the start of that motion [s] */
     const double *values; /* LAW_COMMAND: the commands */
@@ -68,6 +83,7 @@ typedef struct {
     double *errors, *rates; /* scratch */
     Grip *grip;              /* LAW_GRIPPER */
     const DriveGoal *bounds; /* LAW_GRIPPER: of the goal; may be null */
+    Start *start; /* null where motions start at once, or Python starts them */
     double next_change; /* of a piece [s] */
     double next_change_ahead;
     double goal_time; /* grace after the end of a goal [s] */
@@ -78,6 +94,10 @@ typedef struct {
 
 /* The time of the trajectory at simulated `time`. */
 double law_time(const Law *law, double time);
+
+/* Start the trajectory that is to start at the trajectory's `time`: starts.c.  Returns 0,
+   with nothing changed, if Python must. */
+int law_start(Law *law, double time, const double *position, const double *velocity);
 
 /* Prepare the tick at `time`; return 0 if Python must execute it. */
 int law_prepare(Law *law, double time, const double *position, const double *velocity);

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import ctypes
 import weakref
-from collections.abc import Sequence
 from enum import IntEnum
 from typing import final
 
 import numpy as np
 
 from tool0.hardware.robot_hardware import RobotHardware
-from tool0.kernel.masses import refresh_masses
-from tool0.kernel.memory import Addresses, FloatArray, IntArray, address
+from tool0.kernel.memory import (
+    Addresses,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    TickCounts,
+    address,
+)
+from tool0.kernel.program import REFRESHES, Ended
 
 
 class StartResult(IntEnum):
@@ -25,6 +31,9 @@ class StartResult(IntEnum):
     """No: the motion is implausible."""
 
 
+_STARTS = tuple(StartResult)  # an index takes a tenth of the time of StartResult(...)
+
+
 @final
 class BatchKernel:
     """Runs robots that are loaded into the kernel, by the addresses of their structs.
@@ -32,39 +41,81 @@ class BatchKernel:
     Every array has one row per robot.
     """
 
-    def __init__(self, compiled: ctypes.CDLL, threads: int) -> None:
-        """Run ticks in so many threads, which end with this object."""
+    def __init__(
+        self,
+        compiled: ctypes.CDLL,
+        threads: int,
+        *,
+        left: TickCounts,
+        ticks: TickCounts,
+        untold: TickCounts,
+    ) -> None:
+        """Run robots in so many threads, which end with this object.
+
+        Args:
+            compiled: The kernel.
+            threads: How many.
+            left: Ticks to execute, from which a run subtracts what it has executed.
+            ticks: A run adds that to these, and to ``untold``.
+            untold: As ``ticks``.
+        """
+        n = len(left)
         self._compiled = compiled
+        self.robots: Addresses = np.zeros(n, dtype=np.uintp)
+        """Their structs; 0 for those that are not loaded."""
+        self.most: IntArray = np.zeros(n, dtype=np.int32)
+        """The most ticks of each in one run."""
+        self.results: IntArray = np.zeros(n, dtype=np.int32)
+        """How the last run of each ended: ``Ended``."""
         compiled.tool0_open_pool.restype = ctypes.c_void_p
         pool = compiled.tool0_open_pool(threads)
         if pool is None:
             raise MemoryError
         self._pool = ctypes.c_void_p(pool)
         weakref.finalize(self, compiled.tool0_close_pool, self._pool)
+        self._robots, self._most = address(self.robots), address(self.most)
+        counts = address(left), address(ticks), address(untold)
+        self._counts = *counts, address(self.results)
+        self._read = compiled.tool0_read_many
+        self._read.restype = None
 
-    def run(self, robots: Addresses, most: IntArray) -> tuple[IntArray, IntArray]:
-        """Execute up to ``most`` ticks of each; return how many, and ``Ended``."""
-        n = len(robots)
-        robots, most = np.ascontiguousarray(robots), np.ascontiguousarray(most)
-        done, results = np.zeros((2, n), dtype=np.int32)
-        self._compiled.tool0_run_many(
-            self._pool,
-            address(robots),
-            n,
-            address(most),
-            address(done),
-            address(results),
+    def run(self) -> bool:
+        """Execute up to ``most`` of the ticks that are left of each loaded robot.
+
+        Return whether an event has ended that of one, or ticks are left.
+        """
+        n = len(self.robots)
+        return bool(
+            self._compiled.tool0_run_many(
+                self._pool, self._robots, n, self._most, *self._counts
+            )
         )
-        return done, results
 
-    def refresh_masses(self, robots: Addresses, hardware: RobotHardware) -> None:
-        """Compute the masses that are due, as ``masses.refresh_masses``."""
-        refresh_masses(self._compiled, robots, hardware)
+    def refresh(self, hardware: RobotHardware) -> None:
+        """Compute what is due after a run, as ``masses`` does; then it is ``DONE``.
+
+        ``hardware`` is that of one of the robots.
+        """
+        for due, compute in REFRESHES.items():
+            if (is_due := self.results == due).any():
+                compute(self._compiled, self.robots[is_due], hardware)
+                self.results[is_due] = Ended.DONE
+
+    def read(self, which: BoolArray, n_joints: int) -> FloatArray:
+        """Return positions, velocities and efforts of robots, shape (3, n, n_joints).
+
+        The numbers of those that ``which``, shape (n,), leaves out are arbitrary.
+        """
+        n = len(which)
+        found = np.empty((3, n, n_joints))
+        self._read(self._robots, n, n_joints, address(which), address(found))
+        return found
 
     def start(
         self,
+        robots: Addresses,
         laws: Addresses,
-        joints: Sequence[int],
+        joints: IntArray,
         *,
         now: FloatArray,
         times: FloatArray,
@@ -74,8 +125,9 @@ class BatchKernel:
         """Start motions through points, as ``JointTrajectoryController.command``.
 
         Args:
+            robots: Those that the laws move.
             laws: Those of trajectory controllers.
-            joints: Which k of their joints move, by number.
+            joints: Which k of their joints move, by number, shape (k,).
             now: The time of the next tick [s], shape (n,).
             times: Of the points after now [s], increasing, shape (n, m).
             positions: Of the points [rad | m], shape (n, m, k).
@@ -84,21 +136,22 @@ class BatchKernel:
         Returns:
             Whether they started, all or none; if not, because of which row.
         """
-        columns = np.array(joints, dtype=np.int32)
         arrays = [np.ascontiguousarray(a) for a in (now, times, positions)]
         speeds = None if velocities is None else np.ascontiguousarray(velocities)
-        laws, which = np.ascontiguousarray(laws), ctypes.c_int32(-1)
+        robots, laws = map(np.ascontiguousarray, (robots, laws))
+        which = ctypes.c_int32(-1)
         result = self._compiled.tool0_start_many(
+            address(robots),
             address(laws),
             len(laws),
-            len(columns),
-            address(columns),
+            len(joints),
+            address(joints),
             times.shape[1],
             *map(address, arrays),
             None if speeds is None else address(speeds),
             ctypes.byref(which),
         )
-        return StartResult(result), which.value
+        return _STARTS[result], which.value
 
     def desired(
         self, laws: Addresses, joint: int, now: FloatArray

@@ -80,7 +80,7 @@ static void mass_matrix(const DriveTable *table, const double *position, double 
     int n = table->n_bodies;
     const DriveBody *bodies = table->bodies;
     double frames[n][12], carried[n][10];
-    drives_frames(table, position, frames);
+    drives_frames(bodies, n, position, frames);
     memset(matrix, 0, (size_t)n * n * sizeof(double));
     for (int i = 0; i < n; i++) {
         about_root(frames[i], &bodies[i], carried[i]);
@@ -132,5 +132,32 @@ TOOL0_EXPORT void tool0_set_masses_many(Robot *const *robots, int n, const doubl
             drives->servos[k].fastest = fastest[i * n_servos + k];
         drives->has_masses = 1;
         drives->masses_at = drives->steps;
+    }
+}
+
+/* Copy the numbers of n robots' free joints, shape (n, n_bodies); the rest of a row is -1. */
+TOOL0_EXPORT void tool0_free_many(Robot *const *robots, int n, int32_t *joints)
+{
+    for (int i = 0; i < n; i++) {
+        const DriveGovernor *governor = &robots[i]->drives->governor;
+        int n_bodies = robots[i]->drives->table->n_bodies;
+        for (int k = 0; k < n_bodies; k++)
+            joints[i * n_bodies + k] = k < governor->n_free ? governor->free[k] : -1;
+    }
+}
+
+/* Set the mobilities of n robots' free joints, shape (n, n_free, n_free), at their present
+   positions. */
+TOOL0_EXPORT void tool0_set_mobility_many(Robot *const *robots, int n,
+                                          const double *mobility)
+{
+    for (int i = 0; i < n; i++) {
+        DriveGovernor *governor = &robots[i]->drives->governor;
+        int n_free = governor->n_free;
+        memcpy(governor->mobility, &mobility[i * n_free * n_free],
+               (size_t)n_free * n_free * sizeof(double));
+        for (int k = 0; k < n_free; k++)
+            governor->posture[k] = robots[i]->position[governor->free[k]];
+        governor->has_mobility = governor->is_new = 1;
     }
 }

@@ -8,8 +8,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from ctypes import (
+    Array,
     Structure,
     addressof,
+    c_char,
     c_double,
     c_int32,
     c_int64,
@@ -17,15 +19,24 @@ from ctypes import (
     c_void_p,
 )
 from enum import IntEnum
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tool0.control.law import ActiveLaw, CommandLaw, GripperLaw, TrajectoryLaw
+from tool0.control.law import (
+    ActiveLaw,
+    CommandLaw,
+    GripperLaw,
+    TrajectoryLaw,
+    TrajectoryStart,
+)
 from tool0.control.sampler import Check, GoalMonitor, Piece
 from tool0.control.spline import JointSpline, Segment, through
 from tool0.control.tolerances import UNCHECKED
+from tool0.control.trajectory import TrajectoryGoal
+from tool0.protocol.goals import Tolerance
+from tool0.protocol.trajectories import TrajectoryPoint
 
 MOST_PIECES = 64
 """Pieces of a motion per joint; Python continues a longer one."""
@@ -34,6 +45,9 @@ PIECE_SIZE = 16
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
+BoolArray = NDArray[np.bool_]
+TickCounts = NDArray[np.int64]
+"""Numbers of ticks, one per robot."""
 Addresses = NDArray[np.uintp]
 """Addresses of structs or of numbers, one per robot."""
 
@@ -76,6 +90,85 @@ class GripStruct(Structure):
 
 
 @final
+class StartStruct(Structure):
+    """``Start`` of ``laws.h``."""
+
+    _fields_ = (
+        ("is_known", c_int32),
+        ("is_spliced", c_int32),
+        ("from_desired", c_int32),
+        ("reads_velocity", c_int32),
+        ("may_end_moving", c_int32),
+        ("has_points", c_int32),
+        ("is_first", c_int32),
+        ("n_points", c_int32),
+        ("has_velocities", c_int32),
+        ("is_following", c_int32),
+        ("now", c_double),
+        ("goal_time", c_double),
+        ("timeout", c_double),
+        ("tolerances", c_size_t),
+        ("times", c_size_t),
+        ("positions", c_size_t),
+        ("velocities", c_size_t),
+    )
+
+
+@final
+class StartMemory:
+    """The memory of what starts a trajectory with the coming tick, of one law."""
+
+    def __init__(self, n_joints: int) -> None:
+        self.struct = struct = StartStruct()
+        self._tolerances: FloatArray = np.zeros((n_joints, 4))
+        self._times: FloatArray = np.zeros(MOST_PIECES)
+        self._positions: FloatArray = np.zeros((MOST_PIECES, n_joints))
+        self._velocities: FloatArray = np.zeros((MOST_PIECES, n_joints))
+        struct.tolerances = self._tolerances.ctypes.data
+        struct.times = self._times.ctypes.data
+        struct.positions = self._positions.ctypes.data
+        struct.velocities = self._velocities.ctypes.data
+        self._loaded: TrajectoryStart | None = None
+
+    def load(self, start: TrajectoryStart | None, *, has_points: bool) -> None:
+        """Start trajectories so; the motion before them ``has_points``."""
+        struct = self.struct
+        struct.is_known, struct.has_points = start is not None, has_points
+        struct.n_points = struct.is_first = 0
+        if start is None or start is self._loaded:
+            return
+        self._loaded = start
+        struct.is_spliced, struct.from_desired = start.is_spliced, start.from_desired
+        struct.reads_velocity = start.reads_velocity
+        struct.may_end_moving = start.may_end_moving
+        struct.goal_time, struct.timeout = start.goal_time, start.timeout
+        self._tolerances[:] = tolerance_rows(start.path, start.at_goal)
+
+    def coming(self) -> tuple[TrajectoryGoal, float] | None:
+        """Return the trajectory that starts next, and when it was commanded [s]."""
+        struct, n = self.struct, self.struct.n_points
+        if not n:
+            return None
+        points = [
+            TrajectoryPoint(q, qd if struct.has_velocities else None, None, time)
+            for q, qd, time in zip(
+                self._positions[:n].tolist(),
+                self._velocities[:n].tolist(),
+                self._times[:n].tolist(),
+                strict=True,
+            )
+        ]
+        return TrajectoryGoal(points=points), struct.now
+
+
+def tolerance_rows(
+    path: Sequence[Tolerance], at_goal: Sequence[Tolerance]
+) -> list[tuple[float, ...]]:
+    """Return the rows of ``Law.tolerances`` in ``laws.h``, one per joint."""
+    return [(*one[:2], *other[:2]) for one, other in zip(path, at_goal, strict=True)]
+
+
+@final
 class LawStruct(Structure):
     """``Law`` of ``laws.h``."""
 
@@ -111,6 +204,7 @@ class LawStruct(Structure):
         ("rates", c_size_t),
         ("grip", c_size_t),
         ("bounds", c_size_t),
+        ("start", c_size_t),
         ("next_change", c_double),
         ("next_change_ahead", c_double),
         ("goal_time", c_double),
@@ -187,6 +281,9 @@ class LawMemory:
         self.values: FloatArray = np.zeros(k)
         self.last_errors: FloatArray = np.zeros(k)
         self.grip = GripStruct()
+        self.start = None
+        if isinstance(law, TrajectoryLaw) and law.lead:
+            self.start = StartMemory(k)
         self._scratch: FloatArray = np.zeros((2, k))
         if isinstance(law, TrajectoryLaw) and law.feed_forward:
             self.feed_forward[:] = law.feed_forward
@@ -204,6 +301,8 @@ class LawMemory:
         elif isinstance(law, CommandLaw):
             struct.measures_velocity = law.measures_velocity
         struct.grip = addressof(self.grip)
+        if self.start is not None:
+            struct.start = addressof(self.start.struct)
         for name in _ARRAYS:
             setattr(struct, name, getattr(self, name).ctypes.data)
         struct.errors = self._scratch[0].ctypes.data
@@ -258,6 +357,11 @@ def packed(piece: Piece, monitor: GoalMonitor | None = None) -> tuple[float, ...
     )
 
 
-def address(array: NDArray[np.generic]) -> c_void_p:
+_Buffer = c_char * 0
+
+
+def address(array: NDArray[Any]) -> Array[c_char] | c_void_p:
     """Return where the numbers of a contiguous array are, for a call of the kernel."""
-    return c_void_p(array.__array_interface__["data"][0])
+    if array.flags.writeable:
+        return _Buffer.from_buffer(array.data)  # a fifth of the time
+    return c_void_p(array.ctypes.data)

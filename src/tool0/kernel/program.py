@@ -30,7 +30,7 @@ from tool0.description.drive_limits import DriveLimits
 from tool0.hardware.engine import BRAKE_STANDSTILL, JointState, NativeStepper
 from tool0.hardware.robot_hardware import RobotHardware
 from tool0.kernel.drives import NativeDrives, goal_limits
-from tool0.kernel.masses import refresh_masses
+from tool0.kernel.masses import refresh_masses, refresh_mobilities
 from tool0.kernel.memory import (
     GRIP_FIELDS,
     FloatArray,
@@ -38,6 +38,7 @@ from tool0.kernel.memory import (
     LawStruct,
     RobotStruct,
     packed,
+    tolerance_rows,
 )
 
 LOADED_PIECES = 16
@@ -129,6 +130,8 @@ class _LoadedLaw:
 
     def _load_motion(self, law: TrajectoryLaw, time: float) -> None:
         memory, struct, monitor = self._memory, self._struct, law.monitor
+        if memory.start is not None:
+            memory.start.load(law.start, has_points=law.has_points)
         motion = law.sampler, monitor
         struct.lead = law.lead
         struct.since, struct.lag, struct.slip = law.clock
@@ -158,10 +161,7 @@ class _LoadedLaw:
         struct.watches_all, struct.has_goal = True, monitor.goal is not None
         struct.end, struct.timeout = monitor.end, monitor.timeout
         struct.goal_time = monitor.goal_time
-        self._memory.tolerances[:] = [
-            (*path[:2], *goal[:2])
-            for path, goal in zip(monitor.path, monitor.at_goal, strict=True)
-        ]
+        self._memory.tolerances[:] = tolerance_rows(monitor.path, monitor.at_goal)
 
     def _load_grip(self, law: GripperLaw) -> None:
         grip = law.grip
@@ -212,12 +212,26 @@ class _LoadedLaw:
         grip.ramp, grip.effort = now.ramp, now.effort
         grip.stall_position, grip.stall_since = now.stall_position, now.stall_since
 
+    def _store_starts(self, controller: TrajectoryFollower, time: float) -> None:
+        """Give the controller the motions that started here, or are about to."""
+        memory, start = self._memory, self._memory.start
+        coming = start and start.coming()
+        if memory.started.any():
+            controller.resume_from_kernel(
+                memory.started_splines(),
+                time,
+                is_first=start is not None and bool(start.struct.is_first),
+                has_points=start is not None and bool(start.struct.has_points),
+            )
+            memory.started[:] = 0
+        if coming:
+            controller.command(*coming)
+
     def store(self, controller: Controller, time: float) -> None:
         """Give the controller its state back; ``time`` is that of the next tick [s]."""
         law, memory = self._law, self._memory
-        if memory.started.any() and isinstance(controller, TrajectoryFollower):
-            controller.resume_from_kernel(memory.started_splines(), time)
-            memory.started[:] = 0
+        if isinstance(controller, TrajectoryFollower):
+            self._store_starts(controller, time)
         if law.pid is not None:
             law.pid.integrals[:] = memory.integrals.tolist()
         if isinstance(law, CommandLaw):
@@ -240,8 +254,12 @@ class Ended(IntEnum):
     """Python checks whether the state has diverged, and then as ``EVENT``."""
     MASSES = 3
     """Masses of servos are due (``refresh_masses``); then it goes on."""
+    MOBILITY = 4
+    """The mobility of fast joints is due (``refresh_mobilities``); then it goes on."""
 
 
+REFRESHES = {Ended.MASSES: refresh_masses, Ended.MOBILITY: refresh_mobilities}
+"""Functions that compute what is due."""
 _ENDED = tuple(Ended)  # an index takes a tenth of the time of Ended(...)
 
 
@@ -291,6 +309,7 @@ class TickProgram:
         struct.steps_per_tick = round(period / dt)
         struct.drives = addressof(self._drives.struct)
         self._stepper: NativeStepper | None = None
+        self._loaded_at = 0
         self._compiled = compiled
         self._done = c_int()
         self._arguments = byref(struct), byref(self._done)
@@ -323,21 +342,23 @@ class TickProgram:
         self._drives.load()
         self._robot.command[:] = self._hardware.command
         self._robot.effort[:] = state.effort
-        self._struct.steps, self._struct.steps_left = stepper.steps(), 0
+        self._loaded_at = stepper.steps()
+        self._struct.steps, self._struct.steps_left = self._loaded_at, 0
         self._use(stepper)
 
     def run(self, most: int, stepper: NativeStepper) -> tuple[Ended, int]:
         """Execute up to ``most`` ticks; return how it ended, and how many were."""
         self._use(stepper)
         robot, done = self._arguments
-        ended, executed = Ended.MASSES, 0
-        while ended is Ended.MASSES:
+        executed = 0
+        while True:
             ended = _ENDED[self._compiled.tool0_run(robot, most - executed, done)]
             executed += self._done.value
-            if ended is Ended.MASSES:
-                robots = np.array([self.robot_address], dtype=np.uintp)
-                refresh_masses(self._compiled, robots, self._hardware)
-        return ended, executed
+            refresh = REFRESHES.get(ended)
+            if refresh is None:
+                return ended, executed
+            robots = np.array([self.robot_address], dtype=np.uintp)
+            refresh(self._compiled, robots, self._hardware)
 
     def _use(self, stepper: NativeStepper) -> None:
         if stepper is not self._stepper:
@@ -402,6 +423,17 @@ class TickProgram:
         """Steps of the engine since its time was 0."""
         steps: int = self._struct.steps
         return steps
+
+    @property
+    def has_stepped(self) -> bool:
+        """Whether the engine was stepped since the last ``load``."""
+        return self.steps != self._loaded_at
+
+    @property
+    def step_address(self) -> tuple[int, int, int]:
+        """Where the last step is, as in a row of ``ToolForcesKernel.of_steps``."""
+        struct = self._struct
+        return struct.step_position, struct.step_velocity, struct.velocity
 
     @property
     def steps_left(self) -> int:

@@ -13,6 +13,7 @@ enum {
     RUN_EVENT = 1, /* Python executes the next tick, or the rest of this one */
     RUN_CHECK = 2, /* Python checks the state; then as RUN_EVENT */
     RUN_MASSES = 3, /* masses of the servos are due: masses.c; then it goes on */
+    RUN_MOBILITY = 4, /* the same of the mobility of the governed joints */
 };
 
 typedef struct {

@@ -156,21 +156,73 @@ TOOL0_EXPORT void tool0_tool_poses(const Arm *arm, int32_t n, const double *q,
     }
 }
 
-/* Joint positions nearer to poses, (n, 6); the largest change of each is a limit. */
+/* Joint positions nearer to a pose; the largest change of each is a limit. */
+static void approach(const Arm *arm, const double *from, const double *position,
+                     const double *rotation, const double *limit, double *to)
+{
+    double excess = 1.0;
+    for (int k = 0; k < JOINTS; k++)
+        to[k] = from[k];
+    for (int step = 0; step < STEPS; step++)
+        newton_step(arm, position, rotation, to);
+    for (int k = 0; k < JOINTS; k++)
+        excess = fmax(excess, fabs(to[k] - from[k]) / limit[k]);
+    for (int k = 0; k < JOINTS; k++)
+        to[k] = from[k] + (to[k] - from[k]) / excess;
+}
+
+/* Tool.approach of n copies. */
 TOOL0_EXPORT void tool0_approach(const Arm *arm, int32_t n, const double *q,
                                  const double *positions, const double *rotations,
                                  const double *limit, double *found)
 {
+    for (int32_t i = 0; i < n; i++)
+        approach(arm, q + JOINTS * i, positions + 3 * i, rotations + 9 * i, limit,
+                 found + JOINTS * i);
+}
+
+/* Tool.steered of n copies; moves have shape (n, 4). */
+TOOL0_EXPORT void tool0_steer(const Arm *arm, int32_t n, const double *q,
+                              const double *moves, double lowest, const double *limit,
+                              double *found)
+{
+    Posture posture;
     for (int32_t i = 0; i < n; i++) {
-        const double *from = q + JOINTS * i;
-        double *to = found + JOINTS * i, excess = 1.0;
-        for (int k = 0; k < JOINTS; k++)
-            to[k] = from[k];
-        for (int step = 0; step < STEPS; step++)
-            newton_step(arm, positions + 3 * i, rotations + 9 * i, to);
-        for (int k = 0; k < JOINTS; k++)
-            excess = fmax(excess, fabs(to[k] - from[k]) / limit[k]);
-        for (int k = 0; k < JOINTS; k++)
-            to[k] = from[k] + (to[k] - from[k]) / excess;
+        const double *move = moves + 4 * i, *from = q + JOINTS * i;
+        forward(arm, from, &posture);
+        const double *p = posture.tool.p, *R = posture.tool.R;
+        double to[3] = {p[0] + move[0], p[1] + move[1], p[2] + move[2]};
+        to[2] = fmax(to[2], fmin(p[2], lowest));
+        double yaw = atan2(R[3], R[0]) + move[3], c = cos(yaw), s = sin(yaw);
+        double down[9] = {c, s, 0.0, s, -c, 0.0, 0.0, 0.0, -1.0};
+        approach(arm, from, to, down, limit, found + JOINTS * i);
+    }
+}
+
+/* Rotations (n, 3, 3) as unit quaternions w, x, y, z with w >= 0, (n, 4): quats_wxyz of
+   description/transform_arrays.py. */
+TOOL0_EXPORT void tool0_quats(int32_t n, const double *rotations, double *quats)
+{
+    for (int32_t i = 0; i < n; i++) {
+        const double *R = rotations + 9 * i;
+        double x = R[7] - R[5], y = R[2] - R[6], z = R[3] - R[1];
+        double xy = R[1] + R[3], xz = R[2] + R[6], yz = R[5] + R[7];
+        double table[4][4] = {
+            {1 + R[0] + R[4] + R[8], x, y, z},
+            {x, 1 + R[0] - R[4] - R[8], xy, xz},
+            {y, xy, 1 - R[0] + R[4] - R[8], yz},
+            {z, xz, yz, 1 - R[0] - R[4] + R[8]},
+        };
+        int largest = 0;
+        for (int k = 1; k < 4; k++)
+            if (table[k][k] > table[largest][largest])
+                largest = k;
+        const double *row = table[largest];
+        double norm = sqrt(row[0] * row[0] + row[1] * row[1] + row[2] * row[2]
+                           + row[3] * row[3]);
+        if (row[0] < 0.0)
+            norm = -norm;
+        for (int k = 0; k < 4; k++)
+            quats[4 * i + k] = row[k] / norm;
     }
 }

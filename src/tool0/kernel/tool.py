@@ -69,6 +69,10 @@ class ToolKernel:
         self._poses.restype = None
         self._approach = compiled.tool0_approach
         self._approach.restype = None
+        self._steer = compiled.tool0_steer
+        self._steer.restype = None
+        self._quats = compiled.tool0_quats
+        self._quats.restype = None
 
     def poses(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return positions [m], (n, 3), and rotations, (n, 3, 3), in the root."""
@@ -89,4 +93,23 @@ class ToolKernel:
         given = [np.ascontiguousarray(a) for a in (q, positions, rotations, limit)]
         found = np.empty((len(q), _JOINTS))
         self._approach(self._at, len(q), *map(address, given), address(found))
+        return found
+
+    def steered(
+        self, q: FloatArray, moves: FloatArray, lowest: float, limit: FloatArray
+    ) -> FloatArray:
+        """Return joint positions after moves, as ``gym.tool.Tool.steered``."""
+        q, moves = np.ascontiguousarray(q), np.ascontiguousarray(moves)
+        found = np.empty((len(q), _JOINTS))
+        self._steer(
+            *(self._at, len(q), address(q), address(moves), ctypes.c_double(lowest)),
+            *(address(limit), address(found)),
+        )
+        return found
+
+    def quats(self, rotations: FloatArray) -> FloatArray:
+        """Return rotations, (n, 3, 3), as quaternions w, x, y, z, w >= 0, (n, 4)."""
+        rotations = np.ascontiguousarray(rotations)
+        found = np.empty((len(rotations), 4))
+        self._quats(len(rotations), address(rotations), address(found))
         return found

@@ -75,7 +75,7 @@ class ArmGeometry:
             [np.cos(self._fifth_angle), np.sin(self._fifth_angle)]
         )
         self.wrist = float((centre[[2, 0]] - wrist) @ fifth_direction)
-        """From the fourth axis to the wrist's centre [m]."""
+        """Distance from the fourth axis to the wrist's centre [m]."""
         across = np.cross(axes[4], [0.0, 1.0, 0.0])
         self._sixth_angle = np.arctan2(axes[5] @ across, axes[5, 1])
         # The frame of the wrist: at its centre, z the sixth axis, x the fifth at zero.

@@ -17,7 +17,7 @@ from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import SINGULAR, ArmGeometry, wrapped
 
 _NEAREST = 0.05
-"""Of the reach: a wrist that would be nearer in mm is too far in m."""
+"""Fraction of the reach: a wrist that would be nearer in mm is too far in m."""
 PRECISION = 1e-9
 """Largest error of a solution [m, rad]."""
 EXACT = 1e-6

@@ -21,7 +21,7 @@ _IN_CMAKE = re.compile(
 _CLASS = re.compile(r"<class\s([^>]*)>")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _LARGEST = 1_000_000
-"""[bytes] of a file that is searched for plugins."""
+"""Largest file that is searched for plugins [bytes]."""
 
 
 @final

@@ -19,7 +19,7 @@ R = TypeVar("R")
 P = ParamSpec("P")
 
 TIMEOUT = 10.0
-"""[wall s]; the largest robots take a tenth of it."""
+"""Time limit of a function [wall s]; the largest robots take a tenth of it."""
 MEMORY = 2 << 30
 """Memory beyond that of this process [bytes]."""
 

@@ -67,7 +67,7 @@ class XacroSource:
 
     findings: tuple[Finding, ...]
     makes_a_robot: bool
-    """Whether it makes something by itself, rather than defining macros."""
+    """Whether it creates elements itself, rather than defining macros."""
     includes: tuple[Path, ...]
     """The files that it includes, whatever its arguments are; absolute."""
     needs: tuple[str, ...]

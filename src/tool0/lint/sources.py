@@ -15,7 +15,7 @@ from tool0.description.packages import package_name
 from tool0.errors import ConfigError, SourceLocation
 
 LARGEST = 5_000_000
-"""[bytes] of a file that is read; descriptions are a hundredth of it."""
+"""Largest file that is read [bytes]; descriptions are a hundredth of it."""
 _NOT_SOURCES = ("build", "devel", "install", "log", "logs", "node_modules")
 _IGNORED = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 _LAUNCHES = "def generate_launch_description("

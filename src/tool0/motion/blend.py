@@ -28,17 +28,17 @@ _SHARPEST_ARC = -0.5
 
 
 class ToolState(NamedTuple):
-    """Where a tool is on its path."""
+    """Pose of a tool on its path."""
 
     T: Array
-    """Its pose, shape (4, 4)."""
+    """Pose of the tool, shape (4, 4)."""
     V: Array
-    """Its motion, linear above angular [m/s, rad/s], shape (6,)."""
+    """Motion of the tool, linear above angular [m/s, rad/s], shape (6,)."""
 
 
 @final
 class BlendPath:
-    """From one path into another; s is the part of the blend's time, from 0 to 1."""
+    """Blend from one path into another; s is the part of its time, from 0 to 1."""
 
     noun = "blend"
 
@@ -53,8 +53,8 @@ class BlendPath:
         """Make the path; poses have shape (4, 4).
 
         Args:
-            start: Where the first path is left.
-            end: Where the second path is entered.
+            start: State in which the first path is left.
+            end: State in which the second path is entered.
             T_base_waypoint: Pose of the tool where the two paths meet.
             is_arc: Whether the tool follows a circular arc, and s is the part of its
                 length; start and end must be equally far from the waypoint, on

@@ -57,7 +57,7 @@ class CirclePath:
         across = first @ first * second - second @ second * first
         centre = np.cross(across, normal) / (2.0 * size)
         self.radius = float(np.linalg.norm(centre))
-        """[m]"""
+        """Radius of the arc [m]."""
         self._centre = start[:3, 3] + centre
         self._u = -centre / self.radius
         self._v = np.cross(normal, self._u)
@@ -70,9 +70,9 @@ class CirclePath:
         else:
             self._turn = normal * self._sweep
         self.length = self.radius * self._sweep
-        """[m]"""
+        """Length of the arc [m]."""
         self.angle = float(np.linalg.norm(self._turn))
-        """[rad]"""
+        """Angle by which the tool turns [rad]."""
 
     def tool(self, s: Array) -> Array:
         """Return the tool's pose at each s, shape (n, 4, 4)."""

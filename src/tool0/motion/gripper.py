@@ -50,6 +50,18 @@ def direct_path(
 ) -> Path:
     """Return a path to rest that is a single cubic of the driven joint.
 
+    The arguments are those of ``direct_duration``.
+    """
+    duration = direct_duration(geometry, start, end, speed, shortest)
+    ends = [start, geometry.position(end)]
+    return _path(geometry, [0.0, duration], ends, [0.0, 0.0])
+
+
+def direct_duration(
+    geometry: ParallelGripper, start: float, end: float, speed: float, shortest: float
+) -> float:
+    """Return the duration of ``direct_path`` [s].
+
     Its mean speed is two thirds of ``speed`` [m/s], which a cubic from rest reaches
     halfway; a short motion takes as long as the pads need at their largest
     acceleration.
@@ -59,15 +71,13 @@ def direct_path(
         start: Present setpoint of the joint [rad | m].
         end: Distance between the pads at the end [m], within 0 …
             ``geometry.max_opening``.
-        speed: Of the pads towards each other [m/s].
+        speed: Speed of the pads towards each other [m/s].
         shortest: Least duration [s].
     """
     distance = abs(end - geometry.opening(start))
     cruise = 1.5 * distance / speed
     ramp = math.sqrt(6.0 * distance * RAMP_TIME / geometry.speed[1])
-    duration = max(cruise, ramp, shortest)
-    ends = [start, geometry.position(end)]
-    return _path(geometry, [0.0, duration], ends, [0.0, 0.0])
+    return max(cruise, ramp, shortest)
 
 
 def _path(

@@ -23,13 +23,14 @@ SPACING = 1e-4
 """Changes nearer to each other than this are one [s]: too short for jerk to show."""
 _DOUBLINGS = 10
 _ROUNDING = 1e-6
-"""How far beyond a limit a joint may be [rad | m]; for speeds, relative to it."""
+"""Tolerance by which a joint may be beyond a limit [rad | m]; for speeds, relative to
+it."""
 _LEAST_ROOM = 0.01
 """Part of a velocity limit by which a joint may exceed it while it stops speeding up:
 less would take an infinite jerk."""
 _MARGIN = 1.01
-"""By which planned motions differ from those for which the planner's equations have no
-solution in numbers: those that just reach a limit."""
+"""Factor that keeps planned motions away from those that just reach a limit, for which
+the planner's equations have no numerical solution."""
 
 
 class MovingJoints(Protocol):

@@ -29,10 +29,10 @@ class LinePath:
         turn[:3, :3] = end[:3, :3] @ start[:3, :3].T
         w, *xyz = from_matrix(turn).quat_wxyz
         self.length = float(np.linalg.norm(displacement))
-        """[m]"""
+        """Length of the line [m]."""
         sine = float(np.linalg.norm(xyz))
         self.angle = 2.0 * math.atan2(sine, w)
-        """[rad]"""
+        """Angle by which the tool turns [rad]."""
         axis = np.array(xyz) / sine if sine > 0.0 else np.zeros(3)
         self._displacement = displacement
         self._turn = axis * self.angle

@@ -60,9 +60,9 @@ class Move:
     via: Sequence[float] | None = None
     """Pose on the way, of an arc; only its position is used."""
     a: float
-    """[rad/s²] of the leading joint, or [m/s²] of the TCP."""
+    """Acceleration of the leading joint [rad/s²], or of the TCP [m/s²]."""
     v: float
-    """[rad/s] of the leading joint, or [m/s] of the TCP."""
+    """Speed of the leading joint [rad/s], or of the TCP [m/s]."""
     t: float = 0.0
     """Duration [s]; if above 0, it replaces ``a`` and ``v``."""
     r: float = 0.0
@@ -71,7 +71,7 @@ class Move:
     """Angular speed of the tool on a line [rad/s]; TURN_RATIO times ``v``, if left
     out."""
     mode: int = 0
-    """On an arc, 0: the orientation is interpolated to the target's; 1: it keeps its
+    """Orientation on an arc.  0: it is interpolated to the target's; 1: it keeps its
     angle to the arc, and the target's is not used."""
 
     def __post_init__(self) -> None:
@@ -118,15 +118,15 @@ class MoveError(UnreachableError):
     def __init__(self, number: int, move: Move, reason: object) -> None:
         super().__init__(f"move {number} ({move}): {reason}")
         self.number = number
-        """In the sequence, from 1 on."""
+        """Number of the move in the sequence, from 1 on."""
         self.reason = str(reason)
 
 
 class MoveWarning(NamedTuple):
-    """What is other than asked in a move of a sequence."""
+    """Deviation of a move of a sequence from what was requested."""
 
     number: int
-    """In the sequence, from 1 on."""
+    """Number of the move in the sequence, from 1 on."""
     move: Move
     kind: WarningKind
     text: str
@@ -142,12 +142,12 @@ class Tail(NamedTuple):
     segment: PathSegment
     kind: MoveKind
     radius: float
-    """[m]"""
+    """Radius around the last target [m]."""
     remaining: float
     """Distance to the target, in x of the segment."""
     speed: float
     acceleration: float
-    """Of the move."""
+    """Acceleration of the move."""
     T_tip_tool: Array
     """Pose of its tool in the flange, shape (4, 4)."""
     entry: float
@@ -155,7 +155,7 @@ class Tail(NamedTuple):
 
     @property
     def brake(self) -> SpeedProfile:
-        """To rest at the target."""
+        """Profile that brings the tool to rest at the target."""
         return braking(self.remaining, self.speed, self.acceleration)
 
 
@@ -172,11 +172,12 @@ class MovePlan:
     """Path time at which each move comes within its blend radius, or ends [s]."""
     warnings: tuple[MoveWarning, ...]
     tail: Tail | None
-    """If the last move has a radius: how it goes on into another one."""
+    """End of the path within the radius of the last move, from which it goes on into
+    another move; None without a radius."""
 
     @property
     def duration(self) -> float:
-        """Of the whole motion [s]."""
+        """Duration of the whole motion [s]."""
         return self.path.duration
 
     @property

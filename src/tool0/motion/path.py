@@ -30,11 +30,12 @@ class Cubics(NamedTuple):
     """Joint positions over time, or over a path parameter; cubics between the knots."""
 
     times: Array
-    """[s], or the parameter, shape (n,)."""
+    """Times [s], or values of the parameter, shape (n,)."""
     q: Array
-    """[rad], shape (n, n_joints)."""
+    """Joint positions [rad], shape (n, n_joints)."""
     qd: Array
-    """[rad/s], or per parameter, shape (n, n_joints)."""
+    """Joint velocities [rad/s], or derivatives by the parameter, shape (n,
+    n_joints)."""
 
     def at(self, times: Array) -> Cubics:
         """Return the motion at other times within it."""
@@ -66,13 +67,14 @@ class Path:
 
     joint_names: tuple[str, ...]
     times: Array
-    """[s], increasing, shape (n_knots,).  The first one is 0: the start."""
+    """Times of the knots [s], increasing, shape (n_knots,).  The first one is 0: the
+    start."""
     positions: Array
-    """[rad | m]"""
+    """Joint positions [rad | m]."""
     velocities: Array
-    """[rad/s | m/s]"""
+    """Joint velocities [rad/s | m/s]."""
     accelerations: Array | None = None
-    """[rad/s² | m/s²]; None for cubics."""
+    """Joint accelerations [rad/s² | m/s²]; None for cubics."""
 
     @property
     def duration(self) -> float:

@@ -53,7 +53,7 @@ class MovePlanner:
             tcp: Pose of the TCP in the flange, p[x, y, z, rx, ry, rz].
             T_base_frame: The frame of all poses in the link that carries the arm; that
                 link, if left out.
-            rules: What the moves keep to.
+            rules: Rules of the moves.
         """
         self._kinematics = kinematics
         self._T_base_frame = np.eye(4) if T_base_frame is None else T_base_frame
@@ -307,7 +307,7 @@ class _Record:
     def __init__(self, start: Cubics) -> None:
         self._parts = [start]
         self.time = 0.0
-        """At the end [s]."""
+        """Time at the end of the motion [s]."""
 
     def add(self, motion: Cubics) -> None:
         times, q, qd = motion

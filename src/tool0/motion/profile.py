@@ -13,16 +13,16 @@ from tool0.kinematics.chain import Array
 
 _NOTHING = 1e-12
 _COPIES = 8
-"""Whose mean is a smoothed profile."""
+"""Number of shifted copies whose mean is a smoothed profile."""
 
 
 class Phase(NamedTuple):
     """A time of constant acceleration."""
 
     duration: float
-    """[s]"""
+    """Duration of the phase [s]."""
     acceleration: float
-    """[m/s² | rad/s²]"""
+    """Acceleration during the phase [m/s² | rad/s²]."""
 
 
 @final
@@ -45,14 +45,14 @@ class SpeedProfile:
         if lasting:  # without the rounding of the sums
             distances[-1], speeds[-1] = length, after
         self.times = np.array(times)
-        """Where the phases meet, from 0 to the end [s]."""
+        """Times at which the phases meet, from 0 to the end [s]."""
         self.distances = np.array(distances)
         """x there."""
         self.speeds = np.array(speeds)
-        """[1/s] there."""
+        """Speeds at these times [1/s]."""
         self._accelerations = np.array([a for _, a in lasting] or [0.0])
         self.duration = times[-1]
-        """[s]"""
+        """Duration of the whole profile [s]."""
 
     @classmethod
     def steady(cls, duration: float) -> SpeedProfile:

@@ -1,4 +1,4 @@
-"""What the plans of moves keep to, beside the joints' positions and velocities."""
+"""Rules of the plans of moves, beside the joints' positions and velocities."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Final, final
 from tool0.description.model import Joint
 
 TIME_TO_FULL_ACCELERATION: Final = 0.1
-"""[s], where the jerk is limited; a guess: shorter makes the arm ring, longer feels
-slow."""
+"""Time to the full acceleration where the jerk is limited [s]; a guess: shorter makes
+the arm ring, longer feels slow."""
 
 
 @final
@@ -31,7 +31,7 @@ class MoveRules:
     smoothing: float
     """Time in which the acceleration along a move from rest to rest changes [s]."""
     excess: float
-    """By how much an acceleration may be above its limit, relative to it."""
+    """Fraction by which an acceleration may exceed its limit."""
     slowest: float
     """A move that must be slower than this part of its speed passes a singularity."""
     remedy: str
@@ -50,7 +50,7 @@ UR_RULES: Final = MoveRules(
     slowest=0.02,
     remedy="choose another pose or via pose, start in another posture, or use movej",
 )
-"""Those of programs and of Universal Robots' moves."""
+"""Rules of programs and of Universal Robots' moves."""
 
 
 def trajectory_rules(joints: Sequence[Joint]) -> MoveRules:

@@ -55,7 +55,7 @@ class JointSegment:
         self._start, self.end = start, end
         self.length = float(np.abs(end - start).max())
         self.rate = (end - start) / max(self.length, 1e-300)
-        """Of each joint per x, shape (6,)."""
+        """Change of each joint per x, shape (6,)."""
         self.grid = np.array([0.0, self.length])
 
     def at(self, x: Array) -> tuple[Array, Array]:
@@ -86,7 +86,7 @@ class JointSegment:
 
 @final
 class ToolSegment:
-    """Along a path of the tool."""
+    """Segment along a path of the tool."""
 
     def __init__(
         self, tool: ToolOfArm, path: ToolPath, start: Array, length: float
@@ -94,8 +94,8 @@ class ToolSegment:
         """Solve for the path.
 
         Args:
-            tool: What follows the path.
-            path: Of the tool.
+            tool: Tool that follows the path.
+            path: Path of the tool.
             start: Joint positions at its start [rad], shape (6,).
             length: x at its end.
 

@@ -26,7 +26,7 @@ from tool0.motion.segments import (
 _RAMP_SHARE = 0.25
 """Part of a given time for each ramp from or to rest."""
 LONGEST = 1e6
-"""Of a move [s]: 11 days."""
+"""Longest duration of a move [s]: 11 days."""
 _ROUNDS = 16
 _ROUNDING = 1e-9
 _SPEED_SHARE = 0.999
@@ -38,16 +38,16 @@ _SHORTEST = 2e-4
 
 @final
 class ArmLimits:
-    """What the joints of an arm can do."""
+    """Limits of an arm's joints."""
 
     def __init__(self, joints: tuple[Joint, ...], rules: MoveRules) -> None:
         self.rules = rules
         self.names = tuple(joint.name for joint in joints)
         velocities = [joint.max_velocity for joint in joints]
         self.fastest = _SPEED_SHARE * np.array(velocities)
-        """[rad/s], shape (6,)."""
+        """Largest velocities of the joints [rad/s], shape (6,)."""
         self.strongest = np.array(rules.accelerations)
-        """[rad/s²], shape (6,)."""
+        """Largest accelerations of the joints [rad/s²], shape (6,)."""
         self.braking = np.array([joint.max_acceleration for joint in joints])
         """Accelerations where moves blend, at least [rad/s²], shape (6,)."""
 
@@ -67,7 +67,7 @@ class ArmLimits:
 
 
 class TimingWarning(NamedTuple):
-    """What is other than asked."""
+    """Deviations from what was requested."""
 
     kind: WarningKind
     text: str
@@ -89,10 +89,10 @@ class TimedSegment:
     zone_out: float
     """Length of the blend into the next move, in x; 0 to rest."""
     profile: SpeedProfile
-    """Between the two."""
+    """Profile between the blends."""
     acceleration: float
     motion: Cubics
-    """Between the two."""
+    """Motion between the blends."""
     radius: float
     """The blend radius at its end, which may have been reduced [m]."""
     warnings: tuple[TimingWarning, ...]
@@ -118,10 +118,10 @@ def timed_segment(
     """Return the fastest motion along a segment within the limits.
 
     Args:
-        segment: Where the move goes.
+        segment: Path of the move.
         move: Its speeds and its radius.
         tail: The end of the move before, to blend with; None from rest.
-        limits: Of the joints.
+        limits: Limits of the joints.
         entry: Part of the speed that it may have after the blend.
         is_symmetric: Whether the blend may not be longer than the tail.
 

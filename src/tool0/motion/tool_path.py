@@ -27,15 +27,15 @@ class ToolPath(Protocol):
 
     @property
     def noun(self) -> str:
-        """What it is, for messages: ``line``."""
+        """Noun for messages: ``line``."""
 
     @property
     def length(self) -> float:
-        """Of the tool's way [m]."""
+        """Length of the tool's way [m]."""
 
     @property
     def angle(self) -> float:
-        """By which the tool turns [rad]."""
+        """Angle by which the tool turns [rad]."""
 
     def tool(self, s: Array) -> Array:
         """Return the tool's pose at each s, shape (n, 4, 4)."""

@@ -148,8 +148,8 @@ def time_way(joints: Sequence[Joint], way: SmoothWay, *, speed: float) -> Path:
     would exceed its limits of velocity, acceleration or jerk.
 
     Args:
-        joints: Of the positions, with their limits.
-        way: Where to.
+        joints: Joints of the positions, with their limits.
+        way: Positions to pass.
         speed: Fraction of each joint's largest velocity.
     """
     fastest = speed * np.array([joint.max_velocity for joint in joints])
@@ -188,16 +188,16 @@ def time_way(joints: Sequence[Joint], way: SmoothWay, *, speed: float) -> Path:
 
 
 class _Limits(NamedTuple):
-    """What bounds the speed at each place of a grid."""
+    """Bounds of the speed at each place of a grid."""
 
     slope: Array
     """First derivative of the positions by the way, shape (n, n_joints)."""
     bend: Array
     """The second one."""
     fastest: Array
-    """[rad/s | m/s], shape (n_joints,)."""
+    """Largest velocities of the joints [rad/s | m/s], shape (n_joints,)."""
     strongest: Array
-    """[rad/s² | m/s²]"""
+    """Largest accelerations of the joints [rad/s² | m/s²], shape (n_joints,)."""
 
 
 def _profile(s: Array, limits: _Limits, rests: set[int]) -> tuple[Array, Array]:

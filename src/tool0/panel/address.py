@@ -34,7 +34,7 @@ class Endpoint:
 
     listener: socket.socket
     host: str
-    """As requested, without brackets."""
+    """Host name or address as requested, without brackets."""
     port: int
     token: str | None
     """Required by ``/ws``, the URDF and the meshes; None if it listens at the loopback

@@ -53,7 +53,7 @@ _HEADERS: Final = {
     "cross-origin-resource-policy": "same-origin",
 }
 _HTTP_COST: Final = 1e-3
-"""Of answering a request [s]."""
+"""Processor time of answering a request [s]."""
 _SECRET_PATHS: Final = ("/ws", "/robot.urdf", "/meshes/", "/cameras/", "/recording")
 _READING: Final = frozenset({"GET", "HEAD"})
 

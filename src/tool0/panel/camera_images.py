@@ -25,9 +25,10 @@ MAX_WIDTH: Final = 1280
 _DIGITS: Final = 5
 """Decimals of positions [rad | m]: smaller motions are invisible."""
 _THREADS: Final = 4
-"""They encode, or wait for the thread that renders."""
+"""Number of threads that encode, or wait for the thread that renders."""
 _LEVEL: Final = 1
-"""Of zlib: a quarter of the time of the default level, for half as many bytes more."""
+"""Level of zlib: a quarter of the time of the default level, for 1.5 times the
+bytes."""
 
 
 @final
@@ -78,7 +79,7 @@ class CameraImages:
         Args:
             name: The camera.
             kind: ``color``, or ``depth`` as ``depth_pixels`` has it.
-            width: Of the image [pixels]; the height follows from the camera.
+            width: Width of the image [pixels]; the height follows from the camera.
             after: Number of the image that the page has; 0 for none.
 
         Raises:

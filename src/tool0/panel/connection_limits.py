@@ -1,4 +1,4 @@
-"""Which connections the panel keeps: unauthenticated ones never block the others.
+"""Limits of connections: unauthenticated ones never block the others.
 
 A stranger is a connection that has not yet requested anything that needs the token.  It
 may be a page that is loading, or one of thousands that are opened and left idle.
@@ -27,7 +27,7 @@ limit."""
 IDLE_AFTER: Final = 10.0
 """Wall time within which a connection has to send a complete header [s]."""
 _CHECK_PERIOD: Final = 1.0
-"""[wall s]"""
+"""Period of checking connections [wall s]."""
 
 
 @final
@@ -94,7 +94,7 @@ class Entrance:
         Args:
             listener: The listening socket.
             make_protocol: Makes a protocol from the state of its ASGI scopes.
-            budget: Of all connections.
+            budget: Budget of all connections.
         """
         self._budget = budget
         self._make_protocol = make_protocol

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _STARTS_WITHIN: Final = 60.0
 """Longest wait for the replay's address [wall s]."""
 _GRACE: Final = 3.0
-"""For the replay to end by itself [wall s]."""
+"""Time in which the replay has to end when it is stopped [wall s]."""
 _PANEL: Final = "Panel: "
 
 

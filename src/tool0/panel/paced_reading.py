@@ -14,7 +14,7 @@ from tool0.server.budget import Account
 _CHUNK: Final = 1 << 12
 """Bytes that are read at once: at most 0.5 ms of short frames."""
 _arriving: Final = memoryview(bytearray(_CHUNK))
-"""Where the event loop reads to: what has arrived is copied at once."""
+"""Buffer into which the event loop reads: what has arrived is copied at once."""
 
 
 @final

@@ -43,7 +43,7 @@ class GripperInfo(Struct, frozen=True, kw_only=True):
     name: str
     joint: str
     max_opening: float
-    """[m]"""
+    """Largest opening of the gripper [m]."""
     min_speed: float
     max_speed: float
     """Largest speed of the pads towards each other [m/s]."""
@@ -54,23 +54,23 @@ class GripperInfo(Struct, frozen=True, kw_only=True):
     pad_cos: float
     pad_sin: float
     pad_slope: float
-    """With the joint at q, the opening is ``2 (pad_offset + pad_cos cos q + pad_sin
-    sin q + pad_slope q)``."""
+    """Coefficient of q in the opening: with the joint at q, the opening is ``2
+    (pad_offset + pad_cos cos q + pad_sin sin q + pad_slope q)``."""
 
 
 class RobotPartsInfo(Struct, frozen=True, kw_only=True):
     """One of several robots: an arm with what it carries."""
 
     name: str
-    """As requests call the arm: its name in a cell, or ``arm``."""
+    """Name of the arm in requests: its name in a cell, or ``arm``."""
     title: str | None
     """Arm and gripper of the catalogue, ``ur5 + 2f85``; null for a user's own file."""
     prefix: str
-    """What the names of its links and joints begin with; may be empty."""
+    """Prefix of the names of its links and joints; may be empty."""
     base: str
     """The link that carries this robot and no other."""
     joints: list[str]
-    """Its movable joints, those of its gripper included."""
+    """Movable joints of the robot, those of its gripper included."""
     gripper: str | None
     """The name of its gripper; null without one."""
     tip: str
@@ -80,7 +80,7 @@ class RobotPartsInfo(Struct, frozen=True, kw_only=True):
 class RobotInfo(Struct, frozen=True, kw_only=True):
     name: str
     title: str
-    """For the title bar: ``ur5 + 2f85``."""
+    """Title for the title bar: ``ur5 + 2f85``."""
     root: str
     """The fixed link; every pose here is in its frame."""
     urdf: str
@@ -101,7 +101,7 @@ class CameraInfo(Struct, frozen=True, kw_only=True):
 
     name: str
     width: int
-    """[pixels]"""
+    """Width of the image [pixels]."""
     height: int
     far: float
     """Depth beyond which points are invisible [m]."""
@@ -138,7 +138,7 @@ class ViewObject(Struct, frozen=True, kw_only=True):
     shape: ShapeInfo
     rgba: RGBA
     mass: float | None
-    """[kg]; null is fixed."""
+    """Mass [kg]; null for a fixed object."""
     friction: float
     """Coulomb coefficient."""
 
@@ -163,11 +163,11 @@ class ControllerInfo(Struct, frozen=True, kw_only=True):
     state: ControllerStage
     is_running: bool
     role: Role
-    """What it is for; sliders drive those that follow trajectories."""
+    """Role of the controller; sliders drive those that follow trajectories."""
     interface: str | None
     """The command interface it claims; null if it only reads, or is unloaded."""
     joints: list[str]
-    """What it claims while it runs."""
+    """Joints that it claims while it runs."""
     undrivable: str | None
     """Why its joints cannot be driven by sliders; null if they can."""
 
@@ -175,7 +175,7 @@ class ControllerInfo(Struct, frozen=True, kw_only=True):
 class GripperState(Struct, frozen=True, kw_only=True):
     name: str
     opening: float
-    """[m]"""
+    """Opening of the gripper [m]."""
     motion: Literal[
         "moving", "at_target", "holding_inside", "holding_outside", "blocked", "idle"
     ]
@@ -194,7 +194,7 @@ class StallInfo(Struct, frozen=True, kw_only=True):
 
     joint: str
     effort: float
-    """[N·m | N]"""
+    """Effort with which the joint pushes [N·m | N]."""
     contacts: list[tuple[str, str]]
     """Links beyond the joint, and what they touch; the strongest contact first."""
 
@@ -240,7 +240,7 @@ class RecordingInfo(Struct, frozen=True, kw_only=True):
     dropped: int
     """Snapshots that are missing, because the disk was too slow."""
     error: str | None
-    """Why it ended by itself, such as a full disk."""
+    """Error that ended it early, such as a full disk."""
 
 
 class Status(Struct, frozen=True, kw_only=True, tag="status"):
@@ -293,7 +293,7 @@ class ReplayInfo(Struct, frozen=True, kw_only=True):
     """The recording that is replayed; its notices are those of ``view``."""
 
     file: str
-    """Its name, without folders."""
+    """Name of the file, without folders."""
     start: float
     """Simulated time of its first snapshot [s]."""
     end: float
@@ -301,7 +301,8 @@ class ReplayInfo(Struct, frozen=True, kw_only=True):
     is_complete: bool
     """False if the file was cut off while it was written."""
     signals: list[str]
-    """Those that ``read_replay`` returns: ``joint/elbow_joint/position`` and so on."""
+    """Names of the signals that ``read_replay`` returns: ``joint/elbow_joint/position``
+    and so on."""
 
 
 class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
@@ -322,7 +323,7 @@ class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
     missing: dict[str, str]
     """Each method that this robot does not offer, and why."""
     replay: ReplayInfo | None = None
-    """What ``tool0 replay`` shows; null for a robot that runs."""
+    """Recording that ``tool0 replay`` shows; null for a robot that runs."""
 
 
 ViewMessage = ViewInfo | ViewScene | Status | StateMessage | Notice

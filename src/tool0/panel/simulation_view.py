@@ -95,7 +95,7 @@ class SimulationView:
         }
         self._grippers: list[GripperState] = []
         self._forces: Subscription | None = None
-        """Lets the snapshots have what the frames need."""
+        """Subscription that gives the snapshots the fields that the frames need."""
         self._has_contacts = self._has_wrenches = False
 
     def scene(self) -> ViewScene:
@@ -239,7 +239,7 @@ def controller_infos(
         defined: Name → type of those of the YAML.
         loaded: The loaded ones.
         joints: The robot's joints, with their limits.
-        roles: What those of the YAML are for.
+        roles: Roles of the YAML's controllers.
     """
     status_of = {status.name: status for status in loaded}
     types = {**defined, **{status.name: status.type for status in loaded}}

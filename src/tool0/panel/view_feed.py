@@ -25,9 +25,9 @@ from tool0.server.session import Session
 logger = logging.getLogger(__name__)
 
 FRAME_PERIOD: Final = 1 / 60
-"""[wall s]"""
+"""Shortest period between frames [wall s]."""
 STATUS_PERIOD: Final = 0.1
-"""[wall s]; also between checks for notifications."""
+"""Period of the status, and of checks for notifications [wall s]."""
 HEARTBEAT: Final = 0.2
 """Longest wall time between frames, also of a paused robot [s]."""
 
@@ -77,7 +77,7 @@ class ViewFeed:
         self._source = source
         self._hub = hub
         self._sessions: dict[Session, SubscribeView] = {}
-        """Each with what its frames shall have."""
+        """Each with the contents of its frames."""
         self._book = NoticeBook()
         self._frame = source.frame()
         self._frame_texts: dict[SubscribeView, bytes] = {}

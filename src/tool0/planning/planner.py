@@ -27,7 +27,7 @@ RESTARTS: Final = 3
 """Ways that are searched; the fastest wins."""
 MOST_GOALS: Final = 24
 BESIDE: Final = 2.0
-"""How far from between the start and a goal most samples are [rad]."""
+"""Distance of most samples from between the start and a goal [rad]."""
 ENOUGH: Final = 4_000
 """Poses that are looked at before the first way found is enough."""
 _TRIES: Final = 60
@@ -48,7 +48,7 @@ class FreeMotion:
 
     path: Path
     waypoints: Array
-    """Where it turns [rad | m], shape (n, n_joints)."""
+    """Joint positions at which the way turns [rad | m], shape (n, n_joints)."""
     is_direct: bool
     """Whether it is straight in joint space."""
     samples: int
@@ -62,7 +62,7 @@ class FreeMotion:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchOptions:
-    """How a way is searched."""
+    """Options of the search."""
 
     speed: float = 0.5
     """Fraction of the joints' largest velocities."""
@@ -84,7 +84,7 @@ def plan_free_motion(
     """Return the fastest collision-free motion that was found to any of the goals.
 
     Args:
-        group: What must stay apart.
+        group: Shapes that must stay apart.
         joints: The joints that move, with their limits.
         start: Their positions [rad | m], shape (n_joints,).
         goals: Targets within the limits, shape (n, n_joints), n >= 1.

@@ -1,4 +1,4 @@
-"""What a motion must not collide with, and how near it may come.
+"""Everything that a motion must not collide with, and how near it may come.
 
 Distances are those of MuJoCo's shapes, on a model of its own, for every engine.
 """
@@ -39,7 +39,7 @@ on a table is commanded into it."""
 MOST_GROUPS: Final = 16
 """Groups that are kept for the next request."""
 _ROUNDING: Final = 1e-4
-"""By how much what is near at the start may come nearer [m]."""
+"""Distance by which bodies that are near at the start may come nearer [m]."""
 _FAR: Final = 1.0
 
 
@@ -56,7 +56,7 @@ class UprightTool(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rules:
-    """What a motion keeps to."""
+    """Constraints of a motion."""
 
     clearance: float = CLEARANCE
     """Smallest distance [m]."""
@@ -272,14 +272,14 @@ class PlanningGroup:
     """Looks at motions of a group of joints, by the pairs of shapes they move."""
 
     names: tuple[tuple[str, str], ...]
-    """What each pair consists of."""
+    """Contents of each pair."""
     least: Array
     """Distance that each pair keeps, with SLACK [m]."""
     clearances: Clearances
     shared: Array
     """The same numbers in the memory of ``clearances``."""
     owner: DistanceModel = field(repr=False)
-    """What the memory belongs to."""
+    """Keys of the memory."""
 
     def begin(self, start: Array, *, is_check: bool = False) -> None:
         """Allow what is near at the start to stay as near.
@@ -310,7 +310,7 @@ class PlanningGroup:
         return self.explained(found, q)
 
     def explained(self, pair: int, q: Array) -> str:
-        """Return what is wrong with a pair in a pose, for people."""
+        """Return what is wrong with a pair in a pose, for messages."""
         if pair == TILTED:
             return "the tool is tilted more than it may be"
         first, second = self.names[pair]

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChunkOptions:
-    """How chunks of actions are executed."""
+    """Options of executing chunks of actions."""
 
     execute: int | None = None
     """Actions of a chunk that are executed before the next chunk replaces it; all of

@@ -1,4 +1,4 @@
-"""What a policy drives: an episode of a task, or a robot that has been brought up."""
+"""Environments that a policy drives: an episode of a task, or a running robot."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
 TOLERANCE = 0.1
-"""How far beyond its limits a number of an action may be and is only clipped, part of
-the range: networks overshoot a little."""
+"""Part of its range by which a number of an action may be beyond its limits and is only
+clipped: networks overshoot a little."""
 
 
 @final
@@ -24,7 +24,7 @@ class ActionRefusedError(PolicyError):
 
 
 class Outcome(NamedTuple):
-    """What an action led to."""
+    """Result of an action."""
 
     reward: float = 0.0
     terminated: bool = False
@@ -48,7 +48,7 @@ class Environment(Protocol):
 
     @property
     def action_names(self) -> tuple[str, ...]:
-        """What each of the m numbers of an action is."""
+        """Meaning of each of the m numbers of an action."""
 
     @property
     def limits(self) -> tuple[Array, Array]:
@@ -61,7 +61,7 @@ class Environment(Protocol):
         """Return what is observed now."""
 
     def hold(self) -> Array:
-        """Return the action that lets everything stay where it is, shape (m,)."""
+        """Return the action that moves nothing, shape (m,)."""
 
     def act(self, action: Array) -> Outcome:
         """Act for one control period.
@@ -72,7 +72,7 @@ class Environment(Protocol):
         """
 
     def picture(self) -> Picture | None:
-        """Return a picture for people, shape (height, width, 3), if there are any."""
+        """Return a picture for videos, shape (height, width, 3), if there are any."""
 
     def end(self) -> None:
         """End the episode; what moved stops."""
@@ -88,7 +88,7 @@ def within_limits(
 
     Args:
         action: Shape (m,).
-        environment: What takes it.
+        environment: Environment that takes it.
         clips: Whether one that is far beyond is clipped, too.
 
     Raises:

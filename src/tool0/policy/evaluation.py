@@ -49,14 +49,14 @@ def evaluate(
     Args:
         policy: ``module:name``, ``file.py:name``, ``lerobot:FOLDER`` or
             ``ws://HOST:PORT`` (docs/how-to/policies.md); or a function or class itself.
-        task: As for ``tool0.collect.collect``: ``Lift``, or an environment's id.
+        task: Task as for ``tool0.collect.collect``: ``Lift``, or an environment's id.
         seeds: One for each episode.
         options: Keywords of the environment.
-        run: How the policy's actions are executed.
+        run: Execution of the policy's actions.
         folder: A new folder for observations, actions, videos and the report.
-        videos: Of which episodes the folder has videos.
-        instruction: What is to be done, in words; the task's own if left out.
-        device: On which LeRobot's policies are computed.
+        videos: Selection of the episodes of which the folder has videos.
+        instruction: Description of the task; the task's own if left out.
+        device: Device that computes LeRobot's policies.
         keys: Name that an openpi server expects → what it gets.
         when_ended: Called after each episode.
         should_stop: Asked before each action; with True, the evaluation ends.
@@ -125,10 +125,10 @@ def execute(
         robot: The result of ``tool0.bringup`` or ``tool0.connect``.
         rate: Actions per simulated second [Hz].
         cameras: Cameras whose images the policy sees.
-        run: How the policy's actions are executed; ``max_steps`` ends it.
+        run: Execution of the policy's actions; ``max_steps`` ends it.
         folder: A new folder for a recording of everything, observations and actions.
-        instruction: What is to be done, in words.
-        device: On which LeRobot's policies are computed.
+        instruction: Description of the task.
+        device: Device that computes LeRobot's policies.
         keys: Name that an openpi server expects → what it gets.
         seed: Given to the policy.
         should_stop: Asked before each action and while time passes.

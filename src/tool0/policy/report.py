@@ -1,4 +1,4 @@
-"""What many episodes of a policy say about it."""
+"""Statistics of many episodes of a policy."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Report:
     """Results of episodes whose seeds differ."""
 
     n_episodes: int
-    """Those that came to their end: a person may interrupt the last one."""
+    """Completed episodes: a person may interrupt the last one."""
     n_succeeded: int
     n_stopped: int
     """Episodes that an action beyond the limits ended; they count as failures."""
@@ -40,7 +40,7 @@ class Report:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Where the true success rate is, with 95 % confidence: ``wilson``."""
+        """Range of the true success rate, with 95 % confidence: ``wilson``."""
         return wilson(self.n_succeeded, self.n_episodes)
 
     def as_json(self) -> dict[str, Any]:

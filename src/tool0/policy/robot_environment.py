@@ -31,19 +31,19 @@ if TYPE_CHECKING:
     from tool0.api.robot import Robot
 
 BY: Final = "policy"
-"""Who has taken the arms, for people."""
+"""Name of the program that has taken the arms, shown to users."""
 FASTEST: Final = 0.9
 """Largest speed of an arm's joint, part of its largest velocity."""
 _LOOKAHEAD: Final = 1.5
-"""Of the servo motion, in control periods: less follows the targets' steps, more lags
-behind them; the lag is one period."""
+"""Lookahead of the servo motion, in control periods: less follows the targets' steps,
+more lags behind them; the lag is one period."""
 _LOOKAHEADS: Final = (0.03, 0.2)
 """Range of it [s]."""
 _DEADBAND: Final = 0.02
 """Change of a gripper's target that moves it, part of the range of its joint."""
 _SILENCE: Final = 0.3
-"""After such a pause a stream counts as ended [wall s]: the arm itself ends it after
-0.5 s."""
+"""Pause after which a stream counts as ended [wall s]: the arm itself ends it after 0.5
+s."""
 _LONGEST_STOP: Final = 2.0
 """Longest wait for an arm to stop, as for ``GoalHandle.wait`` [s]."""
 _POLL: Final = 0.1
@@ -69,7 +69,7 @@ class RobotEnvironment:
             robot: It stays open when the environment is closed.
             rate: Actions per simulated second [Hz].
             cameras: Cameras whose images are observed, by name.
-            instruction: What is to be done, in words.
+            instruction: Description of the task.
             should_stop: Asked while time passes; with True, the wait ends.
 
         Raises:
@@ -109,8 +109,8 @@ class RobotEnvironment:
         speed = np.array([item.velocity for item in limits])
         self._lookahead = float(np.clip(_LOOKAHEAD / rate, *_LOOKAHEADS))
         self._largest_step = FASTEST * speed / rate
-        """Of each joint of an arm in a control period [rad], shape (m,); grippers move
-        at their own speed."""
+        """Largest step of each joint of an arm in a control period [rad], shape (m,);
+        grippers move at their own speed."""
         self._largest_step[list(self._grippers)] = np.inf
         movable = [item.name for item in snapshot.scene if item.mass is not None]
         self._objects = movable
@@ -123,11 +123,11 @@ class RobotEnvironment:
         self._grip = dict.fromkeys(self._grippers, 0.0)
         self._start, self._step = 0.0, 0
         self._sent = 0.0
-        """When targets were sent last [wall s]."""
+        """Time at which targets were sent last [wall s]."""
 
     @property
     def is_realtime(self) -> bool:
-        """Whether time passes by itself."""
+        """Whether the simulation runs in real time."""
         return self._robot.is_realtime
 
     def begin(self, seed: int) -> None:

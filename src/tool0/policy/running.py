@@ -32,10 +32,10 @@ Latency = float | Literal["measured"]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunOptions:
-    """How a policy is executed."""
+    """Options of executing a policy."""
 
     chunks: ChunkOptions = ChunkOptions()
-    """How its chunks of actions are."""
+    """Execution of its chunks of actions."""
     latency: Latency = 0.0
     """Simulated time from an observation to its actions, where time waits for the
     policy [s]; ``measured`` for the wall time that it takes."""
@@ -59,7 +59,7 @@ class RunOptions:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EpisodeRun:
-    """What happened in one episode."""
+    """Result of one episode."""
 
     seed: int
     result: Result

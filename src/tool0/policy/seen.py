@@ -17,20 +17,20 @@ Array = NDArray[Any]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
-    """What is observed before one action."""
+    """Observation before one action."""
 
     observation: Any
-    """As the environment gives it: an array, or a dictionary."""
+    """Observation as the environment gives it: an array, or a dictionary."""
     values: Mapping[str, Array]
     """The same by name; ``""`` if it is one array."""
     kept: Mapping[str, Array]
-    """What is kept of them after the action."""
+    """Parts of these that are kept after the action."""
     names: Mapping[str, Sequence[str]]
     """Name of an observation → names of its numbers."""
     surroundings: frozenset[str]
     """Names of the numbers that the robot does not measure on itself."""
     instruction: str
-    """What is to be done, in words."""
+    """Description of the task."""
 
     def columns(self) -> dict[str, Array]:
         """Return the observation as LeRobot's data sets name it.

@@ -1,4 +1,4 @@
-"""Where a policy is: a Python callable, a LeRobot policy, or a server."""
+"""Location of a policy: a Python callable, a LeRobot policy, or a server."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def opened(name: str | Policy, *, device: str = "cpu", keys: dict[str, str]) -> 
         name: ``module:name`` or ``file.py:name``, as ``tool0 collect`` takes it;
             ``lerobot:FOLDER`` of a pretrained LeRobot policy; ``ws://HOST:PORT`` of a
             server that speaks openpi's protocol; or a function or class itself.
-        device: On which LeRobot's policies are computed, such as ``cpu`` or ``cuda``.
+        device: Device that computes LeRobot's policies, such as ``cpu`` or ``cuda``.
         keys: Name that openpi's server expects → what it gets there.
 
     Raises:

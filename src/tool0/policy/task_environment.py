@@ -15,7 +15,7 @@ from tool0.policy.environment import Array, Outcome, Picture
 from tool0.policy.seen import Seen
 
 VIDEO_SIZE: Final = (320, 240)
-"""Of pictures, if observations have none [pixels]."""
+"""Size of the pictures of a video, if observations have none [pixels]."""
 
 
 @final
@@ -37,7 +37,7 @@ class TaskEnvironment:
         Args:
             task: As ``tool0.collect.collect`` takes it.
             options: Keywords of the environment.
-            instruction: What is to be done, in words; the task's own if left out.
+            instruction: Description of the task; the task's own if left out.
             draws: Whether pictures are wanted.
 
         Raises:
@@ -51,10 +51,10 @@ class TaskEnvironment:
         self.task, self.digest = located_task(task)
         spec = environment_spec(self.task, self.digest)
         given = dict(options)
-        self._is_own = task_of(spec) is not None
+        is_own = task_of(spec) is not None
         if draws:
             given["render_mode"] = "rgb_array"
-            if self._is_own and given.get("observation") != "image":
+            if is_own and given.get("observation") != "image":
                 given.setdefault("image_size", VIDEO_SIZE)
         self.instruction = instruction
         if instruction is None:
@@ -83,6 +83,7 @@ class TaskEnvironment:
         )
         self._names = names.observations if names else {}
         self._surroundings = names.surroundings if names else frozenset()
+        self._grippers = list(names.grippers) if names else []
         self._last = np.zeros(width)
         self._observation: Any = None
 
@@ -100,7 +101,7 @@ class TaskEnvironment:
         """Begin the episode of a seed."""
         self._observation, _ = self._env.reset(seed=seed)
         self._last = np.zeros_like(self._last)
-        self._last[-1] = 1.0  # the gripper is open
+        self._last[self._grippers] = 1.0  # they are open
 
     def see(self) -> Seen:
         """Return what is observed now."""
@@ -115,13 +116,12 @@ class TaskEnvironment:
         )
 
     def hold(self) -> Array:
-        """Return the action with which the tool rests and the gripper stays.
+        """Return the action with which the tools rest and the grippers stay.
 
         That of an environment that is not of tool0 is zero, or the nearest to it.
         """
         action = np.zeros_like(self._last)
-        if self._is_own:
-            action[-1] = self._last[-1]
+        action[self._grippers] = self._last[self._grippers]
         return np.asarray(action.clip(*self.limits))
 
     def act(self, action: Array) -> Outcome:

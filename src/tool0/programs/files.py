@@ -24,7 +24,7 @@ _PLACE: Final = re.compile(r"^(?P<what>.*?)(?: - at `\$(?P<path>.*)`)?$", re.DOT
 _PART: Final = re.compile(r"\.(\w+)|\[(\d+)\]")
 _UNKNOWN: Final = re.compile(r"unknown field `(\w+)`")
 KINDS: Final = tuple(str(kind.__struct_config__.tag) for kind in get_args(Step))
-"""Of steps."""
+"""Kinds of steps."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

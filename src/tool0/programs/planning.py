@@ -48,15 +48,15 @@ from tool0.protocol.program import (
 from tool0.protocol.programs import PlannedMotion, ProgramCheck, ProgramProblem
 
 _REFUSALS: Final = (ControlError, ModelError, ConfigError)
-"""Of a step, before it is planned."""
+"""Errors that refuse a step before it is planned."""
 _SAME: Final = 1e-7
 """Postures closer to each other than this are one [rad]."""
 _MOST_POSTURES: Final = 8
-"""In which a program may be at a step, at most."""
+"""Largest number of postures in which a program may be at a step."""
 _PREVIEW_STEP: Final = 0.02
 """Time between two points of a preview [s], for short programs."""
 _MOST_POINTS: Final = 1500
-"""Of a preview."""
+"""Largest number of points of a preview."""
 
 
 class NumberedMove(NamedTuple):
@@ -100,7 +100,7 @@ class ProgramPath:
 
 
 class _UnknownEndError(Exception):
-    """Where a step ends can only be known when it begins."""
+    """The end of a step can only be known when the step begins."""
 
 
 class StepError(Exception):

@@ -1,4 +1,4 @@
-"""Steps in words, for people who follow a program."""
+"""Descriptions of steps, for users who follow a program."""
 
 from __future__ import annotations
 

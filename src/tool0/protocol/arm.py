@@ -78,7 +78,7 @@ class SolveInverseKinematics(_OfTool[tuple[Solution, ...]], frozen=True, kw_only
     near: JointPositions = field(default_factory=dict)
     """Joint → position [rad]; for joints left out, the commanded one."""
     branch: Branch | None = None
-    """Only postures of this branch."""
+    """Branch that the posture must have; any, if left out."""
 
 
 class MoveTo(_OfTool[GoalStarted], frozen=True, kw_only=True):

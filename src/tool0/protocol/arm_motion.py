@@ -33,18 +33,18 @@ Limit = Annotated[float, Meta(gt=0.0, le=100.0)]
 Limits6 = tuple[Limit, Limit, Limit, Limit, Limit, Limit]
 
 Acceleration = Annotated[float, Meta(gt=0.0, le=1000.0)]
-"""[rad/s², m/s²]"""
+"""Acceleration of the joints [rad/s²] or of the tool [m/s²]."""
 
 Duration = Annotated[float, Meta(ge=0.0)]
-"""[s]"""
+"""Duration [s]."""
 
 Timeout = Annotated[float, Meta(gt=0.0, le=1e6)]
-"""[wall s]"""
+"""Timeout in real time [wall s]."""
 
 PathNumber = Annotated[int, Meta(ge=1)]
 
 PathTime = Annotated[float, Meta(ge=0.0)]
-"""[s]"""
+"""Time on a path [s]."""
 
 MOST_KNOTS = 100_000
 SILENCE: Final = 0.5
@@ -59,7 +59,7 @@ class TakeArm(ArmRequest[None], frozen=True):
     """
 
     by: Name
-    """The program, for people."""
+    """Name of the program, shown to users."""
     protected: bool = False
     """Whether a motion that fails is a protective stop, as on a UR; otherwise the arm
     stays taken."""
@@ -69,7 +69,8 @@ class ReturnArm(ArmRequest[None], frozen=True):
     """Stop an arm, and start its controllers again once it is at rest."""
 
     by: Name | None = None
-    """Only if this program still moves it: nobody else who took it is stopped."""
+    """Program that must still move the arm: no other program that took it is
+    stopped."""
 
 
 class ExecutePath(ArmRequest[int], frozen=True):
@@ -82,14 +83,14 @@ class ExecutePath(ArmRequest[int], frozen=True):
     unchecked = ("times", "positions", "velocities", "accelerations")
 
     times: Annotated[tuple[float, ...], Meta(min_length=1, max_length=MOST_KNOTS)]
-    """Of the knots after the start [s], increasing.  A knot at 0 must be the setpoint,
-    within 1e-6 rad and rad/s."""
+    """Times of the knots after the start [s], increasing.  A knot at 0 must be the
+    setpoint, within 1e-6 rad and rad/s."""
     positions: Annotated[Rows6, Meta(max_length=MOST_KNOTS)]
-    """[rad]"""
+    """Joint positions at the knots [rad], shape (n, 6)."""
     velocities: Annotated[Rows6, Meta(max_length=MOST_KNOTS)]
-    """[rad/s]; 0 at the last knot."""
+    """Joint velocities at the knots [rad/s], shape (n, 6); 0 at the last knot."""
     accelerations: Annotated[Rows6, Meta(max_length=MOST_KNOTS)] = ()
-    """[rad/s²]"""
+    """Joint accelerations at the knots [rad/s²], shape (n, 6), or empty."""
     after: PathNumber | None = None
     """The number of the path that it replaces; none, if left out."""
     at: PathTime | None = None
@@ -101,19 +102,19 @@ class SampledPath(Protocol):
 
     @property
     def times(self) -> Array:
-        """Of the knots [s], increasing from 0, shape (n,)."""
+        """Times of the knots [s], increasing from 0, shape (n,)."""
 
     @property
     def positions(self) -> Array:
-        """[rad], shape (n, 6)."""
+        """Joint positions [rad], shape (n, 6)."""
 
     @property
     def velocities(self) -> Array:
-        """[rad/s], shape (n, 6)."""
+        """Joint velocities [rad/s], shape (n, 6)."""
 
     @property
     def accelerations(self) -> Array | None:
-        """[rad/s²], shape (n, 6); None between cubics."""
+        """Joint accelerations [rad/s²], shape (n, 6); None between cubics."""
 
 
 def path_request(
@@ -145,8 +146,8 @@ class StopArm(ArmRequest[None], frozen=True):
     """Ramp down to rest, from any motion."""
 
     deceleration: Acceleration = 2.0
-    """Of the leading joint [rad/s²].  With ``along_path``, by how much the speed of the
-    path changes in a second [1/s²]: 2 ends it within half a second."""
+    """Deceleration of the leading joint [rad/s²].  With ``along_path``, deceleration of
+    the path's speed [1/s²]: 2 ends it within half a second."""
     along_path: bool = False
     """Whether an arm on a path stays on it."""
 
@@ -162,17 +163,18 @@ class ServoJoints(ArmRequest[None], frozen=True):
     is_streamed = True
 
     positions: Row6
-    """[rad]"""
+    """Joint positions to move to [rad], shape (6,)."""
     duration: Annotated[float, Meta(ge=0.0, le=10.0)] = 0.002
-    """Until the next target is expected [s]; the last one is held after it."""
+    """Simulated time until the next target is expected [s]; the last one is held after
+    it."""
     lookahead_time: Annotated[float, Meta(ge=0.03, le=0.2)] = 0.1
-    """[s]"""
+    """Lookahead time of the law [s]: longer is smoother, and lags more."""
     gain: Annotated[float, Meta(ge=100.0, le=2000.0)] = 300.0
-    """[1/s²]"""
+    """Gain of the law [1/s²]."""
     timeout: Timeout = SILENCE
-    """In real time: if the next target of a stream does not come within this wall time,
-    the stream has ended [s].  The arm stops, and follows no further target until it is
-    stopped (``stop_arm``), follows a path or is taken again."""
+    """Longest wall time between two targets of a stream [s].  If the next one does not
+    come within it, the stream has ended: the arm stops, and follows no further target
+    until it is stopped (``stop_arm``), follows a path or is taken again."""
 
 
 class SpeedJoints(ArmRequest[None], frozen=True):
@@ -184,13 +186,14 @@ class SpeedJoints(ArmRequest[None], frozen=True):
     is_streamed = True
 
     velocities: Row6
-    """[rad/s]"""
+    """Joint velocities [rad/s], shape (6,)."""
     acceleration: Acceleration = 1.4
     """Acceleration of the leading joint [rad/s²]."""
     duration: Duration | None = None
     """Time after which the arm ramps to rest [s]; never, if left out or 0."""
     timeout: Timeout | None = None
-    """As for ``servo_joints``; 0.5 s without a ``duration``, otherwise none."""
+    """Longest wall time between two targets [s], as for ``servo_joints``; 0.5 s without
+    a ``duration``, otherwise none."""
 
 
 class SpeedTool(ArmRequest[None], frozen=True):
@@ -204,11 +207,13 @@ class SpeedTool(ArmRequest[None], frozen=True):
     twist: Row6
     """Velocity of the TCP, linear and angular, in the axes of the base [m/s, rad/s]."""
     acceleration: Acceleration = 1.2
-    """[m/s²], and the same number in [rad/s²]."""
+    """Acceleration of the tool [m/s²], and with the same number of its turning
+    [rad/s²]."""
     duration: Duration | None = None
     """Time after which the arm ramps to rest [s]; never, if left out or 0."""
     timeout: Timeout | None = None
-    """As for ``servo_joints``; 0.5 s without a ``duration``, otherwise none."""
+    """Longest wall time between two targets [s], as for ``servo_joints``; 0.5 s without
+    a ``duration``, otherwise none."""
     tcp: Row6 = ZERO_POSE
     """The TCP in the flange, with a rotation vector [m, rad]."""
 
@@ -219,7 +224,8 @@ Shares6 = tuple[Share, Share, Share, Share, Share, Share]
 
 VISCOUS_SCALE: Final[Shares6] = (0.9, 0.9, 0.8, 0.9, 0.9, 0.9)
 COULOMB_SCALE: Final[Shares6] = (0.8, 0.8, 0.7, 0.8, 0.8, 0.8)
-"""Of UR's ``direct_torque``."""
+"""Parts of the viscous and dry friction that UR's ``direct_torque`` compensates by
+default."""
 
 
 class DriveTorques(ArmRequest[None], frozen=True):
@@ -233,7 +239,7 @@ class DriveTorques(ArmRequest[None], frozen=True):
     is_streamed = True
 
     torques: Row6
-    """[N·m]; none may be more than the joint's limit."""
+    """Torques of the joints [N·m], shape (6,); none may exceed the joint's limit."""
     viscous_scale: Shares6 = VISCOUS_SCALE
     """Part of each joint's viscous friction that the drives compensate."""
     coulomb_scale: Shares6 = COULOMB_SCALE
@@ -251,16 +257,17 @@ class StartForceMode(ArmRequest[None], frozen=True):
     """Push with a force along some axes of a frame, as URScript's ``force_mode``.
 
     It is superimposed on what else the arm does; a second request replaces the first.
-    The force is that which the tool applies to its environment at rest.  Motions and
+    The force is the one that the tool exerts on its environment at rest.  Motions and
     their setpoints do not show how far the arm gives way.
     """
 
     frame: Row6
     """Frame of the task in the base, with a rotation vector [m, rad]."""
     selection: Flags6
-    """Which axes of the frame give way: x, y, z, and about them."""
+    """Axes of the frame that give way: x, y, z, and the rotations about them."""
     wrench: Row6
-    """Along those [N, N·m]; the numbers of other axes do not count."""
+    """Force and torque along the axes that give way [N, N·m], shape (6,); the numbers
+    of other axes do not count."""
     limits: Limits6
     """Largest speed along an axis that gives way [m/s, rad/s]; largest deviation from
     the motion along another that it resists with more force [m, rad]."""
@@ -270,9 +277,9 @@ class StartForceMode(ArmRequest[None], frozen=True):
     tcp: Row6 = ZERO_POSE
     """The TCP in the flange, with a rotation vector [m, rad]."""
     damping: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.005
-    """As for ``force_mode_set_damping``: how soon an undriven motion decays."""
+    """Damping as of ``force_mode_set_damping``: how soon an undriven motion decays."""
     gain_scaling: Annotated[float, Meta(ge=0.0, le=2.0)] = 1.0
-    """As for ``force_mode_set_gain_scaling``: divides the damping."""
+    """Gain scaling as of ``force_mode_set_gain_scaling``: it divides the damping."""
     controller: Name | None = None
     """The active ForceModeController of UR's driver for ROS 2 in whose name the arm
     pushes; without one, the arm must be taken."""
@@ -282,14 +289,14 @@ class EndForceMode(ArmRequest[None], frozen=True):
     """End force mode: the arm stops where it is, and a path of it ends."""
 
     controller: Name | None = None
-    """As for ``start_force_mode``."""
+    """Controller in whose name the arm pushes, as for ``start_force_mode``."""
 
 
 class StartFreedrive(ArmRequest[None], frozen=True):
     """Start freedrive: the arm is moved by hand, and stays where it is left."""
 
     axes: Flags6 = (True,) * 6
-    """Along and about which axes of the frame the tool gives way."""
+    """Axes of the frame along which, and about which, the tool gives way."""
     frame: Row6 = ZERO_POSE
     """Frame of the task in the base, with a rotation vector [m, rad]."""
     controller: Name | None = None
@@ -301,7 +308,7 @@ class EndFreedrive(ArmRequest[None], frozen=True):
     """Hold the arm where it is."""
 
     controller: Name | None = None
-    """As for ``start_freedrive``."""
+    """Controller in whose name the arm gives way, as for ``start_freedrive``."""
 
 
 class ReadArmMotion(ArmRequest[ArmSample], frozen=True):

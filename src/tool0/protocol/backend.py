@@ -43,8 +43,8 @@ class Observed(Protocol):
 
         Args:
             is_over: Polled repeatedly.
-            timeout: [s] of simulated time where the caller makes time pass, otherwise
-                of wall time; None waits without limit.
+            timeout: Longest simulated time [s] where the caller makes time pass,
+                otherwise longest wall time; None waits without limit.
 
         Raises:
             EngineError: If the physics failed.
@@ -92,7 +92,7 @@ class States(Observed, Protocol):
 
     @property
     def cameras(self) -> CameraRenderer | None:
-        """What draws the states; None if nothing does."""
+        """Renderer of camera images; None if there is none."""
 
     def refresh(self) -> None:
         """Publish a snapshot soon, also while time is held."""

@@ -34,7 +34,7 @@ class GoalFinished:
     """A goal of any controller ended."""
 
     goal: Goal
-    """With ``controller``, ``status`` and ``result``."""
+    """The goal, with its ``controller``, ``status`` and ``result``."""
     time: float | None = None
     """Simulated time [s]; None over a connection."""
 
@@ -56,7 +56,7 @@ class Faulted:
     """The physics or a controller failed: time stands still until a reset."""
 
     message: str
-    """What failed, and why."""
+    """Description of the failure, with its cause."""
     time: float
     """Simulated time [s]."""
 
@@ -75,10 +75,10 @@ class WasReset:
 @final
 @dataclass(frozen=True, slots=True)
 class Reported:
-    """Something beside the simulation failed, which goes on: a recording."""
+    """Something other than the simulation, such as a recording, failed."""
 
     message: str
-    """What failed, and why."""
+    """Description of the failure, with its cause."""
     time: float
     """Simulated time [s]."""
 
@@ -89,7 +89,7 @@ class WasFrozen:
     """The process did not run for a while; every motion was stopped."""
 
     duration: float
-    """[wall s]"""
+    """Wall time for which the process did not run [wall s]."""
     time: float
     """Simulated time [s]."""
 
@@ -207,12 +207,12 @@ class Bus:
         """Readers that wait for a change: mostly none, and waking takes time."""
         self.latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
-        """Since there are subscribers that want them: freeing a snapshot that has left
-        the processor's cache takes longer than making one."""
+        """Recent snapshots, while there are subscribers that want them: freeing a
+        snapshot that has left the processor's cache takes longer than making one."""
         self._keeps_recent = False
         self._history: deque[Snapshot] = deque(maxlen=HISTORY_LENGTH)
         self._history_time = -math.inf
-        """Of the newest snapshot in the history [s]."""
+        """Simulated time of the newest snapshot in the history [s]."""
         self._subscriptions: tuple[Subscription, ...] = ()
         self._backlogs: tuple[deque[Snapshot], ...] = ()
         self._wakers: tuple[Callable[[], None], ...] = ()
@@ -224,7 +224,7 @@ class Bus:
         """Whether a subscriber needs the contacts."""
         self._forces_period = math.inf
         self._forces_time = -math.inf
-        """Of the newest snapshot with arms or contacts [s]."""
+        """Simulated time of the newest snapshot with arms or contacts [s]."""
 
     def history(self) -> tuple[Snapshot, ...]:
         """Return the last half second of simulated time, the newest at the end."""

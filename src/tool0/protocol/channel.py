@@ -1,4 +1,4 @@
-"""How handles reach the robot: in this process, or over a socket."""
+"""Connection of handles to the robot: in this process, or over a socket."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class LocalChannel:
 
     @property
     def cameras(self) -> CameraRenderer | None:
-        """What draws the states of this process; None if nothing does."""
+        """Renderer of camera images of this process; None if there is none."""
         return self._robot.cameras
 
     def goal(self, started: GoalStarted) -> Goal:

@@ -45,7 +45,8 @@ from tool0.protocol.state_message import (
 PROTOCOL: Final = 3
 """Incremented when a program written for the old protocol could misread the new."""
 _LONGEST_STOP: Final = 4096
-"""[bytes]; a longer one, with its reason, waits like any other request."""
+"""Size of the longest stop that overtakes waiting requests [bytes]; a longer one, with
+its reason, waits like any other request."""
 _SHOWN: Final = 40
 """Characters of an unknown word that an answer repeats."""
 UNREADABLE: Final = (msgspec.DecodeError, RecursionError, UnicodeDecodeError)
@@ -56,7 +57,7 @@ UNREADABLE: Final = (msgspec.DecodeError, RecursionError, UnicodeDecodeError)
 
 
 class ErrorInfo(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """Why a request failed."""
+    """Reason why a request failed."""
 
     type: str
     """A class of tool0's error tree, such as ``ClaimError``."""
@@ -70,7 +71,7 @@ class ErrorInfo(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Outcome(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """How a goal ended: a GoalResult, or a GripperResult if it has a position."""
+    """Result of a goal: a GoalResult, or a GripperResult if it has a position."""
 
     status: str
     error_code: int = 0
@@ -158,7 +159,7 @@ class GoalEnded(Struct, frozen=True, kw_only=True, tag="goal_finished"):
     """A goal ended: to the connection that started it, and to subscribers."""
 
     goal: int | None
-    """Its number; null for a goal that no request started."""
+    """Number of the goal; null for one that no request started."""
     controller: str
     outcome: Outcome
 
@@ -212,7 +213,7 @@ class Reply(Struct, frozen=True, kw_only=True, tag="reply"):
 
 
 class _WireForm(NamedTuple):
-    """How a response that is not plain data is sent."""
+    """Form in which a response that is not plain data is sent."""
 
     kind: Any
     write: Callable[[Any], Any]
@@ -290,7 +291,7 @@ def decode_request(
     """Return the id and the request in ``text``.
 
     Args:
-        text: As it has arrived.
+        text: The message as it has arrived.
         suggests: Whether an error names what is similar, and repeats an id that is
             hard to find; both take longer than most requests.
 

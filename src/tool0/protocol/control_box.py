@@ -28,12 +28,12 @@ MOST_PROGRAM: Final = 200
 """Characters of a program's name."""
 
 MOST_REASON: Final = 500
-"""Of a protective stop [characters]."""
+"""Characters of the reason of a protective stop."""
 MOST_POPUP: Final = 1000
 """Characters of a popup."""
 
 Mass = Annotated[float, Meta(ge=0.0, le=1000.0)]
-"""[kg]"""
+"""Mass [kg]."""
 
 
 class ReadIO(ArmRequest[ControlBoxState], frozen=True):
@@ -44,9 +44,10 @@ class SetIO(ArmRequest[None], frozen=True):
     """Set digital outputs and the tool's voltage; what is left out does not change."""
 
     digital_outputs: dict[DigitalPin, bool] = field(default_factory=dict)
-    """By pin: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
+    """Levels of the digital outputs by pin: standard 0 … 7, configurable 8 … 15, tool
+    16 and 17."""
     digital_inputs: dict[DigitalPin, bool] = field(default_factory=dict)
-    """What the inputs measure, by pin: for tests, in place of wires."""
+    """Levels that the inputs measure, by pin: for tests, in place of wires."""
     tool_voltage: Literal[0, 12, 24] | None = None
     """Voltage at the tool's connector [V]."""
 
@@ -66,7 +67,7 @@ class SetAnalogInput(ArmRequest[None], frozen=True):
 
     pin: AnalogPinNumber
     value: float
-    """[V] or [A]"""
+    """Value that the input measures [V] or [A], by ``domain``."""
     domain: AnalogDomain = AnalogDomain.VOLTAGE
     """0 is a current, 1 a voltage."""
     tool: bool = False
@@ -88,7 +89,7 @@ class SetPayload(ArmRequest[None], frozen=True):
     """
 
     mass: Mass | None = None
-    """[kg]; what the description has, if left out."""
+    """Mass of the payload [kg]; as described, if left out."""
     center_of_gravity: Place = (0.0, 0.0, 0.0)
     """Center of gravity in the frame of the flange, ``tool0`` [m]."""
 
@@ -133,7 +134,7 @@ class StopProtectively(ArmRequest[None], frozen=True):
     revokes = ("unlock_protective_stop", "restart_safety")
 
     reason: Annotated[str, Meta(min_length=1, max_length=MOST_REASON)]
-    """For people."""
+    """Reason of the stop, shown to users."""
 
 
 class UnlockProtectiveStop(ArmRequest[None], frozen=True):
@@ -143,8 +144,8 @@ class UnlockProtectiveStop(ArmRequest[None], frozen=True):
     """
 
     at_once: bool = False
-    """Also before these 5 s, in which people look for the cause.  UR's primary
-    interface does so."""
+    """Whether to unlock also within these 5 s, which are for people to find the cause.
+    UR's primary interface does so."""
 
 
 class RestartSafety(ArmRequest[None], frozen=True):
@@ -159,10 +160,10 @@ class SetTcp(ArmRequest[None], frozen=True):
 
 
 class SetSafetyLimits(ArmRequest[None], frozen=True):
-    """Choose what stops the arm protectively by itself; the rest does not change."""
+    """Configure the automatic protective stops; what is left out does not change."""
 
     enabled: bool | None = None
-    """Whether anything does: a path error, the force of a contact, a joint's limit."""
+    """Whether path errors, contact forces and joint limits stop the arm at all."""
     force: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
     """Largest force of contacts with the tool or a link but the base [N]."""
 
@@ -173,7 +174,7 @@ class ReportUr(ArmRequest[None], frozen=True):
     program: Annotated[str, Meta(max_length=MOST_PROGRAM)] = ""
     """The name of its program; empty if there is none."""
     program_state: Annotated[str, Meta(max_length=50)] = "STOPPED"
-    """As RTDE names ``runtime_state``."""
+    """Program state, by its name in RTDE's ``runtime_state``."""
     popup: Annotated[str, Meta(max_length=MOST_POPUP)] | None = None
     """The text that waits for an answer."""
     clients: Annotated[int, Meta(ge=0)] = 0
@@ -181,4 +182,4 @@ class ReportUr(ArmRequest[None], frozen=True):
     registers: Annotated[
         Mapping[str, bool | int | float], Meta(max_length=MAX_REGISTERS)
     ] = field(default_factory=dict)
-    """Those that are not zero, by their names in RTDE."""
+    """Registers that are not zero, by their names in RTDE."""

@@ -89,9 +89,9 @@ class AnalogPin(Struct, frozen=True):
     """An analogue input or output."""
 
     value: float = 0.0
-    """[V] or [A]"""
+    """Value of the pin [V] or [A], by ``domain``."""
     domain: AnalogDomain = AnalogDomain.VOLTAGE
-    """Whether it is a current."""
+    """0 is a current, 1 a voltage."""
 
 
 Pose6 = tuple[float, float, float, float, float, float]
@@ -131,7 +131,7 @@ class RobotLink(Struct, frozen=True, kw_only=True):
     address: str
     """Address of the robot's controller."""
     model: str = ""
-    """As the robot names its type: ``UR5``; empty until it is known."""
+    """Type of the robot as it reports it, such as ``UR5``; empty until it is known."""
     serial_number: str = ""
     """Serial number of the robot; empty until it is known."""
     software: str = ""

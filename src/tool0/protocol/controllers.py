@@ -188,7 +188,8 @@ class LoadController(Request[None], frozen=True):
 
     name: Name
     type: Name | None = None
-    """Its type, if the files do not say it; as the manager's ``<name>.type``."""
+    """Type of the controller, if the files do not say it; as the manager's
+    ``<name>.type``."""
     files: Annotated[tuple[str, ...], Meta(max_length=100)] = ()
     """YAML files on the simulation's machine, as ``<name>.params_file``; the bring-up's
     configuration, if left out together with the type."""
@@ -307,4 +308,4 @@ class SetControllerParameters(Request[None], frozen=True):
     parameters: dict[
         str, bool | int | float | str | tuple[bool | int | float | str, ...]
     ]
-    """By dotted name: ``constraints.goal_time``."""
+    """Values by the parameter's dotted name, such as ``constraints.goal_time``."""

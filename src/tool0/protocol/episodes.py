@@ -19,9 +19,9 @@ class EpisodesStatus(Struct, frozen=True, kw_only=True):
     """A folder of episodes, and whether one is being recorded."""
 
     folder: str
-    """Its path on the simulation's machine."""
+    """Path of the folder on the simulation's machine."""
     task: str
-    """What is to be done, in words."""
+    """Description of the task."""
     is_recording: bool
     """Whether an episode is being recorded."""
     duration: float
@@ -31,7 +31,7 @@ class EpisodesStatus(Struct, frozen=True, kw_only=True):
     succeeded: int
     """Number of these with the outcome ``success``."""
     error: str | None = None
-    """Why an episode ended by itself: a full disk."""
+    """Error that ended an episode early, such as a full disk."""
 
 
 class OpenEpisodes(Request[EpisodesStatus], frozen=True):
@@ -44,7 +44,7 @@ class OpenEpisodes(Request[EpisodesStatus], frozen=True):
 
     folder: FolderName
     task: Annotated[str, Meta(max_length=500)] = ""
-    """What is to be done, in words; each line of the index has it."""
+    """Description of the task; written to each line of the index."""
     reset: bool = True
     """Whether each episode starts with a reset of robot and objects."""
 

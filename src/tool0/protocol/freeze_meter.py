@@ -1,4 +1,4 @@
-"""Whether the process was frozen: stopped, or on a machine that slept."""
+"""Detects that the process was frozen: stopped, or on a machine that slept."""
 
 from __future__ import annotations
 

@@ -165,7 +165,7 @@ class GoalStarted(Struct, frozen=True, kw_only=True):
     """A goal that a controller accepted."""
 
     goal: int
-    """Its number."""
+    """Number of the goal."""
     controller: str
 
 

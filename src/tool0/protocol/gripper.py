@@ -18,7 +18,7 @@ GripperMotion = Literal[
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GraspState:
-    """What a gripper does, and how wide it is."""
+    """Motion of a gripper, and its opening."""
 
     motion: GripperMotion
     """``holding_inside`` squeezes an object between the pads, ``holding_outside``

@@ -12,7 +12,7 @@ class HardwareInterfaceState(Struct, frozen=True, kw_only=True):
     """A command or state interface."""
 
     name: str
-    """Such as ``elbow_joint/position``."""
+    """Name such as ``elbow_joint/position``."""
     is_available: bool
     """Whether controllers can use it."""
     is_claimed: bool
@@ -26,7 +26,7 @@ class HardwareComponentState(Struct, frozen=True, kw_only=True):
     type: ComponentType
     """``system``, ``actuator`` or ``sensor``."""
     plugin: str
-    """Its driver in the description, which tool0 replaces."""
+    """Driver in the description, which tool0 replaces."""
     state: str
     """Always ``active``: simulated hardware has no other."""
     command_interfaces: tuple[HardwareInterfaceState, ...]

@@ -1,4 +1,4 @@
-"""A backend of parts: states that come by themselves, and a function for each request.
+"""A backend of parts: states that arrive on their own, a function for each request.
 
 It is what a robot needs that is no simulation: its time is the wall clock's.
 """
@@ -36,13 +36,13 @@ class LiveStates:
         """Start with a state.
 
         Args:
-            description: Of the robot.
+            description: Description of the robot.
             first: Its state now.
             close: Ends what publishes the states; called once.
         """
         self.description = description
         self.bus = Bus()
-        """Where the robot publishes its states and events."""
+        """Bus on which the robot publishes its states and events."""
         self.goals = GoalRegistry()
         self.cameras: Final = None
         self._close: Callable[[], None] | None = close
@@ -84,7 +84,7 @@ class LiveStates:
         )
 
     def refresh(self) -> None:
-        """States come by themselves."""
+        """States arrive without being requested."""
 
     def snapshot_with_arms(self) -> Snapshot:
         return self.snapshot
@@ -121,7 +121,7 @@ class LiveBackend:
         """Offer what has a handler.
 
         Args:
-            states: Of the robot.
+            states: States of the robot.
             handlers: Request class → the function that answers it.  Those that read
                 the description and the newest state have one already.
             reason: Why it offers nothing else: ``this robot has no objects``.

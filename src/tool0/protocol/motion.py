@@ -64,13 +64,14 @@ class CommandGripper(Request[GoalStarted], frozen=True):
 
     controller: Name
     position: float
-    """[rad | m]"""
+    """Position of the gripper's joint [rad | m]."""
     max_effort: float | None = None
-    """[N·m | N]; the controller's own, if left out.  ROS 2's parallel gripper writes it
-    to its ``max_effort_interface``: at the pads [N], if that is the gripper's."""
+    """Largest effort [N·m | N]; the controller's own, if left out.  ROS 2's parallel
+    gripper writes it to its ``max_effort_interface``: at the pads [N], if that is the
+    gripper's."""
     max_velocity: float | None = None
-    """Of ROS 2's parallel gripper, for its ``max_velocity_interface`` [rad/s | m/s], or
-    between the pads [m/s]; the controller's own, if left out."""
+    """Largest velocity of ROS 2's parallel gripper, for its ``max_velocity_interface``
+    [rad/s | m/s], or between the pads [m/s]; the controller's own, if left out."""
     grip: GripLimits | None = None
     """Limits between the pads, instead of the two above."""
 

@@ -1,4 +1,4 @@
-"""What happens to a robot, in words: for its users, and for recordings."""
+"""Events of a robot as text: for its users, and for recordings."""
 
 from __future__ import annotations
 

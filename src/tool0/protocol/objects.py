@@ -46,7 +46,7 @@ class Collision:
     depth: float
     """Largest depth on the path [m]."""
     begins: float
-    """Where on the path the collision begins: 0 at its start, 1 at its end."""
+    """Place on the path where the collision begins: 0 at its start, 1 at its end."""
     depth_at_end: float
     """Depth at the end of the path [m]; 0 if they do not collide there."""
 
@@ -64,16 +64,16 @@ class CylinderShape(
     """A cylinder along z, centred at its origin."""
 
     radius: Length
-    """[m]"""
+    """Radius of the cylinder [m]."""
     length: Length
-    """[m]"""
+    """Length of the cylinder along z [m]."""
 
 
 class SphereShape(Struct, frozen=True, kw_only=True, tag="sphere", tag_field="kind"):
     """A sphere around its origin."""
 
     radius: Length
-    """[m]"""
+    """Radius of the sphere [m]."""
 
 
 class MeshShape(Struct, frozen=True, kw_only=True, tag="mesh", tag_field="kind"):
@@ -91,7 +91,7 @@ class ShapePart(Struct, frozen=True, kw_only=True):
 
     shape: SingleShape
     xyz: Place = (0.0, 0.0, 0.0)
-    """Of its origin, in the body's frame [m]."""
+    """Position of the shape's origin, in the body's frame [m]."""
     rpy: Vector3 = (0.0, 0.0, 0.0)
     """Fixed-axis roll, pitch, yaw [rad]."""
 
@@ -113,11 +113,11 @@ class ObjectInfo(Struct, frozen=True, kw_only=True):
     name: str
     shape: Shape
     mass: float | None
-    """[kg]; None is fixed."""
+    """Mass [kg]; None for a fixed object."""
     friction: float
     rgba: RGBA
     pose: Pose
-    """Where it started, in the robot's root."""
+    """Start position, in the robot's root."""
 
 
 class AddObject(Request[None], frozen=True):
@@ -126,11 +126,11 @@ class AddObject(Request[None], frozen=True):
     name: Name
     shape: Shape
     xyz: Place = (0.0, 0.0, 0.0)
-    """Of its origin, in the robot's root [m]."""
+    """Position of the object's origin, in the robot's root [m]."""
     rpy: Vector3 = (0.0, 0.0, 0.0)
     """Fixed-axis roll, pitch, yaw [rad]."""
     mass: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
-    """[kg]; without one it is fixed."""
+    """Mass [kg]; if left out, the object is fixed."""
     friction: Annotated[float, Meta(ge=0.0, le=100.0)] = DEFAULT_FRICTION
     """Coulomb coefficient of sliding friction."""
     rgba: RGBA | None = None
@@ -146,9 +146,10 @@ class SpawnedModel(Struct, frozen=True, kw_only=True):
     """The object that a model became."""
 
     xyz: Vector3
-    """Of the object's origin, in the frame that the model was placed at [m]."""
+    """Position of the object's origin, in the frame that the model was placed at
+    [m]."""
     quat_wxyz: Quaternion
-    """Of the object, in that frame."""
+    """Orientation of the object, in that frame."""
 
 
 class AddModel(Request[SpawnedModel], frozen=True):
@@ -162,9 +163,9 @@ class AddModel(Request[SpawnedModel], frozen=True):
     model: Annotated[str, Meta(max_length=LONGEST_MODEL)]
     """The document."""
     xyz: Place = (0.0, 0.0, 0.0)
-    """Of the model's frame, in the robot's root [m]."""
+    """Position of the model's frame, in the robot's root [m]."""
     quat_wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
-    """Of the model's frame; of any length but zero."""
+    """Orientation of the model's frame, in the robot's root; any length but zero."""
     allow_penetration: bool = False
     """Whether it may be inside a link."""
 
@@ -185,7 +186,7 @@ class PlaceObject(Request[None], frozen=True):
 
     name: Name
     xyz: Place
-    """Of its origin, in the robot's root [m]."""
+    """Position of the object's origin, in the robot's root [m]."""
     rpy: Vector3 = (0.0, 0.0, 0.0)
     """Fixed-axis roll, pitch, yaw [rad]."""
     quat_wxyz: Quaternion | None = None
@@ -207,16 +208,17 @@ class ApplyWrench(Request[None], frozen=True):
     name: Name
     """A link or an object that can move."""
     force: Vector3 = (0.0, 0.0, 0.0)
-    """[N]"""
+    """Force [N], in the axes of the robot's root."""
     torque: Vector3 = (0.0, 0.0, 0.0)
-    """[N·m]"""
+    """Torque [N·m], in the axes of the robot's root."""
     point: Place | None = None
-    """Where the force acts at its start, in the robot's root [m]; the body's centre of
-    mass, if left out."""
+    """Point at which the force acts at its start, in the robot's root [m]; the body's
+    centre of mass, if left out."""
     start: Annotated[float, Meta(ge=0.0)] = 0.0
     """Simulated time at which it begins [s]; at once, if that is past."""
     duration: Annotated[float, Meta(ge=0.0)] | None = None
-    """[s]; until it is cleared or the robot is reset, if left out."""
+    """Simulated time for which it acts [s]; if left out, until it is cleared or the
+    robot is reset."""
 
 
 class PullLink(Request[None], frozen=True):
@@ -231,15 +233,15 @@ class PullLink(Request[None], frozen=True):
     name: Name
     """A link that can move."""
     point: Place
-    """What the spring pulls, in the link's frame [m]."""
+    """Point that the spring pulls, in the link's frame [m]."""
     target: Place
-    """Where to, in the robot's root [m]."""
+    """Place that the spring pulls it to, in the robot's root [m]."""
     stiffness: Annotated[float, Meta(gt=0.0, le=2000.0)] = 250.0
-    """[N/m]"""
+    """Stiffness of the spring [N/m]."""
     damping: Annotated[float, Meta(ge=0.0, le=100.0)] = 15.0
-    """[N·s/m]"""
+    """Damping of the spring [N·s/m]."""
     max_force: Annotated[float, Meta(gt=0.0, le=500.0)] = 80.0
-    """[N]"""
+    """Largest force of the spring [N]."""
     duration: Annotated[float, Meta(gt=0.0, le=10.0)] = 0.25
     """Simulated time after which it ends if no other follows [s]."""
 

@@ -24,7 +24,7 @@ Range = tuple[float, float]
 
 
 class PlanTarget(Struct, frozen=True, kw_only=True):
-    """Where one arm is to go: joint positions, or a pose of its tool."""
+    """Target of one arm: joint positions, or a pose of its tool."""
 
     arm: str | None = None
     """The robot's only one, if left out."""
@@ -48,7 +48,7 @@ class KeepOut(Struct, frozen=True, kw_only=True):
     """A box, or the space below a plane, that the robot does not enter."""
 
     name: Name = "keep_out"
-    """For messages."""
+    """Name of the region, for messages."""
     xyz: Place = (0.0, 0.0, 0.0)
     """Centre of the box, or a point of the plane, in the robot's root [m]."""
     rpy: Vector3 = (0.0, 0.0, 0.0)
@@ -76,11 +76,12 @@ class Checked(Struct, frozen=True, kw_only=True):
     is_free: bool
     """Whether nothing collides, and nothing comes nearer than the clearance."""
     reason: str = ""
-    """If not: the two bodies, and their distance."""
+    """The two bodies that are too near, and their distance; empty if the motion is
+    free."""
     part: float = 1.0
-    """If not: where on the path, from 0 to 1."""
+    """Place of the violation on the path, from 0 to 1; 1 if there is none."""
     time: float = 0.0
-    """If not: when, from its start [s]."""
+    """Time of the violation after the start [s]; 0 if there is none."""
 
 
 class Plan(Struct, frozen=True, kw_only=True):
@@ -96,13 +97,13 @@ class Plan(Struct, frozen=True, kw_only=True):
     times: tuple[float, ...]
     """Times of the knots [s]; the first is 0."""
     positions: Rows
-    """[rad]"""
+    """Joint positions at the knots [rad], shape (n_knots, n_joints)."""
     velocities: Rows
-    """[rad/s]"""
+    """Joint velocities at the knots [rad/s], shape (n_knots, n_joints)."""
     accelerations: Rows
-    """[rad/s²]"""
+    """Joint accelerations at the knots [rad/s²], shape (n_knots, n_joints)."""
     waypoints: Rows
-    """Where the motion turns, from start to target [rad]."""
+    """Joint positions at which the motion turns, from start to target [rad]."""
     clearance: float
     """Smallest distance on the way, of pairs that may not touch, up to 1 [m]."""
     nearest: str
@@ -118,7 +119,7 @@ class Plan(Struct, frozen=True, kw_only=True):
 
     @property
     def duration(self) -> float:
-        """Of the motion [s]."""
+        """Duration of the motion [s]."""
         return self.times[-1]
 
 

@@ -16,8 +16,8 @@ class SavePose(Request[None], frozen=True):
 
     name: Name
     robot: Name | None = None
-    """Only the joints of this robot, and a saved pose of that name keeps those of
-    others; all joints, if left out."""
+    """Robot whose joints are saved; a saved pose of that name keeps those of the
+    others.  All joints, if left out."""
 
 
 class DeletePose(Request[None], frozen=True):
@@ -35,6 +35,6 @@ class GoToPose(Request[tuple[GoalStarted, ...]], frozen=True):
 
     name: Name
     robot: Name | None = None
-    """Only the joints of this robot; of all robots, if left out."""
+    """Robot whose joints move; all robots, if left out."""
     speed: SpeedScale = 0.5
     collision: CollisionRule = "ignore"

@@ -18,24 +18,24 @@ from tool0.protocol.request import CollisionRule
 Name = Annotated[str, Meta(min_length=1, max_length=200)]
 Text = Annotated[str, Meta(max_length=1000)]
 Coordinate = Annotated[Metres, Meta(ge=-1000.0, le=1000.0)]
-"""[m]"""
+"""Coordinate of a position [m]."""
 Place = tuple[Coordinate, Coordinate, Coordinate]
 Angles = tuple[Radians, Radians, Radians]
 """Fixed-axis roll, pitch, yaw [rad]."""
 Blend = Annotated[Metres, Meta(ge=0.0, le=10.0)]
-"""[m]"""
+"""Blend radius [m]."""
 Speed = Annotated[float, Meta(gt=0.0, le=100.0)]
 ToolSpeed = Annotated[MetresPerSecond, Meta(gt=0.0, le=100.0)]
 Acceleration = Annotated[float, Meta(gt=0.0, le=1000.0)]
 Duration = Annotated[float, Meta(ge=0.0, le=1e6)]
-"""[s]"""
+"""Duration [s]."""
 Pin = Annotated[int, Meta(ge=0, le=17)]
 """Number at the control box: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
 StepPath = tuple[int, ...]
 """The numbers of a step and of the loops around it, from the outermost on."""
 
 MOST_STEPS: Final = 2000
-"""Of a program, those within loops included."""
+"""Largest number of steps of a program, those within loops included."""
 MOST_NESTED: Final = 10
 """Loops within each other."""
 _DEEPEST: Final = 50
@@ -46,7 +46,7 @@ class ToolPose(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A pose of the program's tool."""
 
     xyz: Place
-    """[m]"""
+    """Position in the frame ``relative_to`` [m]."""
     rpy: Angles = (0.0, 0.0, 0.0)
     """Fixed-axis roll, pitch, yaw [rad]."""
     relative_to: Name | None = None
@@ -64,7 +64,7 @@ class _Move(_Step, frozen=True, kw_only=True):
     """A move to one target: joint positions, a pose of the tool, or a named pose."""
 
     label: Annotated[str, Meta(max_length=200)] = ""
-    """Name of the target for people, such as ``above cube``."""
+    """Name of the target for users, such as ``above cube``."""
     joints: dict[str, Radians] | None = None
     """Joint → position [rad], for all joints of the arm.  In a cell, the robot's prefix
     may be left out."""
@@ -115,7 +115,8 @@ class WaitStep(_Step, frozen=True, kw_only=True, tag="wait"):
     """Wait for a time, or until a digital input has a level."""
 
     duration: Duration | None = None
-    """[s]; with an input, the longest wait: the program ends with an error after it."""
+    """Time to wait [s]; with an input, the longest wait: the program ends with an error
+    after it."""
     input: Pin | None = None
     """Number of an input of the arm's control box."""
     level: bool = True
@@ -143,7 +144,7 @@ class UntilStep(_Step, frozen=True, kw_only=True, tag="until"):
 
 
 class PlaceObjectStep(_Step, frozen=True, kw_only=True, tag="place_object"):
-    """Place an object of the scene at once, at rest: to let a scene begin again."""
+    """Place an object of the scene at once, at rest: to set up a scene again."""
 
     name: Name
     """Name of the object."""
@@ -163,7 +164,7 @@ class SetOutputStep(_Step, frozen=True, kw_only=True, tag="set_output"):
 
 
 class CommentStep(_Step, frozen=True, kw_only=True, tag="comment"):
-    """A note for people; nothing happens."""
+    """A note for users; nothing happens."""
 
     text: Text
     """The note."""
@@ -175,7 +176,7 @@ class LoopStep(_Step, frozen=True, kw_only=True, tag="loop"):
     steps: tuple[Step, ...] = ()
     """The repeated steps."""
     times: Annotated[int, Meta(ge=1, le=1_000_000)] | None = None
-    """How often; forever, without it and an input."""
+    """Number of times; forever, without it and an input."""
     while_input: Pin | None = None
     """Instead of a number: before each time, this digital input must have the level."""
     level: bool = True
@@ -210,8 +211,8 @@ class Program(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     tool: ToolPose = field(default_factory=lambda: ToolPose(xyz=(0.0, 0.0, 0.0)))
     """The tool in the flange: targets, speeds and blends are those of its origin."""
     collision: CollisionRule = "ignore"
-    """With ``refuse``, the program fails before a move on which the arm would collide;
-    ``until`` is not looked at."""
+    """Reaction to collisions.  With ``refuse``, the program fails before a move on
+    which the arm would collide; moves with ``until`` are not checked."""
     steps: tuple[Step, ...] = ()
     """Executed one after the other."""
 

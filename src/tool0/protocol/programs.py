@@ -50,8 +50,8 @@ class ProgramCheck(Struct, frozen=True, kw_only=True):
     warnings: tuple[ProgramProblem, ...]
     """Differences from the request: a smaller blend, a slower move."""
     motion: PlannedMotion
-    """Up to the first problem.  Each loop is planned once; a move until contact goes
-    all its way."""
+    """Motion up to the first problem.  Each loop is planned once; a move until contact
+    goes all its way."""
 
 
 class ProgramRun(Struct, frozen=True, kw_only=True):
@@ -60,7 +60,7 @@ class ProgramRun(Struct, frozen=True, kw_only=True):
     run: int
     """Counts up from 1."""
     program: str
-    """Its name."""
+    """Name of the program."""
     arm: str
     """Name of the arm that the program moves."""
     state: RunState
@@ -130,7 +130,7 @@ class _OfRun(Request[Response], Generic[Response], frozen=True):
     """The field of every request to a program that runs."""
 
     arm: Name | None = None
-    """Whose program; the only one that runs, if left out."""
+    """Program that the run executes; the only one that runs, if left out."""
 
 
 class PauseRun(_OfRun[None], frozen=True):

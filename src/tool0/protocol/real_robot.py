@@ -19,7 +19,7 @@ class EnableMotion(ArmRequest[None], frozen=True):
     """
 
     serial_number: Annotated[str, Meta(min_length=1, max_length=40)]
-    """That on the robot's nameplate, to confirm that it is the right robot."""
+    """Serial number on the robot's nameplate, to confirm that it is the right robot."""
     accept_calibration: bool = False
     """Whether to move with the catalogue's kinematics although the robot's calibration
     is another one: poses are off by millimetres then."""

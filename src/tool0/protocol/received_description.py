@@ -18,7 +18,7 @@ def described_by(info: DescriptionInfo, document: Document) -> RobotDescription:
     """Return the robot in another process, or of another time.
 
     Args:
-        info: What the bring-up said.
+        info: Answer of the bring-up.
         document: Its URDF, which may have other paths of meshes.
 
     Raises:

@@ -22,11 +22,11 @@ class RecordingStatus(Struct, frozen=True, kw_only=True):
     size: int
     """Size of all its files [bytes]."""
     files: int = 1
-    """How many there are: the recording rotates."""
+    """Number of files, if the recording rotates."""
     dropped: int = 0
     """Snapshots that are missing, because the disk was too slow."""
     error: str | None = None
-    """Why it ended by itself, such as a full disk."""
+    """Error that ended it early, such as a full disk."""
 
 
 class StartRecording(Request[RecordingStatus], frozen=True):

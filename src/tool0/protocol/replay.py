@@ -34,7 +34,8 @@ class ReplaySamples(Struct, frozen=True, kw_only=True):
     times: list[float]
     """Ascending simulated times [s]."""
     values: list[list[float | None]]
-    """Of each signal in SI units, in the order of the request; null where it has none.
+    """Values of each signal in SI units, in the order of the request; null where it has
+    none.
 
     Of many samples these are the least and the greatest of equal intervals."""
 
@@ -46,4 +47,4 @@ class ReadReplay(Request[ReplaySamples], frozen=True):
     start: Time = 0.0
     end: Time = 1e9
     points: Annotated[int, Meta(ge=2, le=1_000_000)] = 2000
-    """About the most samples of each signal."""
+    """Approximate largest number of samples of each signal."""

@@ -13,9 +13,9 @@ class MeshFile(Struct, frozen=True, kw_only=True):
     """A mesh of the robot, or of an object at the start."""
 
     uri: str
-    """As the URDF or the object has it."""
+    """URI of the mesh in the URDF, or in the object."""
     path: str
-    """Where it was."""
+    """Path of the file at that time."""
     sha256: str
     """SHA-256 of its content."""
 
@@ -52,15 +52,15 @@ class Reproduction(Struct, frozen=True, kw_only=True):
     engine: str
     engine_options: dict[str, str | bool | int | float | None]
     dt: float
-    """[s]"""
+    """Step of the physics [s]."""
     control_period: float
-    """[s]"""
+    """Control period [s]."""
     gravity: tuple[float, float, float]
-    """[m/s²]"""
+    """Gravity in the world [m/s²]."""
     spawn_z: float
     """Height of the robot's root above the ground [m]."""
     grasp_assist: bool
 
 
 class ReadReproduction(Request[Reproduction], frozen=True):
-    """What brings the same robot up again, as it started."""
+    """Read all that is needed to bring the same robot up again, as it started."""

@@ -59,7 +59,7 @@ class ArmRequest(Request[Response], Generic[Response], frozen=True, kw_only=True
     """The field of every request to an arm or its control box."""
 
     arm: str | None = None
-    """As ``list_arms`` names it; the only one, if left out."""
+    """Name of the arm, from ``list_arms``; the only one, if left out."""
 
 
 RequestType = TypeVar("RequestType", bound=Request[Any])
@@ -71,7 +71,7 @@ def method_name(request: type[Request[Any]]) -> str:
 
 
 Name = Annotated[str, Meta(min_length=1, max_length=200)]
-"""Of a controller, a joint, a link, a pose …"""
+"""Name of a controller, a joint, a link, a pose …"""
 
 SLOWEST = 0.01
 SpeedScale = Annotated[float, Meta(ge=SLOWEST, le=1.0)]
@@ -85,15 +85,16 @@ Quaternion = tuple[float, float, float, float]
 RGBA = tuple[float, float, float, float]
 
 Length = Annotated[float, Meta(gt=0.0, le=1000.0)]
-"""[m]"""
+"""Length [m]."""
 
 Coordinate = Annotated[float, Meta(ge=-1000.0, le=1000.0)]
-"""[m]"""
+"""Coordinate of a position [m]."""
 
 Place = tuple[Coordinate, Coordinate, Coordinate]
 
 CollisionRule = Literal["refuse", "ignore"]
-"""Whether a motion is refused if an arm would collide on its way, or not looked at."""
+"""Check a motion for collisions and refuse it if an arm would collide, or do not
+check."""
 
 JointPositions = Annotated[dict[str, float], Meta(max_length=1000)]
 """Joint → position [rad | m]."""
@@ -122,7 +123,7 @@ def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
     """Return ``value`` as one of type ``kind``, or raise RequestError.
 
     Args:
-        method: What the value is given to, for the message.
+        method: Method to which the value is given, for the message.
         name: The name of the parameter.
         value: The value.
         kind: A type, with bounds.

@@ -1,4 +1,4 @@
-"""The robot as a whole: its description, what does not change, and its newest state."""
+"""The robot as a whole: its description, constant properties, and newest state."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ class LimitsInfo(Struct, frozen=True, kw_only=True):
 
 
 class SimulationInfo(Struct, frozen=True, kw_only=True):
-    """What does not change while a bring-up runs."""
+    """Properties that are constant while a bring-up runs."""
 
     engine: str = ""
     """Name of the physics engine, mujoco or gazebo; empty without one."""
     control_period: float
     """Simulated time of a tick [s]."""
     is_realtime: bool = True
-    """Whether time passes by itself."""
+    """Whether simulated time passes without requests."""
     spawn_z: float = 0.0
     """Height of the robot's root above the world's origin [m]."""
     ground: float | None = None
@@ -63,7 +63,7 @@ class SimulationInfo(Struct, frozen=True, kw_only=True):
     defined_controllers: dict[str, str] = {}
     """Controllers of the YAML, loaded or not: name → type."""
     controller_roles: dict[str, Role] = {}
-    """What each of these is for."""
+    """Role of each defined controller."""
     parameters: dict[str, Any] = {}
     """The whole YAML, as plain values."""
     warnings: tuple[str, ...] = ()
@@ -74,7 +74,7 @@ class CatalogueRobotInfo(Struct, frozen=True, kw_only=True):
     """An arm with its gripper."""
 
     name: str
-    """Its name in a cell; empty for a single robot."""
+    """Name of the robot in its cell; empty for a single robot."""
     arm: str
     """The arm's folder."""
     gripper: str | None
@@ -87,7 +87,7 @@ class NamespaceInfo(Struct, frozen=True, kw_only=True):
     """A robot of a cell that has a namespace of its own in ROS."""
 
     name: str
-    """Of the robot, and of the namespace."""
+    """Name of the robot, and of its namespace."""
     urdf: str
     """The robot alone, with the names that it has alone."""
 
@@ -100,7 +100,7 @@ class DescriptionInfo(Struct, frozen=True, kw_only=True):
     source: str
     """The xacro or URDF file it was read from."""
     robots: tuple[CatalogueRobotInfo, ...]
-    """Its arms and grippers of the catalogue; none for your own file."""
+    """The robot's arms and grippers of the catalogue; none for your own file."""
     namespaces: tuple[NamespaceInfo, ...]
     """The robots of a cell with namespaces; otherwise none."""
     packages: dict[str, str]
@@ -112,7 +112,7 @@ class ReadDescription(Request[DescriptionInfo], frozen=True):
 
 
 class ReadInfo(Request[SimulationInfo], frozen=True):
-    """What does not change while a bring-up runs."""
+    """Properties that are constant while a bring-up runs."""
 
 
 class ReadSnapshot(Request[Snapshot], frozen=True):

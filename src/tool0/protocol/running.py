@@ -27,7 +27,7 @@ class Run(Request[None], frozen=True):
     """Advance simulated time; without real time, only this request does."""
 
     duration: Annotated[float, Meta(ge=0.0)]
-    """[s]"""
+    """Simulated time to advance by [s]."""
 
 
 class SetSpeed(Request[None], frozen=True):
@@ -57,7 +57,7 @@ class EmergencyStop(Request[None], frozen=True):
 
 
 class StopMotions(Request[None], frozen=True):
-    """Stop every motion, without brakes: nothing goes on by itself.
+    """Stop every motion, without brakes: nothing resumes on its own.
 
     Goals are PREEMPTED, programs end, and arms that were taken are released.  The
     simulation does so itself when its process was frozen for a second or more.

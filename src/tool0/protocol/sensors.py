@@ -47,7 +47,7 @@ class CameraRenderer(Protocol):
         """Return a camera, or raise RenderError."""
 
     def newest(self) -> Snapshot:
-        """Return what is to be seen now."""
+        """Return the newest snapshot, to draw it."""
 
     def render(self, camera: Camera, snapshot: Snapshot | None = None) -> CameraImage:
         """Return an image of ``snapshot``, by default the newest, from any camera.
@@ -76,15 +76,15 @@ class WrenchReading:
     number: int
     """Number of the sample since the sensor was started; a reset does not change it."""
     frame: str
-    """The link."""
+    """Name of the link in whose axes the wrench is."""
     force: Vector3
-    """Filtered [N]."""
+    """Filtered force [N]."""
     torque: Vector3
-    """Filtered [N·m]."""
+    """Filtered torque [N·m]."""
     raw_force: Vector3
-    """[N]"""
+    """Unfiltered force [N]."""
     raw_torque: Vector3
-    """[N·m]"""
+    """Unfiltered torque [N·m]."""
     dropped: int = 0
     """Number of samples before this one that were no longer kept; in ``samples()``."""
 
@@ -152,9 +152,9 @@ class Picture(Struct, frozen=True, kw_only=True):
     time: float
     """Simulated time [s]."""
     width: int
-    """[pixels]"""
+    """Width of the picture [pixels]."""
     height: int
-    """[pixels]"""
+    """Height of the picture [pixels]."""
     K: tuple[Vector3, Vector3, Vector3]
     """The intrinsics, shape (3, 3)."""
     T_root_camera: Transform

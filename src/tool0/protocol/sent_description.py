@@ -18,7 +18,7 @@ def description_info(description: RobotDescription, spawn_z: float) -> Descripti
     """Return a description as it is sent.
 
     Args:
-        description: Of the robot.
+        description: Description of the robot.
         spawn_z: Height of its root above the world's origin [m].
     """
     return DescriptionInfo(

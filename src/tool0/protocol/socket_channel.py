@@ -146,7 +146,7 @@ class SocketChannel:
         self._submit(request).add_done_callback(finish)
 
     def post(self, request: Request[Any]) -> None:
-        """Send a request without a reply; ``when_refused`` gets what goes wrong."""
+        """Send a request without a reply; ``when_refused`` gets an error."""
         self._send(codec.encode_request(None, checked(request)) + b"\n")
 
     def _submit(self, request: Request[Any]) -> Future[codec.Reply]:
@@ -203,7 +203,7 @@ class SocketChannel:
         keep_all: bool = False,
         when_published: Callable[[], None] | None = None,
     ) -> Subscription:
-        """Return a reader of what is asked for: the only stream of the connection.
+        """Return a reader of the requested states: the connection's only stream.
 
         The reader's thread calls ``when_published`` for every snapshot.
         """

@@ -17,7 +17,7 @@ from tool0.protocol.trajectories import TrajectoryState
 MotionMode = Literal[
     "free", "hold", "path", "servo", "speed", "stop", "freedrive", "torque"
 ]
-"""What moves an arm: ``free`` is a controller of ROS, or nothing."""
+"""Source of an arm's motion: ``free`` is a controller of ROS, or nothing."""
 
 SNAPSHOT_PERIOD = 0.008
 """Default simulated time between snapshots [s]: 125 Hz, the rate of the UR's own
@@ -73,18 +73,18 @@ class ControllerSetpoint(Protocol):
 
 @final
 class ArmSample(Struct, frozen=True):
-    """What moves an arm, and what pushes its tool."""
+    """Motion of an arm, its source, and the wrench on its tool."""
 
     mode: MotionMode
-    """What moves it: ``free`` is a controller of ROS, or nothing."""
+    """Source of the motion: ``free`` is a controller of ROS, or nothing."""
     setpoint: ArmSetpoint | None
-    """Of what moves the arm; measured, if nothing does.  Sent as [positions,
-    velocities, accelerations], base to flange [rad] and per second.  None only in a
-    snapshot of this process: a controller's setpoint has it then."""
+    """Setpoint of the arm, or its measured motion if nothing drives it.  Sent as
+    [positions, velocities, accelerations], base to flange [rad] and per second.  None
+    only in a snapshot of this process: the setpoint is then its controller's."""
     path: int
     """Number of the last path; 0 before the first."""
     path_time: float
-    """On that path [s]; it passes more slowly if the speed is scaled."""
+    """Time on that path [s]; it passes more slowly if the speed is scaled."""
     is_done: bool
     """Whether the path has arrived at its end, or the stop has ended: the setpoint is
     at rest.  Not after a failure."""
@@ -117,11 +117,11 @@ class Snapshot(Struct, frozen=True):
     joint_names: tuple[str, ...]
     """Every movable joint: the order of the three sequences that follow."""
     position: tuple[float, ...]
-    """Measured [rad | m], shape (n_joints,)."""
+    """Measured positions [rad | m], shape (n_joints,)."""
     velocity: tuple[float, ...]
-    """Measured [rad/s | m/s], shape (n_joints,)."""
+    """Measured velocities [rad/s | m/s], shape (n_joints,)."""
     effort: tuple[float, ...]
-    """Applied during the last step [N·m | N], shape (n_joints,)."""
+    """Efforts applied during the last step [N·m | N], shape (n_joints,)."""
     controllers: tuple[ControllerStatus, ...]
     """Every loaded controller."""
     is_paused: bool = False
@@ -159,7 +159,7 @@ class Snapshot(Struct, frozen=True):
     arms: Mapping[str, ArmSample] = field(default_factory=dict)
     """Arm → what moves it; empty unless a subscriber needs it."""
     contacts: tuple[Contact, ...] = ()
-    """What touches what, with forces; empty unless a subscriber needs it."""
+    """Contacts with their forces; empty unless a subscriber needs them."""
     step: int = 0
     """Control periods since the bring-up; no reset sets it back.  Only in the process
     of the simulation."""
@@ -217,7 +217,7 @@ class ArmSetpoint(NamedTuple):
 
 
 Six = tuple[float, float, float, float, float, float]
-"""Of an arm's joints from base to flange, or a wrench: force above torque."""
+"""Numbers of an arm's joints from base to flange, or a wrench: force, then torque."""
 
 
 class Stall(NamedTuple):
@@ -225,7 +225,7 @@ class Stall(NamedTuple):
 
     joint: str
     effort: float
-    """[N·m | N]"""
+    """Effort with which the joint pushes [N·m | N]."""
     contacts: tuple[tuple[str, str], ...] = ()
     """The links beyond the joint that touch something, and what they touch; the
     strongest contact first.  Empty if the joint is at its stop or overloaded."""

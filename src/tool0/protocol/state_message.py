@@ -49,7 +49,7 @@ Rows = tuple[tuple[float, ...], ...]
 
 
 class RareChanges(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """What stays the same for long: absent where it is as it was before."""
+    """Fields that rarely change: absent if they are as in the message before."""
 
     is_paused: bool | UnsetType = UNSET
     """Whether simulated time is held."""
@@ -60,8 +60,8 @@ class RareChanges(Struct, frozen=True, kw_only=True, omit_defaults=True):
     speed: float | UnsetType | None = UNSET
     """Requested simulated time per wall time; null: as fast as possible."""
     stalls: tuple[Stall, ...] | UnsetType = UNSET
-    """[joint, effort, [[link, what it touches], …], lag] of joints that push at their
-    limit without moving."""
+    """Joints that push at their limit without moving, each as [joint, effort, [[link,
+    what it touches], …], lag]."""
     gripping: tuple[str, ...] | UnsetType = UNSET
     """The grippers whose fingers press on something from two sides."""
     real_time_factor: float | UnsetType = UNSET
@@ -79,7 +79,7 @@ class RareChanges(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class ControllerMotion(Struct, frozen=True, kw_only=True):
-    """How a trajectory controller moves its joints, in its order."""
+    """Motion of the joints of a trajectory controller, in its order."""
 
     reference: Rows
     """Desired positions, velocities and accelerations [rad | m] and per second."""
@@ -88,14 +88,14 @@ class ControllerMotion(Struct, frozen=True, kw_only=True):
     error: Rows
     """reference - feedback, of positions and velocities."""
     time_from_start: float
-    """[s]"""
+    """Time on the trajectory [s]."""
     speed_scaling: float
     """Trajectory time per simulated time."""
 
 
 @final
 class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
-    """The robot at one instant: what the reader has asked for.
+    """The robot at one instant: the fields to which the reader subscribed.
 
     A sequence of numbers of joints is in the order of ``joint_names``.
     """
@@ -109,35 +109,36 @@ class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
     joint_names: tuple[str, ...] | UnsetType = UNSET
     """Every movable joint; absent where they are as before."""
     position: tuple[float, ...] | UnsetType = UNSET
-    """Measured [rad | m]."""
+    """Measured positions [rad | m]."""
     velocity: tuple[float, ...] | UnsetType = UNSET
-    """Measured [rad/s | m/s]."""
+    """Measured velocities [rad/s | m/s]."""
     effort: tuple[float, ...] | UnsetType = UNSET
-    """Applied during the last step [N·m | N]."""
+    """Efforts applied during the last step [N·m | N]."""
     desired: tuple[float | None, ...] | UnsetType = UNSET
     """Setpoints at this instant [rad | m]; null for joints that no controller moves by
     position."""
     desired_velocity: tuple[float | None, ...] | UnsetType = UNSET
     """Velocities of the setpoints [rad/s | m/s]; null for the same joints."""
     target: tuple[float | None, ...] | UnsetType = UNSET
-    """Where the motions end [rad | m]; null for the same joints."""
+    """End positions of the motions [rad | m]; null for the same joints."""
     command: tuple[float, ...] | UnsetType = UNSET
     """The last command of each joint, in the unit of its interface."""
     motions: Mapping[str, ControllerMotion] | UnsetType = UNSET
-    """Of the trajectory controllers that were asked for and are running, by name."""
+    """Motions of the subscribed trajectory controllers that are running, by name."""
     arms: Mapping[str, ArmSample] | UnsetType = UNSET
-    """What moves each arm, by name."""
+    """Motion of each arm and its source, by name."""
     wrenches: Mapping[str, Wrench] | UnsetType = UNSET
     """The ``wrench`` of ``arms`` alone."""
     objects: tuple[tuple[Vector3, Quaternion], ...] | UnsetType = UNSET
     """Position [m] and orientation of each object of ``scene``, in its order, in the
     robot's root."""
     object_velocities: tuple[tuple[Vector3, Vector3], ...] | UnsetType = UNSET
-    """Their linear [m/s] and angular velocity [rad/s], in the axes of the root."""
+    """Linear [m/s] and angular velocity [rad/s] of each object of ``scene``, in its
+    order, in the axes of the root."""
     contacts: tuple[Contact, ...] | UnsetType = UNSET
-    """What touches what, with forces, in the axes of the root."""
+    """Contacts with their forces, in the axes of the root."""
     scene_number: int | UnsetType = UNSET
-    """In the panel's view: the number of the ``scene`` that ``objects`` are of."""
+    """Number of the ``scene`` that ``objects`` belong to, in the panel's view."""
 
 
 _SETPOINTS: Final = ("desired", "desired_velocity", "target")
@@ -151,7 +152,7 @@ SNAPSHOT_FIELDS: Final[tuple[StateField, ...]] = (
     *("real_time_factor", "overruns", "late_ticks"),
     *("controllers", "control_boxes", "scene"),
 )
-"""What every snapshot has; the rest is computed for those who ask."""
+"""Fields that every snapshot has; the rest is computed on demand."""
 
 
 @final
@@ -191,7 +192,7 @@ def state_message(
     *,
     missed: int = 0,
 ) -> StateMessage:
-    """Return what a reader wants of a snapshot, after ``before`` in a stream.
+    """Return the subscribed fields of a snapshot, after ``before`` in a stream.
 
     ``missed`` is the number of snapshots between them that the reader has lost.
     """
@@ -249,7 +250,7 @@ def snapshot_of(message: StateMessage, before: Snapshot | None = None) -> Snapsh
 
 
 def filled(snapshot: Snapshot, sample: ArmSample) -> ArmSample:
-    """Return what moves an arm, with the setpoint of a controller, as it is sent."""
+    """Return an arm's motion, with the setpoint of a controller, as it is sent."""
     return structs.replace(
         sample,
         joint_names=UNSET,

@@ -1,4 +1,4 @@
-"""What a connection receives besides replies: states, events, the panel's view."""
+"""Messages that a connection receives besides replies: states, events, panel's view."""
 
 from __future__ import annotations
 

@@ -19,14 +19,15 @@ _POSE: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Divergence:
-    """Where the repetition first differs from the recording."""
+    """First place at which the repetition differs from the recording."""
 
     time: float
     """Simulated time [s]."""
     what: str
-    """Such as ``position of elbow_joint``."""
+    """Name of the quantity, such as ``position of elbow_joint``."""
     recorded: float | str
-    """[rad | m], [rad/s | m/s], [N·m | N], [m]; a text for outcomes of requests."""
+    """Recorded value [rad | m], [rad/s | m/s], [N·m | N], [m]; a text for outcomes of
+    requests."""
     found: float | str
 
     def __str__(self) -> str:
@@ -38,7 +39,7 @@ class Divergence:
 
 @final
 class DivergedError(Exception):
-    """The repetition is no longer what was recorded."""
+    """The repetition differs from the recording."""
 
     def __init__(self, divergence: Divergence) -> None:
         super().__init__(str(divergence))
@@ -76,12 +77,12 @@ class Frames:
             self.done += 1
 
     def require_matched(self, snapshot: Snapshot) -> None:
-        """Raise what differs if a frame of this step was not found."""
+        """Raise the difference if a frame of this step was not found."""
         if not self.is_done and self.next_step <= snapshot.step:
             raise DivergedError(next(self._differences(snapshot)))
 
     def _differences(self, snapshot: Snapshot) -> Iterator[Divergence]:
-        """Yield what of the next frame is not as in ``snapshot``."""
+        """Yield the differences between the next frame and ``snapshot``."""
         time = self._times[self.done]
         if time != snapshot.time:
             yield _difference(time, "simulated time", time, snapshot.time)

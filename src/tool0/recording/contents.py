@@ -39,15 +39,15 @@ _JSON: Final = "application/json"
 
 @final
 class RecordingInfo(Struct, frozen=True, kw_only=True):
-    """What a recording says about itself."""
+    """Static content of a recording: versions, engine, start."""
 
     format: int = FORMAT
     version: str
-    """Of tool0."""
+    """Version of tool0."""
     engine: str
     """Physics engine: mujoco or gazebo."""
     wall_start: float
-    """When the recording began [s since 1970, UTC]."""
+    """Wall time at which the recording began [s since 1970, UTC]."""
     part: int = 1
     """Number of this file; recordings rotate."""
     first_file: str = ""
@@ -71,7 +71,7 @@ class RecordingInfo(Struct, frozen=True, kw_only=True):
 
 
 def info_from(metadata: Mapping[str, str]) -> RecordingInfo:
-    """Return what ``metadata`` wrote; msgspec.ValidationError if it is another's."""
+    """Return the values that ``metadata`` wrote; msgspec.ValidationError for others."""
     texts = {
         name
         for name, kind in RecordingInfo.__annotations__.items()
@@ -87,7 +87,7 @@ def info_from(metadata: Mapping[str, str]) -> RecordingInfo:
 
 @final
 class Contents:
-    """What each file of one recording begins with: collected once, when it starts."""
+    """Head of each file of one recording: collected once, when it starts."""
 
     def __init__(self, simulation: Simulation) -> None:
         from importlib.metadata import version

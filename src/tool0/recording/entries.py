@@ -1,4 +1,4 @@
-"""What a recording has besides arrays: events and requests."""
+"""Events and requests in a recording: all that is not arrays."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class RecordedEvent:
     severity: str
     """``info``, ``warning`` or ``error``."""
     text: str
-    """In words."""
+    """Description of the event."""
     data: Mapping[str, Any]
     """Details, by name."""
 
@@ -34,11 +34,11 @@ class RecordedRequest:
     tick: int
     """Ticks since the start or the last reset."""
     number: int
-    """Its place in the journal, from 0 on."""
+    """Place in the journal, from 0 on."""
     time: float
     """Simulated time [s]."""
     method: str
-    """Its name on a connection."""
+    """Name of the request on a connection."""
     params: Mapping[str, Any] | None
     """None if they could not be written."""
     error: str | None = None

@@ -49,11 +49,11 @@ class EpisodeRow(Struct, frozen=True, kw_only=True):
     """Name of the recording in the same folder."""
     outcome: Outcome
     task: str
-    """What was to be done, in words."""
+    """Description of the task."""
     duration: float
     """Simulated time [s]."""
     wall_start: float
-    """[s since 1970, UTC]"""
+    """Wall time at which the episode began [s since 1970, UTC]."""
 
 
 def read_index(folder: Path) -> list[EpisodeRow]:
@@ -93,7 +93,7 @@ class Episodes:
         self._resets = True
         self._rows: list[EpisodeRow] = []
         self._wall_start: float | None = None
-        """Of the episode being recorded [s]; None without one."""
+        """Wall time at which the episode being recorded began [s]; None without one."""
         self._error: str | None = None
 
     @property
@@ -167,7 +167,7 @@ class Episodes:
 
         Raises:
             ControlError: If there is none.
-            RecordingError: If its recording has ended by itself, or a reset has
+            RecordingError: If its recording ended on its own, or a reset has
                 divided it: it is discarded then.
         """
         with self._lock:

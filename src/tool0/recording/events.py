@@ -1,4 +1,4 @@
-"""What happened, in words and as JSON: on ``/rosout`` and ``/tool0/events``."""
+"""Events as text and as JSON: on ``/rosout`` and ``/tool0/events``."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class EventQueue:
         self._waiting: deque[Event] = deque()
 
     def before(self, snapshot: Snapshot, last: Snapshot | None) -> Iterator[Event]:
-        """Yield what happened up to ``snapshot``, which follows ``last``."""
+        """Yield the events up to ``snapshot``, which follows ``last``."""
         waiting = self._waiting
         while self._arrived:
             waiting.append(self._arrived.popleft())
@@ -60,20 +60,20 @@ class EventQueue:
             yield waiting.popleft()
 
     def rest(self) -> Iterator[Event]:
-        """Yield what is left at the end."""
+        """Yield the remaining events at the end."""
         yield from self._waiting
         yield from self._arrived
 
 
 @final
 class EventWriter:
-    """Writes events, and what changes between snapshots, to one file."""
+    """Writes events, and changes between snapshots, to one file."""
 
     def __init__(self, file: McapFile) -> None:
         self._file = file
 
     def write_event(self, event: Event, now: float) -> None:
-        """Add what the bus announced; ``now`` is for events without a time [s]."""
+        """Add an event of the bus; ``now`` is for events without a time [s]."""
         data: dict[str, Any] = {}
         if isinstance(event, GoalFinished) and event.goal.result is not None:
             outcome = msgspec.to_builtins(outcome_of(event.goal.result))
@@ -81,7 +81,7 @@ class EventWriter:
         self._write(described(event, now), now, data)
 
     def write_changes(self, before: Snapshot, snapshot: Snapshot) -> None:
-        """Add what is another state than in the snapshot before."""
+        """Add the changes since the snapshot before."""
         for item in changes(before, snapshot):
             self._write(item, snapshot.time, {})
 
@@ -124,7 +124,8 @@ class ContactWatch:
     def __init__(self, model: RobotModel) -> None:
         self._links = frozenset(link.name for link in model.links)
         self._seen: dict[tuple[str, str], float] | None = None
-        """When each pair touched last [s]; None before the first snapshot."""
+        """Simulated time at which each pair touched last [s]; None before the first
+        snapshot."""
 
     def begun(self, snapshot: Snapshot) -> list[Contact]:
         """Return the contacts of robot and surroundings that are new."""

@@ -84,7 +84,7 @@ class FrameWriter:
         self._derived = Derived()
         self._scene: tuple[SceneObject, ...] = ()
         self._meshes: dict[str, Path] = {}
-        """Those of objects that are attached."""
+        """Mesh files of the objects that are attached."""
         self._objects = Transforms([])
 
     def write_robot(

@@ -42,7 +42,7 @@ class _Output:
         pass
 
     def cut(self, size: int) -> None:
-        """Remove what follows ``size`` [bytes], if that is possible."""
+        """Truncate the file to ``size`` [bytes], if that is possible."""
         with contextlib.suppress(OSError):
             os.ftruncate(self._file, size)
             self._position = size
@@ -95,7 +95,7 @@ class McapFile:
 
     @property
     def size(self) -> int:
-        """What was written so far [bytes]."""
+        """Bytes that were written so far."""
         return self._output.tell()
 
     def write(
@@ -119,7 +119,7 @@ class McapFile:
         self._written = self.size
 
     def flush(self) -> None:
-        """Write what was added, as one chunk."""
+        """Write the added messages as one chunk."""
         self._writer.flush()
         self._written = self.size
 

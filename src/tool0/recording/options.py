@@ -1,4 +1,4 @@
-"""What can be chosen of a recording, and what is known of it."""
+"""Options of a recording, and its status."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from tool0.user_data import data_folder
 
 @final
 class Rotation(Struct, frozen=True, kw_only=True):
-    """When a recording goes on in another file."""
+    """Conditions for splitting a recording into files."""
 
     max_size: int | None = None
-    """[bytes]"""
+    """Largest size of a file [bytes]."""
     max_duration: float | None = None
     """Simulated time [s]."""
     max_files: int | None = None
@@ -24,7 +24,7 @@ class Rotation(Struct, frozen=True, kw_only=True):
 
 @final
 class Images(Struct, frozen=True, kw_only=True):
-    """Which images are recorded."""
+    """Selection of images to record."""
 
     cameras: tuple[str, ...] = ()
     """Names of cameras."""

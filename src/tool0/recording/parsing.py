@@ -33,7 +33,7 @@ class Stream:
     frames: list[int] = field(default_factory=list)
     """Number of the snapshot that each belongs to."""
     times: list[int] = field(default_factory=list)
-    """[ns]"""
+    """Log times of the messages [ns]."""
     sequence: list[int] = field(default_factory=list)
     """The step of each: control periods since the bring-up."""
     messages: list[bytes] = field(default_factory=list)
@@ -45,9 +45,9 @@ class Parsed:
     """The contents of a file."""
 
     streams: dict[str, Stream] = field(default_factory=dict)
-    """By topic."""
+    """Streams by topic."""
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
-    """By name; later values replace earlier ones."""
+    """Metadata by name; later values replace earlier ones."""
     attachments: dict[str, bytes] = field(default_factory=dict)
     is_complete: bool = False
     """Whether the file was finished; otherwise it ends with its last whole chunk."""
@@ -95,7 +95,7 @@ class _Parser:
     def __init__(self, frame_topic: str) -> None:
         self.parsed = Parsed()
         self.at = 0
-        """Where the record in question begins [bytes]."""
+        """Offset at which the record in question begins [bytes]."""
         self._frame_topic = frame_topic
         self._frame = -1
         self._kinds: dict[int, str] = {0: ""}

@@ -66,7 +66,7 @@ class Part:
 
     @property
     def size(self) -> int:
-        """What was written [bytes]."""
+        """Bytes that were written."""
         return self._file.size
 
     @property
@@ -88,11 +88,11 @@ class Part:
         self.last = snapshot
 
     def write_event(self, event: Event, now: float) -> None:
-        """Add what was announced; ``now`` is for an event without a time [s]."""
+        """Add an event of the bus; ``now`` is for an event without a time [s]."""
         self._events.write_event(event, now)
 
     def write_changes(self, before: Snapshot, snapshot: Snapshot) -> None:
-        """Add what happened between two snapshots."""
+        """Add the events between two snapshots."""
         self._events.write_changes(before, snapshot)
 
     def write_requests(self) -> None:

@@ -110,7 +110,7 @@ class RecordingFile:
 
     @property
     def info(self) -> RecordingInfo:
-        """What the recording says about itself: versions, engine, when it began."""
+        """Static content of the recording: versions, engine, start."""
         return self._info
 
     @property
@@ -179,7 +179,7 @@ class RecordingFile:
 
     @property
     def desired_velocity(self) -> Array:
-        """Desired velocities [rad/s | m/s], shape (n, n_joints); NaN likewise."""
+        """Desired velocities [rad/s | m/s], shape (n, n_joints); NaN as above."""
         return self._commands[1]
 
     @cached_property
@@ -237,7 +237,7 @@ class RecordingFile:
     @cached_property
     @reads(CONTACTS)
     def contacts(self) -> Sequence[tuple[Contact, ...]]:
-        """What touched what in each snapshot, with forces, in the root's axes.
+        """Contacts of each snapshot with their forces, in the root's axes.
 
         Each sample stays until the next, as for ``wrenches``.
         """
@@ -263,7 +263,7 @@ class RecordingFile:
 
     @cached_property
     def events(self) -> Sequence[RecordedEvent]:
-        """What happened, in the order of the file."""
+        """Events in the order of the file."""
         return self._texts(EVENTS, RecordedEvent)
 
     @cached_property
@@ -273,7 +273,7 @@ class RecordingFile:
 
     @property
     def gripping(self) -> Iterator[tuple[int, tuple[str, ...]]]:
-        """When grippers begin to press on something from two sides, or end to.
+        """Changes of the grippers that press on something from two sides.
 
         Yields the number of a snapshot, and the grippers that do from there on.
         """
@@ -306,7 +306,7 @@ class RecordingFile:
 
     @cached_property
     def simulation(self) -> SimulationInfo:
-        """What did not change while it was recorded."""
+        """Properties that were constant while it was recorded."""
         return self._decoded(SIMULATION, SimulationInfo)
 
     @cached_property

@@ -66,9 +66,9 @@ class Recorder:
         self._files: deque[Path] = deque()
         self._n_parts = 0
         self._size_before = 0
-        """Of the files that are complete [bytes]."""
+        """Size of the completed files [bytes]."""
         self._duration_before = 0.0
-        """Of these [s]."""
+        """Duration of the completed files [s]."""
         self._dropped = 0
         self._error: str | None = None
         self._seen: Snapshot | None = None
@@ -112,7 +112,7 @@ class Recorder:
         )
 
     def stop(self) -> RecordingStatus:
-        """Write what is left, and close the file; stopping twice is allowed."""
+        """Write the remaining data, and close the file; stopping twice is allowed."""
         self._is_over.set()
         self._thread.join()
         return self.status

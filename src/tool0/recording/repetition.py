@@ -32,9 +32,9 @@ class Repetition:
         self._simulation = simulation
         self._meshes = meshes
         self.n_requests = 0
-        """Those that were carried out again."""
+        """Requests that were carried out again."""
         self.notes: list[str] = []
-        """What could not be repeated, in words."""
+        """Descriptions of the requests that could not be repeated."""
 
     def advance(self, step: int) -> None:
         """Advance to the tick of a step; after a fault not until a reset.

@@ -57,7 +57,7 @@ def resimulate(
     the objects.
 
     Args:
-        recording: What to repeat: one file, from its first frame to its last.
+        recording: Recording to repeat: one file, from its first frame to its last.
         when_compared: Called now and then with the frames compared and their total.
 
     Raises:

@@ -89,7 +89,7 @@ class RecordedRobot:
 
     @cached_property
     def mesh_files(self) -> Mapping[str, Path]:
-        """Where the meshes are now, by their URIs."""
+        """Paths of the meshes now, by their URIs."""
         return {uri: Path(self._file(uri)) for uri in self._meshes}
 
     def _file(self, uri: str) -> str:

@@ -1,4 +1,4 @@
-"""A simulated run beside a recorded one: what the physics makes of the same requests.
+"""A simulated run beside a recorded one: the same requests, with simulated physics.
 
 The recording may be of a real robot or of another engine.  Requests are carried out at
 their recorded steps, and the speed slider is as it was; what else happened to a real
@@ -35,24 +35,24 @@ if TYPE_CHECKING:
 
 ENGINE: Final = "mujoco"
 LONGEST_LAG: Final = 0.5
-"""By which a recorded robot may follow later than the simulated one [s]."""
+"""Longest lag of a recorded robot behind the simulated one [s]."""
 _LAG_STEP: Final = 0.002
-"""[s]"""
+"""Step of the search for that lag [s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointDifference:
-    """How a joint of the recording differs from the simulated one, lag taken out."""
+    """Difference of a joint between recording and simulation, without the lag."""
 
     position_rms: float
-    """[rad | m]"""
+    """Root mean square of the position difference [rad | m]."""
     position_most: float
-    """[rad | m]"""
+    """Largest position difference [rad | m]."""
     effort_rms: float
-    """[N·m | N]"""
+    """Root mean square of the effort difference [N·m | N]."""
     recorded_effort: float
-    """Its root mean square, to compare with [N·m | N]."""
+    """Root mean square of the recorded effort, to compare with [N·m | N]."""
 
 
 @final
@@ -61,23 +61,23 @@ class SimulatedRun:
     """The simulated robot at the times of the recording's snapshots."""
 
     position: Array
-    """[rad | m], shape (n, n_joints), as in the recording."""
+    """Simulated positions [rad | m], shape (n, n_joints), as in the recording."""
     effort: Array
-    """[N·m | N], shape (n, n_joints)."""
+    """Simulated efforts [N·m | N], shape (n, n_joints)."""
     lag: float
-    """How much later the recorded arms move [s]: the one at which the positions
+    """Time by which the recorded arms move later [s]: the one at which the positions
     differ least."""
     joints: Mapping[str, JointDifference]
-    """By driven joint, in the order of the recording."""
+    """Differences by driven joint, in the order of the recording."""
     notes: tuple[str, ...]
-    """What was not repeated, in words."""
+    """Descriptions of the requests that were not repeated."""
 
 
 def simulate_beside(
     recording: RecordingFile | Path | str,
     when_done: Callable[[int, int], None] = lambda done, total: None,
 ) -> SimulatedRun:
-    """Simulate what was requested in a recording, and compare the motions.
+    """Simulate the requests of a recording, and compare the motions.
 
     Args:
         recording: One file, from its first frame to its last.

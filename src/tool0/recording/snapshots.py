@@ -27,11 +27,11 @@ _DEFAULTS: Final[Mapping[str, Any]] = {
     "real_time_factor": 0.0,
     "overruns": 0,
 }
-"""Of a file that was cut off before its first state."""
+"""Values for a file that was cut off before its first state."""
 
 
 class Arrays(Protocol):
-    """What a recording has of every snapshot, as ``RecordingFile`` says."""
+    """Arrays that a recording has of every snapshot, as in ``RecordingFile``."""
 
     def __len__(self) -> int: ...
     @property
@@ -69,7 +69,7 @@ class Arrays(Protocol):
 @final
 @dataclass(frozen=True, slots=True)
 class _State:
-    """What changes rarely, from one snapshot on."""
+    """Values that rarely change, from one snapshot on."""
 
     fields: Mapping[str, Any]
     scene: tuple[SceneObject, ...]
@@ -164,7 +164,7 @@ class Snapshots(Sequence[Snapshot]):
 def _arm_sample(
     joint_names: tuple[str, ...], mode: MotionMode, wrench: Sequence[float]
 ) -> ArmSample:
-    """Return what is recorded of an arm."""
+    """Return the recorded motion of an arm."""
     fx, fy, fz, tx, ty, tz = wrench
     return ArmSample(
         mode=mode,

@@ -1,4 +1,4 @@
-"""What changes rarely in a snapshot: written when it changes, as JSON."""
+"""The part of a snapshot that rarely changes: written when it changes, as JSON."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _WRITTEN: Final = tuple(
 
 @final
 class Derived(Struct, frozen=True, kw_only=True):
-    """What is no field of a snapshot, but follows from one; as in ``StateChange``."""
+    """Values that follow from a snapshot, not its fields; as in ``StateChange``."""
 
     targets: Mapping[str, float] = {}
     modes: Mapping[str, MotionMode] = {}
@@ -48,7 +48,7 @@ def encode_change(
     derived: Derived,
     derived_before: Derived,
 ) -> bytes | None:
-    """Return what has changed since ``before``; None if nothing has.
+    """Return the changes since ``before``; None if there are none.
 
     How well the simulation keeps pace is no change of its own.
     """

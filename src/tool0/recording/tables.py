@@ -22,7 +22,7 @@ _LONGEST: Final = 120
 
 
 def write_csv(recording: RecordingFile, path: Path) -> None:
-    """Write a line for each snapshot; what does not exist is an empty field.
+    """Write a line for each snapshot; missing values are empty fields.
 
     Raises:
         RecordingError: If the file cannot be written.
@@ -62,7 +62,7 @@ def write_parquet(recording: RecordingFile, path: Path) -> None:
 def log_entries(
     recording: RecordingFile, *, severity: Severity = "info", requests: bool = True
 ) -> list[RecordedEvent | RecordedRequest]:
-    """Return what happened, in the order of time: events, and requests.
+    """Return the events and requests in the order of time.
 
     Args:
         recording: The recording.

@@ -1,4 +1,4 @@
-"""A recording as a video: what a camera would have seen, at any size and speed."""
+"""A recording as a video of any camera, at any size and speed."""
 
 from __future__ import annotations
 
@@ -59,13 +59,13 @@ def write_video(
         recording: The recording.
         path: The file; an existing one is replaced.
         camera: A camera, or the name of one of the robot or its scene.
-        width: Of the video [pixels]; even.
-        height: Of the video [pixels]; even.
+        width: Width of the video [pixels]; even.
+        height: Height of the video [pixels]; even.
         fps: Images per second of the video.
         speed: Seconds of the recording per second of the video.
         start: Simulated time of the first image [s]; that of the first snapshot, if
             left out.
-        end: Simulated time of the last image [s]; likewise.
+        end: Simulated time of the last image [s], as ``start``.
         when_written: Called after each image with the share that is done, up to 1.
 
     Raises:

@@ -19,7 +19,8 @@ _ENCODERS: Final = ("libx264", "libopenh264")
 """H.264 encoders, the better one first; PyAV's wheels have both."""
 _OPTIONS: Final = {"libx264": {"crf": "20", "preset": "fast"}}
 _BITS_PER_PIXEL: Final = 0.15
-"""For the encoder without a quality option; ample for smooth surfaces."""
+"""Bits per pixel for the encoder without a quality option; ample for smooth
+surfaces."""
 
 
 def require_encoder(path: Path | str) -> None:
@@ -42,8 +43,9 @@ class VideoWriter:
 
         Args:
             path: The file: an MP4, whatever its name.
-            width: Of each image [pixels]; even, because colour has half the resolution.
-            height: Of each image [pixels]; even.
+            width: Width of each image [pixels]; even, because colour has half the
+                resolution.
+            height: Height of each image [pixels]; even.
             fps: Images per second, 1 … 1000.
 
         Raises:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 _MASTER_PERIOD = 1.0
-"""Between checks of the master [wall s]."""
+"""Period of checks of the master [wall s]."""
 _SNAPSHOT_TIMEOUT = 0.2
 """Longest wait for a snapshot before checking for the end [wall s]."""
 

@@ -31,7 +31,8 @@ from tool0.ros1.namespace import RosNamespace
 from tool0.ros1.node import SnapshotPublisher, WorkerThread
 
 STRICT = 2
-"""Of controller_manager_msgs/SwitchController; anything else is best effort."""
+"""Strictness as in controller_manager_msgs/SwitchController; anything else is best
+effort."""
 _CLOSE_TIMEOUT = 10.0
 """Timeout for the topics of one controller at a busy master [wall s]; a dead one
 refuses at once."""
@@ -41,9 +42,9 @@ _BRIDGES: dict[type, Callable[..., SnapshotPublisher]] = {
     GripperActionSpec: GripperActionBridge,
     ForwardCommandSpec: ForwardCommandBridge,
 }
-"""By the class of a controller's parameters."""
+"""ROS interfaces by the class of a controller's parameters."""
 _READ_ONLY = (("hardware_interface/JointStateInterface", ()),)
-"""What ros_control reports of a controller that claims nothing."""
+"""Claims that ros_control reports of a controller that claims nothing."""
 
 
 @final
@@ -85,7 +86,7 @@ class ControllerManagerBridge:
                 bridges[status.name][1].publish(snapshot)
 
     def close(self) -> None:
-        """Stop following; the node unregisters everything by itself.
+        """Stop following; the node itself unregisters everything.
 
         This waits for a registration in progress, which would outlive the node.
         """

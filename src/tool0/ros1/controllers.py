@@ -27,8 +27,8 @@ from tool0.ros1.messages import Message, point_message, to_points, to_tolerances
 from tool0.ros1.namespace import RosNamespace
 
 STATUS_RATE = 5.0
-"""Of the goals' status [Hz], as actionlib's own.  It is published here, in simulated
-time: actionlib's timer ends when time goes back."""
+"""Rate of the goals' status [Hz], as actionlib's own.  It is published here, in
+simulated time: actionlib's timer ends when time goes back."""
 
 
 @final

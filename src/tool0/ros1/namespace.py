@@ -42,12 +42,12 @@ class RosNamespace:
         name: str = "",
         tf_prefix: str = "",
     ) -> None:
-        """Take the node, the robot of the bring-up, and what is in the namespace.
+        """Take the node, the robot of the bring-up, and the contents of the namespace.
 
         Args:
             node: The node of the process.
             robot: The robot; its cell knows the prefixes of the others.
-            urdf: What is in the namespace, by its own names; None for what belongs to
+            urdf: Contents of the namespace, by its own names; None for what belongs to
                 no single robot of a cell.
             name: The robot's name in a cell, if it has a namespace of its own.
             tf_prefix: Prefix of every frame.
@@ -190,7 +190,7 @@ class RosNamespace:
         return Service(full, kind, answer)
 
     def log_error(self, where: str, error: Tool0Error) -> None:
-        """Log an error of what is called ``where``, also on /rosout."""
+        """Log an error at ``where``, also on /rosout."""
         self.node.log_error(f"{where}: {self.text(error)}")
 
 

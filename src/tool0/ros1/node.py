@@ -105,7 +105,7 @@ class SnapshotPublisher(Protocol):
     """Publishes part of every snapshot.  One thread calls it."""
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish what is due.  Simulated time may have gone back to zero."""
+        """Publish due messages.  Simulated time may have gone back to zero."""
 
     def close(self) -> None:
         """Unregister its topics and services."""

@@ -9,7 +9,8 @@ from typing import final
 from tool0.errors import ConfigError
 
 NODE_NAME = "gazebo"
-"""On every engine, since clients wait for /gazebo/…, as in the launch files."""
+"""Name of the node on every engine: clients wait for /gazebo/…, as in the launch
+files."""
 
 _NAMESPACE = re.compile(r"(/?[A-Za-z]\w*)(/[A-Za-z]\w*)*/?|/?")
 

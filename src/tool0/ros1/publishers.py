@@ -262,7 +262,7 @@ NAME = "robot_state_publisher"
 _CHECK_RATE = 1.0
 """Checks whether the child process is alive [Hz] of simulated time."""
 _GRACE = 5.0
-"""Time for the child process to end by itself [wall s]."""
+"""Time for the child process to end on its own [wall s]."""
 
 
 @final

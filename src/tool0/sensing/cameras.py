@@ -33,7 +33,7 @@ Drawn = TypeVar("Drawn")
 
 @final
 class View(NamedTuple):
-    """What an image is to show."""
+    """Settings of an image."""
 
     camera: Camera
     state: Snapshot
@@ -95,7 +95,7 @@ class Cameras(Mapping[str, Camera]):
         return self._drawn(_Painter.paint, views)
 
     def segment_all(self, views: Sequence[View]) -> list[NDArray[np.int32]]:
-        """Return what each pixel of each view shows, as ``Renderer.segment``."""
+        """Return the thing in each pixel of each view, as ``Renderer.segment``."""
         return self._drawn(_Painter.segment, views)
 
     def _drawn(

@@ -53,8 +53,8 @@ class CollisionFinder:
         self._finder: OverlapFinder | None = None
         self._beside_lock = Lock()
         self._beside: OverlapFinder | None = None
-        """For single objects, in the thread of the tick: it waits for no path, and the
-        scene is not compiled again for each."""
+        """Finder for single objects, in the thread of the tick: it does not wait for
+        paths, and the scene is not compiled again for each object."""
 
     def on_way(
         self, state: Snapshot, positions: Mapping[str, float]
@@ -66,7 +66,7 @@ class CollisionFinder:
         left out.
 
         Args:
-            state: Where everything is now.
+            state: Present state of the robot and the objects.
             positions: Joint → target [rad | m]; other joints stay.
 
         Raises:
@@ -129,7 +129,7 @@ class CollisionFinder:
         Args:
             position: The pose [rad | m], shape (n_joints,), in the model's order.
             usual: Another pose, which was accepted before.
-            objects: What is around the robot, where it starts.
+            objects: Objects around the robot, with their start poses.
         """
         with self._lock, contextlib.suppress(ModelError):
             finder = self._finder = self._fitting(self._finder, objects)
@@ -169,9 +169,10 @@ class CollisionFinder:
         """Raise PenetrationError if an object would be inside a link of the robot.
 
         Args:
-            position: Of the joints [rad | m], shape (n_joints,), in the model's order.
+            position: Positions of the joints [rad | m], shape (n_joints,), in the
+                model's order.
             item: The object.
-            at: Where it is placed; where it starts, if left out.
+            at: Pose of the object; its start pose, if left out.
         """
         with self._beside_lock, contextlib.suppress(ModelError):
             finder = self._beside = self._fitting(self._beside, (item,))
@@ -206,7 +207,7 @@ class CollisionFinder:
     def _moved(
         self, start: Sequence[float], positions: Mapping[str, float]
     ) -> list[float]:
-        """Return ``start`` with ``positions``, and what mimics them."""
+        """Return ``start`` with ``positions``, and with the joints that mimic them."""
         end = joint_positions(self._model, positions, start)
         return [
             after
@@ -283,7 +284,7 @@ def _robot_first(pair: Pair, moving: Collection[str]) -> Pair:
 
 
 def _note(found: dict[Pair, Collision], pair: Pair, depth: float, share: float) -> None:
-    """Add what was seen at ``share`` of the path."""
+    """Add the overlaps at ``share`` of the path."""
     known = found.get(pair)
     first, second = pair
     found[pair] = Collision(

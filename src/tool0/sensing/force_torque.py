@@ -5,21 +5,22 @@ from __future__ import annotations
 import math
 import threading
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import final
 
 from tool0.description.model import FLANGE, RobotModel
 from tool0.description.payload import Payload
-from tool0.description.payload_bodies import payload_inertia
 from tool0.description.robot import RobotDescription
 from tool0.description.scene_state import Contact
 from tool0.errors import ControlError
 from tool0.hardware.engine import Engine, JointState
-from tool0.hardware.tool_dynamics import ToolDynamics
 from tool0.protocol.sensors import DEFAULT_CUTOFF, WrenchReading
+from tool0.sensing.low_pass import LowPass
+from tool0.sensing.tool_meter import ToolMeter
 
-Contacts = Callable[[], tuple[Contact, ...]]
+Contacts = Callable[[frozenset[str]], tuple[Contact, ...]]
+"""Returns the external forces, at least those on the given links."""
 
 RATES = (50.0, 1000.0)
 """Slowest and fastest sampling [Hz]."""
@@ -27,57 +28,6 @@ DEFAULT_RATE = 125.0
 """Default sampling rate [Hz] if it divides the control rate: that of a UR."""
 READINGS_KEPT = 4096
 """Number of samples kept for slow readers: four seconds at 1 kHz."""
-
-
-@final
-class LowPass:
-    """A second-order Butterworth low-pass filter for several values at once.
-
-    H(s) = 1 / (s² + √2 s + 1), s in units of the cutoff, discretised by the bilinear
-    transform with frequency prewarping at the cutoff:
-
-        y = b0 x + 2 b0 x' + b0 x" - a1 y' - a2 y",  K = tan(π cutoff / rate),
-        b0 = K² / d,  a1 = 2 (K² - 1) / d,  a2 = (1 - √2 K + K²) / d,  d = 1 + √2 K + K²
-
-    The gain is 0.71 at the cutoff and 0.01 at ten times the cutoff.  A ramp is delayed
-    by 0.225 / cutoff: 15 ms at 15 Hz.  The initial state is that of a constant input
-    equal to the first sample.
-    """
-
-    def __init__(self, cutoff: float, rate: float) -> None:
-        """Initialise the filter.
-
-        Args:
-            cutoff: [Hz], below half the rate.
-            rate: Samples per second [Hz].
-
-        Raises:
-            ControlError: If the cutoff is out of range.
-        """
-        if not 0.0 < cutoff < rate / 2.0:
-            raise ControlError(
-                f"the cutoff must be above 0 Hz and below half the rate, "
-                f"{rate / 2.0:g} Hz; got {cutoff:g} Hz"
-            )
-        k = math.tan(math.pi * cutoff / rate)
-        d = 1.0 + math.sqrt(2.0) * k + k * k
-        self._b0 = k * k / d
-        self._a1 = 2.0 * (k * k - 1.0) / d
-        self._a2 = (1.0 - math.sqrt(2.0) * k + k * k) / d
-        self._memory: list[tuple[float, float]] = []
-
-    def __call__(self, values: Sequence[float]) -> list[float]:
-        """Return the filtered value of the next sample."""
-        b0, a1, a2 = self._b0, self._a1, self._a2
-        if not self._memory:
-            self._memory = [((1.0 - b0) * x, (b0 - a2) * x) for x in values]
-        passed, memory = [], []
-        for x, (first, second) in zip(values, self._memory, strict=True):
-            y = b0 * x + first
-            passed.append(y)
-            memory.append((2.0 * b0 * x - a1 * y + second, b0 * x - a2 * y))
-        self._memory = memory
-        return passed
 
 
 @final
@@ -100,10 +50,7 @@ class ForceTorqueSensor:
         """
         self.link = link
         self.rate = rate
-        self._dynamics = ToolDynamics(model, link, engine.world.gravity)
-        names = engine.joint_names
-        self._to_model = [names.index(joint.name) for joint in model.movable_joints]
-        self._dt = engine.dt
+        self._meter = ToolMeter(model, link, engine)
         self._ticks = ticks
         self._left = ticks
         self._cutoff = cutoff
@@ -133,7 +80,7 @@ class ForceTorqueSensor:
         self._left -= ticks
         if self._left == 0:
             self._left = self._ticks
-            self._sample(before, after, contacts())
+            self._sample(before, after, contacts)
 
     def skip(self, ticks: int) -> None:
         """Note ``ticks`` without a sample: fewer than are left."""
@@ -141,8 +88,7 @@ class ForceTorqueSensor:
 
     def subtract(self, payloads: Mapping[str, Payload]) -> None:
         """Subtract payloads, by flange, as a UR does; in the thread of the tick."""
-        inertias = {link: payload_inertia(item) for link, item in payloads.items()}
-        self._dynamics.subtract(inertias)
+        self._meter.subtract(payloads)
 
     def restart(
         self, before: JointState, after: JointState, contacts: Contacts
@@ -150,7 +96,7 @@ class ForceTorqueSensor:
         """Sample now with a new filter: at the start, and after a reset."""
         self._left = self._ticks
         self._filter = LowPass(self._cutoff, self.rate)
-        self._sample(before, after, contacts())
+        self._sample(before, after, contacts)
 
     def zero(self) -> None:
         """Tare: subtract the current filtered measurement from now on."""
@@ -179,16 +125,10 @@ class ForceTorqueSensor:
         return tuple(found)
 
     def _sample(
-        self, before: JointState, after: JointState, contacts: tuple[Contact, ...]
+        self, before: JointState, after: JointState, contacts: Contacts
     ) -> None:
-        order, dt = self._to_model, self._dt
-        was, velocity = before.velocity, after.velocity
-        raw = self._dynamics.wrench(
-            [before.position[i] for i in order],
-            [was[i] for i in order],
-            [(velocity[i] - was[i]) / dt for i in order],
-            contacts,
-        )
+        meter = self._meter
+        raw = meter.wrench(before, after, contacts(meter.links))
         passed = self._filter(raw)
         with self._changed:
             self._last = (after.time, list(raw), passed)
@@ -232,8 +172,7 @@ class ForceTorqueSensors:
         ``start`` lets the tick, each ``control_period`` [s], sample a sensor; ``stop``
         ends that.
         """
-        self._model = description.model
-        self._tool0 = description.prefix + FLANGE
+        self._description = description
         self._engine = engine
         self._control_period = control_period
         self._start_sampling = start
@@ -242,25 +181,8 @@ class ForceTorqueSensors:
         self._sensors: dict[str, ForceTorqueSensor] = {}
 
     def link(self, name: str | None) -> str:
-        """Return the link to measure at, by the name of link or sensor.
-
-        Without a name, it is the robot's only ``tool0``.
-
-        Raises:
-            ModelError: If there is neither.
-            ControlError: If no name is given, and there is no ``tool0`` or several.
-        """
-        if name is not None:
-            return self._model.link(self._model.wrench_sensors.get(name, name)).name
-        names = self._model.flanges
-        if self._tool0 in names:
-            names = (self._tool0,)
-        if len(names) != 1:
-            raise ControlError(
-                "'force_torque' needs exactly one link 'tool0', this robot has: "
-                f"{', '.join(names) or 'none'}; pass a link to 'force_torque_of'"
-            )
-        return names[0]
+        """Return the link to measure at; for the rest see ``measured_link``."""
+        return measured_link(self._description, name)
 
     def rate(self, link: str) -> float:
         """Return the sampling rate in simulated time [Hz]; 0 if it is not started."""
@@ -291,9 +213,9 @@ class ForceTorqueSensors:
                 self._stop_sampling(sensor)
 
     def _start(self, link: str, rate: float | None, cutoff: float) -> ForceTorqueSensor:
-        ticks = _ticks_between_samples(rate, self._control_period)
+        ticks = ticks_between_samples(rate, self._control_period)
         sensor = ForceTorqueSensor(
-            self._model,
+            self._description.model,
             link,
             self._engine,
             ticks=ticks,
@@ -307,8 +229,40 @@ class ForceTorqueSensors:
         return sensor
 
 
-def _ticks_between_samples(rate: float | None, period: float) -> int:
-    """Return the control periods between samples, or raise ControlError."""
+def measured_link(description: RobotDescription, name: str | None) -> str:
+    """Return the link to measure at, by the name of link or sensor.
+
+    Without a name, it is the robot's only ``tool0``.
+
+    Raises:
+        ModelError: If there is neither.
+        ControlError: If no name is given, and there is no ``tool0`` or several.
+    """
+    model = description.model
+    if name is not None:
+        return model.link(model.wrench_sensors.get(name, name)).name
+    names = model.flanges
+    if (tool0 := description.prefix + FLANGE) in names:
+        names = (tool0,)
+    if len(names) != 1:
+        raise ControlError(
+            "'force_torque' needs exactly one link 'tool0', this robot has: "
+            f"{', '.join(names) or 'none'}; pass a link to 'force_torque_of'"
+        )
+    return names[0]
+
+
+def ticks_between_samples(rate: float | None, period: float) -> int:
+    """Return the control periods between samples, each of ``period`` [s].
+
+    Args:
+        rate: Samples per second [Hz]; None is 125, or the next divisor of the control
+            rate below.
+        period: [s].
+
+    Raises:
+        ControlError: If the rate is out of range, or does not divide the control rate.
+    """
     if rate is None:
         return max(1, math.ceil(1.0 / (DEFAULT_RATE * period) - 1e-9))
     slowest, fastest = RATES

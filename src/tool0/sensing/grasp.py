@@ -72,7 +72,7 @@ class GraspDetector:
         self._target: float | None = None
         self._was_still = True
         self._still_since = math.inf
-        """[s]"""
+        """Simulated time at which the gripper came to rest [s]."""
 
     def observe(self, snapshot: Snapshot) -> GraspState:
         """Return the state at a snapshot; one older than the last means a reset."""

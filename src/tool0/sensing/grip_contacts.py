@@ -1,4 +1,4 @@
-"""Whether fingers press on something from both sides: what a grip needs."""
+"""Detects that fingers press on something from both sides, as a grip does."""
 
 from __future__ import annotations
 
@@ -44,11 +44,11 @@ class GripContacts:
                 self.gripping = tuple(h.name for h in self._hands if h.is_gripping)
 
     def note(self, gripping: Collection[str]) -> None:
-        """Take over what grippers report by themselves."""
+        """Take over the contacts that grippers report themselves."""
         self.gripping = tuple(h.name for h in self._hands if h.name in gripping)
 
     def forget(self) -> None:
-        """Forget what was gripped, as after a reset."""
+        """Forget the grips, as after a reset."""
         self.gripping = ()
         for hand in self._hands:
             hand.forget()

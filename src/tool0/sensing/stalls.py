@@ -18,10 +18,10 @@ from tool0.protocol.state import Stall
 logger = logging.getLogger(__name__)
 
 STALL_TIME = 0.5
-"""How long a joint pushes at its limit without moving before it is stalled [s]."""
+"""Time for which a joint must push at its limit without moving to be stalled [s]."""
 LARGEST_LAG = 0.05
-"""How far the measured position may be behind its setpoint [s at full speed]: a guess,
-for UR does not publish its bound.  For a UR5 it is 0.16 rad."""
+"""Largest distance of the measured position behind its setpoint [s at full speed]: a
+guess, for UR does not publish its bound.  For a UR5 it is 0.16 rad."""
 LAG_PERIOD = 0.1
 """Simulated time between comparisons of the joints with their setpoints [s]: they take
 some 20 µs."""
@@ -72,9 +72,10 @@ class StallMonitor:
         self._select = joint_selector([drive.index for drive in self._drives])
         self._limits = [drive.limit for drive in self._drives]
         self._last = self._compared = -math.inf
-        """When a joint last pushed at its limit, and setpoints were compared [s]."""
+        """Times at which a joint last pushed at its limit, and setpoints were compared
+        [s]."""
         self._lagging: list[_Drive] = []
-        """Those that are far from their setpoints."""
+        """Drives that are far from their setpoints."""
         self.stalls: tuple[Stall, ...] = ()
 
     def look(
@@ -127,7 +128,7 @@ class StallMonitor:
 
 @final
 class _Drive:
-    """What is remembered of one joint."""
+    """State of one joint's observation."""
 
     def __init__(
         self, joint: str, index: int, limits: JointLimits, model: RobotModel
@@ -136,9 +137,9 @@ class _Drive:
         self.index = index
         self.links = frozenset(model.links_from(model.joint(joint).child))
         self.since = -math.inf
-        """When the joint began to push from where it is [s]."""
+        """Time at which the joint began to push from where it is [s]."""
         self.last = -math.inf
-        """When it last pushed at its limit [s]."""
+        """Time at which it last pushed at its limit [s]."""
         self.limit = PUSHING * limits.effort
         """Effort from which it pushes [N·m | N]."""
         self._position = 0.0
@@ -146,7 +147,7 @@ class _Drive:
         self.lag = 0.0
         """Distance from its setpoint [rad | m]."""
         self.lagging_since = math.inf
-        """Since when it is far from it, without moving [s]."""
+        """Time at which it began to be far from it without moving [s]."""
         self._most = LARGEST_LAG * limits.velocity
         self._lags_at = 0.0
 

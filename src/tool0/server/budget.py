@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from typing import Final, final
 
 SHARE: Final = 0.3
-"""Of one processor, for all clients together in the long run."""
+"""Part of one processor that all clients together may use in the long run."""
 BURST: Final = 0.5
 """Work of all that nobody waits for [s]."""
 RESERVE: Final = 0.01
@@ -28,14 +28,15 @@ MAX_CHARGE: Final = 0.01
 _ACTIVE: Final = 0.1
 """A client that has used nothing for so long leaves its part to others [wall s]."""
 _LONGEST_WAIT: Final = 0.05
-"""Until an account is looked at again: others may have left meanwhile [wall s]."""
+"""Longest wait of an account until it is looked at again: others may have left
+meanwhile [wall s]."""
 _SHORTEST_WAIT: Final = 1e-3
-"""[wall s]"""
+"""Shortest wait of an account [wall s]."""
 
 
 @final
 class Budget:
-    """What all accounts of an event loop may use together."""
+    """Processor time that all accounts of an event loop may use together."""
 
     def __init__(
         self,
@@ -57,7 +58,7 @@ class Budget:
         self._is_strict = is_strict
         self._left, self._counted_at = burst, now()
         self._active: dict[Account, float] = {}
-        """When each account was last charged."""
+        """Time at which each account was last charged."""
         self._slice_began_at: float | None = None
         """Processor time of the event loop when it last looked at its sockets [s]; None
         if nothing was done since."""
@@ -83,7 +84,7 @@ class Budget:
 
     @property
     def n_active(self) -> int:
-        """How many accounts were charged a short time ago."""
+        """Number of accounts that were charged a short time ago."""
         oldest = self.now() - _ACTIVE
         # In the order of these times: an account that is charged moves to the end.
         while self._active:
@@ -138,7 +139,7 @@ class Budget:
 
 @final
 class Account:
-    """What one client has used."""
+    """Processor time that one client has used."""
 
     def __init__(self, budget: Budget) -> None:
         self._budget = budget
@@ -182,7 +183,7 @@ class Account:
 
     @contextmanager
     def working(self) -> Iterator[None]:
-        """Charge what this thread, the event loop's, does for this client."""
+        """Charge the work of this thread, the event loop's, for this client."""
         start = self._budget.begin_work()
         try:
             yield

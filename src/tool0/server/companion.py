@@ -26,13 +26,14 @@ C = TypeVar("C", bound="Companion")
 START_TIMEOUT: Final = 60.0
 """Longest wait for the process to be up [wall s]."""
 FIRST_PAUSE: Final = 0.5
-"""Before the process starts again after its death [wall s]; twice as long each time."""
+"""Pause before the process starts again after its death [wall s]; twice as long each
+time."""
 LONGEST_PAUSE: Final = 30.0
-"""[wall s]"""
+"""Longest pause before the process starts again [wall s]."""
 UNABLE: Final = 78
 """Exit status of a program that lacks what it needs: it would only fail again."""
 _GRACE: Final = 3.0
-"""For the process to end by itself [wall s]."""
+"""Time in which the process has to end when it is stopped [wall s]."""
 _LAST_LINES: Final = 12
 _LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[[\d.]+\] (\[.*)")
 _LEVELS: Final = {
@@ -214,7 +215,7 @@ def _served_name(
     """Return the name at which a robot is served, and serve it if it is ours.
 
     Args:
-        robot: Of this process or another one, or the name itself.
+        robot: A robot of this process or another one, or the robot's name.
         label: Part of the name, if one has to be made.
         stack: Ends the service.
     """

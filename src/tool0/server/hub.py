@@ -45,9 +45,9 @@ _ADVANCING: Final = (Run, Step)
 """Requests that may execute the ticks of a simulation without real time: those are
 nobody's to pay."""
 _POST_COST: Final = 0.1e-3
-"""Of a streamed request in the thread of the tick [s]."""
+"""Processor time of a streamed request in the thread of the tick [s]."""
 _STREAM_COST: Final = 2e-3
-"""Of starting or ending a stream, which takes threads of its own [s]."""
+"""Processor time of starting or ending a stream, which takes threads of its own [s]."""
 
 
 class Service(Protocol):
@@ -96,7 +96,7 @@ class Hub:
         self._urgent: set[asyncio.Task[bool]] = set()
         self._outages = Outages()
         self.attach_view: Callable[[Session, SubscribeView], None] | None = None
-        """Lets a session receive what the panel shows; None without a panel."""
+        """Serves the panel's view to a session; None without a panel."""
         self.when_shown: Callable[[], None] = lambda: None
         """Called when a page has drawn the robot."""
         self.when_refused: Callable[[str], None] = lambda message: None
@@ -144,7 +144,7 @@ class Hub:
                 session.drop()
 
     def look_for_outage(self) -> None:
-        """Drop what waits if this process was frozen; call it often."""
+        """Drop waiting requests if this process was frozen; call it often."""
         if self._outages.look():
             self._setpoints.drop_all()
 
@@ -308,7 +308,7 @@ class Hub:
     def _reply(
         self, ident: Ident, request: Request[Any]
     ) -> tuple[bytes, list[tuple[int, Goal]], float]:
-        """Return the reply, the goals that the request started, and what it took [s].
+        """Return the reply, the goals that the request started, and its cost [s].
 
         In a worker.
         """

@@ -15,9 +15,9 @@ fit."""
 _CHUNK: Final = 1 << 15
 """Bytes that are read at once, and kept before a program has to wait."""
 _READ_COST: Final = 50e-6
-"""Of the system calls for a read [s]."""
+"""Processor time of the system calls for a read [s]."""
 _arriving: Final = memoryview(bytearray(_CHUNK))
-"""Where the event loop reads to: what has arrived is copied at once."""
+"""Buffer into which the event loop reads: what has arrived is copied at once."""
 
 
 @final

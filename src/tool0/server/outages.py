@@ -72,12 +72,14 @@ class Outages:
 
     def __init__(self) -> None:
         self._freeze: FreezeMeter | None = None
-        """From the first look on: a server may wait long for its first peer."""
+        """Meter of freezes; made at the first look, since a server may wait long for
+        its first peer."""
         self._duration = 0.0
         self._until = 0.0
         self._errors: dict[Session, tuple[str, float]] = {}
         self._refused: dict[Session, float] = {}
-        """When a setpoint of a stream was refused last [wall s]."""
+        """Time at which a setpoint of each session's stream was refused last [wall
+        s]."""
 
     def look(self) -> bool:
         """Return whether the process was frozen since the last call."""
@@ -94,7 +96,7 @@ class Outages:
         """Return why a request is not carried out; None if it is.
 
         Setpoints that continue a stream are refused until the stream pauses, since
-        nobody has decided anew that the robot shall move.
+        nobody has confirmed again that the robot should move.
         """
         if not isinstance(request, MOVING) or not (self._until or self._refused):
             return None

@@ -19,7 +19,7 @@ class PeerFiles:
     """The files of this machine that a peer may have read and written."""
 
     folders: Sequence[Path]
-    """Those in which, and below which, it may have files read and written."""
+    """Folders in which, and below which, it may have files read and written."""
     known: Callable[[], Collection[Path]]
     """Returns other files that it may have read.  So are those of ROS packages."""
 

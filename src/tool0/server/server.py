@@ -112,7 +112,7 @@ def _listen(claim: Claim) -> socket.socket:
 
 
 _CLOSES_WITHIN: Final = 5.0
-"""[wall s]"""
+"""Longest wait for the server's thread to close [wall s]."""
 
 
 @final

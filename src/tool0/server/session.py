@@ -1,4 +1,4 @@
-"""One connection: what it sends, and the requests that wait for each other.
+"""One connection: its messages, and the requests that wait for each other.
 
 ::
 
@@ -46,16 +46,16 @@ MAX_TEXTS: Final = 1 << 18
 """Messages that may wait until they are decoded [bytes], each with ``_OVERHEAD``.  Then
 nothing more is read."""
 _OVERHEAD: Final = 64
-"""[bytes]"""
+"""Size that is added to that of each waiting message [bytes]."""
 MAX_BACKLOG: Final = 4096
 """Requests of one connection that may wait for each other, in chunks: 16 MiB.  Further
 ones are rejected, so that what is behind them is always read."""
 _SENT_AT_ONCE: Final = 1 << 14
 """Replies that are sent together [bytes]: sending costs more than encoding them."""
 _REPLY_COST: Final = 0.1e-3
-"""Of sending a reply [s]."""
+"""Processor time of sending a reply [s]."""
 _REQUEST_COST: Final = 0.3e-3
-"""Of a request in other threads: that of the tick, and waking it [s]."""
+"""Processor time of a request in other threads: that of the tick, and waking it [s]."""
 _OVERTAKEN: Final = ControlError(
     "a stop overtook this request, which would have undone it; send it again"
 )
@@ -86,7 +86,7 @@ class Transport(Protocol):
 
     @property
     def account(self) -> Account:
-        """What is charged for the peer."""
+        """Account that is charged for the peer's work."""
 
     async def send(self, texts: Sequence[bytes]) -> None:
         """Send messages; ConnectionError if the peer has disconnected."""
@@ -133,7 +133,7 @@ class Session:
         self._wake = asyncio.Event()
         self._queue: deque[bytes] = deque()
         self._n_unread = 0
-        """In the queue [bytes]."""
+        """Size of the messages in the queue [bytes]."""
         self._was_read = asyncio.Event()
         self._snapshots: deque[bytes] = deque()
         self.missed = 0
@@ -144,7 +144,7 @@ class Session:
         self._texts: deque[bytes | str | None] = deque()
         """Messages that are not decoded yet; None is the end."""
         self._n_texts = 0
-        """Their size [bytes]."""
+        """Size of these messages [bytes]."""
         self._has_text, self._has_room = asyncio.Event(), asyncio.Event()
         self._waiting: deque[_Waiting | None] = deque()
         """Requests; None is the end."""
@@ -170,7 +170,7 @@ class Session:
         return since is not None and self._loop.time() - since > STUCK_AFTER
 
     def send(self, text: bytes) -> None:
-        """Send ``text`` after what waits; a page with too much waiting is dropped."""
+        """Send ``text`` after the others; a page with too much waiting is dropped."""
         if len(self._queue) >= MAX_QUEUE and not self._transport.is_trusted:
             self.drop()
             return
@@ -304,7 +304,7 @@ class Session:
         return True
 
     def _revoke(self, stop: Request[Any]) -> None:
-        """Refuse what waits and would undo a stop that overtakes it."""
+        """Refuse waiting requests that would undo a stop that overtakes them."""
         methods = stop.revokes
         for text in [text for text in self._texts if _names(text, methods)]:
             assert text is not None  # it names something
@@ -324,7 +324,7 @@ class Session:
         return self.account.may_go_on and self._n_unread < MAX_UNREAD
 
     async def _decode(self) -> None:
-        """Decode what waits, as fast as the account allows and the peer reads."""
+        """Decode waiting messages, as fast as the account allows and the peer reads."""
         while True:
             await self._has_text.wait()
             self._has_text.clear()

@@ -38,7 +38,8 @@ from tool0.server.session import Session
 logger = logging.getLogger(__name__)
 
 POLL_PERIOD: Final = 0.004
-"""[wall s]: twice the shortest snapshot period; nothing is missed in between."""
+"""Period of polling for states [wall s]: twice the shortest snapshot period; nothing is
+missed in between."""
 _FLUSH_PERIOD: Final = 0.05
 """Wall time after which a state that was held back is sent anyway [s]."""
 _FAST_PERIOD: Final = 0.02
@@ -47,11 +48,11 @@ some 0.4 ms, since both need the interpreter."""
 _COMPANION_LOGGERS: Final = ("tool0.ros2", "tool0.ur")
 """Loggers with what these processes have logged themselves."""
 _ROUNDING: Final = 1e-6
-"""[s]"""
+"""Tolerance of times [s]."""
 
 
 class _Pace(NamedTuple):
-    """How a stream learns of new states."""
+    """Way in which a stream learns of new states."""
 
     rate: float
     """Rate of its subscription to the bus [Hz]."""
@@ -66,7 +67,7 @@ class _Pace(NamedTuple):
 
     @staticmethod
     def of(request: Subscribe, speed: float | None) -> _Pace:
-        """Return what suits a request and the speed of simulated time."""
+        """Return the pace for a request and the speed of simulated time."""
         rate, default_rate = request.rate, 1.0 / SNAPSHOT_PERIOD
         if not request.newest_only:
             return _Pace(rate, POLL_PERIOD)
@@ -96,8 +97,8 @@ class StateStream:
         self._last: Snapshot | None = None
         """The newest that was sent."""
         self._due_time = -math.inf
-        """Of the last one that was due by the rate [s]: changes come in between, and
-        delay none."""
+        """Time of the last state that was due by the rate [s]: changes come in between,
+        and delay none."""
         self._pace = _Pace.of(request, states.snapshot.speed)
         self._subscription: Subscription | None = None
         self._is_waking = False
@@ -137,7 +138,7 @@ class StateStream:
                 self.opened.set_exception(error)
 
     async def _follow(self) -> None:
-        """Send what the bus has, until time passes at another speed."""
+        """Send the states of the bus, until time passes at another speed."""
         self._pace = pace = _Pace.of(self._request, self._states.snapshot.speed)
         self._subscription = await self._subscribed()
         if not self.opened.done():
@@ -195,7 +196,7 @@ class StateStream:
     # ---- to the sessions -------------------------------------------------------------
 
     def _deliver(self) -> None:
-        """Send what has arrived."""
+        """Send the states that have arrived."""
         self._is_waking = False
         if self._subscription is None:
             return  # it has just ended

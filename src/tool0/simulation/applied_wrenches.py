@@ -12,7 +12,7 @@ from tool0.hardware.engine import World, Wrench
 
 _ZERO: Wrench = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 _ROUNDING = 1e-9
-"""[s] that a time may differ from a multiple of the tick."""
+"""Tolerance by which a time may differ from a multiple of the tick [s]."""
 
 
 @final
@@ -23,16 +23,16 @@ class AppliedWrench:
     name: str
     """The link or object that they act on."""
     force: Vector3
-    """[N]"""
+    """Force [N], in the axes of the robot's root."""
     torque: Vector3
-    """[N·m]"""
+    """Torque [N·m], in the axes of the robot's root."""
     point: Vector3 | None = None
-    """Where the force acts at its start [m], in the robot's root; None is the body's
-    centre of mass.  The lever moves with the body but does not rotate."""
+    """Point at which the force acts at its start [m], in the robot's root; None is the
+    body's centre of mass.  The lever moves with the body but does not rotate."""
     start: float = 0.0
     """Simulated time at which they begin [s]; now, if that is past."""
     duration: float = math.inf
-    """[s]"""
+    """Duration of the wrench [s]."""
 
 
 @final
@@ -43,7 +43,7 @@ class AppliedWrenches:
         self._world = world
         self._waiting: tuple[AppliedWrench, ...] = ()
         self._acting: tuple[tuple[float, str, Wrench], ...] = ()
-        """Until when, on what, and the wrench at its centre of mass."""
+        """End time, body, and wrench at its centre of mass, of each that acts."""
 
     @property
     def is_idle(self) -> bool:
@@ -75,7 +75,7 @@ class AppliedWrenches:
         self._waiting = self._acting = ()
 
     def tick(self, time: float) -> None:
-        """Start and end what is due at ``time`` [s], before the engine steps."""
+        """Start and end the wrenches that are due at ``time`` [s], before a step."""
         if self.is_idle:
             return
         now = time + _ROUNDING
@@ -88,6 +88,16 @@ class AppliedWrenches:
                 for wrench in due
             ]
             self._hold(tuple(acting))
+
+    def quiet_ticks(self, time: float, period: float, most: int) -> int:
+        """Return how many of the next ``most`` ticks neither start nor end a wrench.
+
+        Or fewer, by one; the next tick is at ``time`` [s], and each takes ``period``.
+        """
+        changes = [wrench.start for wrench in self._waiting]
+        changes += [end for end, _, _ in self._acting]
+        quiet = (min(changes, default=math.inf) - _ROUNDING - time) / period
+        return most if quiet >= most else max(0, math.floor(quiet))
 
     def contacts(self) -> tuple[Contact, ...]:
         """Return the active wrenches as contacts, for sensors."""

@@ -1,4 +1,4 @@
-"""From options to a robot at its initial pose with its controllers running."""
+"""Brings up a robot: from options to an initial pose with controllers running."""
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ class SpeedMeter:
         self.restart(0.0, 0)
 
     def restart(self, sim_time: float, overruns: int) -> None:
-        """Start a window; what was before it, such as a pause, is ignored."""
+        """Start a window; the time before it, such as a pause, is ignored."""
         self._since = self._now(), sim_time
         self._overruns = overruns
         self.late_ticks = 0

@@ -1,4 +1,4 @@
-"""Which controllers a bring-up loads and starts."""
+"""Chooses the controllers that a bring-up loads and starts."""
 
 from __future__ import annotations
 
@@ -33,8 +33,9 @@ DEFAULT_STOPPED_CONTROLLERS = (
     "joint_group_eff_controller",
     "joint_group_pos_controller",
 )
-"""Of ROS 1, as in the launch file ``ur5_bringup.launch``; only those that the YAML
-defines.  In a cell, those of each robot, with its name as prefix."""
+"""Controllers of ROS 1 that are loaded, not started, as in the launch file
+``ur5_bringup.launch``; only those that the YAML defines.  In a cell, those of each
+robot, with its name as prefix."""
 
 
 UNSCALED = "joint_trajectory_controller"
@@ -49,7 +50,7 @@ class ControllerChoice(NamedTuple):
     config: ControllerConfig
     started: tuple[str, ...]
     stopped: tuple[str, ...]
-    """To be loaded, not started."""
+    """Controllers to load, but not to start."""
     findings: tuple[Finding, ...]
     """Warnings of what does not move, unless the options request it."""
 

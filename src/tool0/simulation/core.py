@@ -1,4 +1,4 @@
-"""The machine that ticks: engine, drives, controllers, arms and sensors."""
+"""The core of a simulation: engine, drives, controllers, arms and sensors."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class SavedCore:
 
 @final
 class Core:
-    """The machine that the loop ticks; an Executor moves its robot.
+    """The core that the loop ticks; an Executor moves its robot.
 
     Only the thread of the tick may use it.
     """
@@ -86,12 +86,13 @@ class Core:
         hardware.set_steps_per_command(self._steps_per_tick)
         self._kernel = Kernel(engine, hardware, manager, self.control_period)
         self._program: TickProgram | None = None
-        """What executes the ticks, while it has the state of controllers and drives."""
+        """Program that executes the ticks, while it has the state of controllers and
+        drives."""
         self._brakes: Mapping[int, float] = {}
         self._rotors: Mapping[int, float] = {}
-        """Those that the engine has."""
+        """Brakes and rotors that the engine has now, by joint."""
         self.initial_position = list(initial_position)
-        """Where it started [rad | m], shape (n_joints,)."""
+        """Start positions of the joints [rad | m], shape (n_joints,)."""
         self._start = self.initial_position
         self._commanded: set[str] = set()
         self._watch_drift()
@@ -175,14 +176,15 @@ class Core:
         self.state, self._before = state, before
         self.ticks += 1
         for sensor in self._sensors:
-            sensor.tick(before, state, self._forces)
+            sensor.tick(before, state, self._forces_on)
 
     def advance(self, most: int) -> int:
         """Tick at least once and up to ``most`` times; return how many times.
 
         The kernel executes what it can; after a tick in Python, this returns.
         """
-        program = None if self.engine.stepper is None else self.program()
+        most = self.scene.wrenches.quiet_ticks(self.time, self.control_period, most)
+        program = None if self.engine.stepper is None or not most else self.program()
         stepper = self.engine.stepper  # another one, if brakes changed
         if program is None or stepper is None:
             self.tick()
@@ -193,12 +195,7 @@ class Core:
 
     def program(self) -> TickProgram | None:
         """Load the coming ticks into the kernel; None if only Python can run them."""
-        if (
-            self._program is None
-            and self.scene.wrenches.is_idle
-            and self.pulls.is_idle
-            and self.arms.is_idle
-        ):
+        if self._program is None and self.pulls.is_idle and self.arms.is_idle:
             self._set_mechanics()
             self._program = self._kernel.load(self.state)
         return self._program
@@ -222,7 +219,7 @@ class Core:
         if result is Ended.DONE:
             self.state = state
             for sensor in self._sensors:
-                sensor.tick(program.step_start(), state, self._forces, done)
+                sensor.tick(program.step_start(), state, self._forces_on, done)
             return done
         for sensor in self._sensors:
             sensor.skip(done)
@@ -241,8 +238,17 @@ class Core:
         """
         program, self._program = self._program, None
         if program is not None:
-            self._before = program.step_start()
+            if program.has_stepped:
+                self._before = program.step_start()
             program.store()
+
+    @property
+    def last_step(self) -> tuple[JointState, JointState]:
+        """States at the start and at the end of the last physics step."""
+        program = self._program
+        if program is not None and program.has_stepped:
+            return program.step_start(), self.state
+        return self._before, self.state
 
     def check_contacts(self) -> None:
         """Find joints that push without moving, and grips, between two ticks."""
@@ -258,7 +264,7 @@ class Core:
     def start_sensor(self, sensor: ForceTorqueSensor) -> None:
         """Sample once now, and then in the tick."""
         sensor.subtract(self.hardware.payloads)
-        sensor.restart(self._before, self.state, self._forces)
+        sensor.restart(self._before, self.state, self._forces_on)
         self._sensors = (*self._sensors, sensor)
 
     def stop_sensor(self, sensor: ForceTorqueSensor) -> None:
@@ -267,9 +273,7 @@ class Core:
 
     def arm_samples(self) -> Mapping[str, ArmSample]:
         """Return what moves each arm, and the wrench on its tool, between two ticks."""
-        program = self._program
-        before = self._before if program is None else program.step_start()
-        return self.arms.samples(self.time, before, self.state, self._forces())
+        return self.arms.samples(self.time, *self.last_step, self._forces())
 
     def zero_wrench(self, arm: str | None) -> None:
         """Tare the wrench on an arm's tool in samples from now on."""
@@ -300,7 +304,7 @@ class Core:
         for arm in self.arms:
             arm.note_restart(self.state)
         for sensor in self._sensors:
-            sensor.restart(self._before, self.state, self._forces)
+            sensor.restart(self._before, self.state, self._forces_on)
 
     def saved(self) -> SavedCore:
         """Return controllers, drives and clock as they are, but not the engine.
@@ -381,6 +385,12 @@ class Core:
     def _forces(self) -> tuple[Contact, ...]:
         """Return the external forces on the robot: contacts, and applied wrenches."""
         return self.engine.world.contacts() + self.scene.wrenches.contacts()
+
+    def _forces_on(self, links: frozenset[str]) -> tuple[Contact, ...]:
+        """Return the external forces, without all contacts if ``links`` have none."""
+        if self.engine.world.is_touched(links):
+            return self._forces()
+        return self.scene.wrenches.contacts()
 
 
 def _whole_multiple(period: float, dt: float) -> int:

@@ -1,4 +1,4 @@
-"""The executor of motion: every motion of the robot starts, goes on and ends here.
+"""The executor of motion: every motion of the robot starts, continues and ends here.
 
 Joints are moved by a running controller, or by an arm's own motion controller once a
 program has taken the arm.  Clients, handlers and programs ask the executor only.
@@ -318,7 +318,7 @@ class Executor:
         acceleration: float,
         duration: float | None,
     ) -> None:
-        """Move with ``velocities`` [rad/s] for ``duration`` [s], or until told."""
+        """Move with ``velocities`` [rad/s] for ``duration`` [s], or until stopped."""
         now, controller = self.core.time, self._mover(arm)
         controller.require_velocities(velocities)
         until = now + (duration or math.inf)
@@ -348,7 +348,7 @@ class Executor:
     def start_compliance(
         self, arm: str | None, task: ComplianceTask, controller: str | None = None
     ) -> None:
-        """Start force mode or freedrive of an arm: ``Arm.comply``."""
+        """Start force mode or freedrive of an arm: ``Arm.start_compliance``."""
         self.core.arms.find(arm).start_compliance(task, self.core.state, controller)
         if controller is not None:
             self._note_command(controller)
@@ -356,7 +356,7 @@ class Executor:
     def end_compliance(
         self, arm: str | None, controller: str | None = None, *, is_freedrive: bool
     ) -> None:
-        """End force mode, or freedrive: ``Arm.stiffen``."""
+        """End force mode, or freedrive: ``Arm.end_compliance``."""
         found = self.core.arms.find(arm)
         found.end_compliance(self.core.state, controller, is_freedrive=is_freedrive)
 
@@ -413,7 +413,7 @@ class Executor:
             self._watch_plans()
 
     def _watch_plans(self) -> None:
-        """Stop planned motions that touch what they should not."""
+        """Stop planned motions that have unexpected contacts."""
         contacts = self.core.engine.world.contacts()
         for watch in self._plan_watches:
             reason = watch.contacts.unexpected(contacts)
@@ -427,7 +427,7 @@ class Executor:
     # ---- what they have in common ---------------------------------------------------
 
     def _mover(self, arm: str | None) -> ArmMotionController:
-        """Return what moves a taken arm by positions; torques end with that."""
+        """Return the controller of a taken arm, after ending its torques."""
         found = self.core.arms.find(arm)
         controller = found.controller_to_move()
         found.end_torques(self.core.state)

@@ -33,19 +33,19 @@ class Executed(Struct, frozen=True, gc=False):
     """
 
     number: int
-    """Its place in the journal, from 0 on."""
+    """Place in the journal, from 0 on."""
     step: int
     """Ticks since the start; unlike ``tick``, a reset does not set it back."""
     tick: int
-    """As of a snapshot: ticks since the start or the last reset."""
+    """Ticks since the start or the last reset, as in a snapshot."""
     time: float
     """Simulated time [s]."""
     request: Struct
-    """Its name on a connection."""
+    """The request."""
     error: str | None
     """Why it failed."""
     n_items: int
-    """How many items the sequences of the request have."""
+    """Total length of the request's sequences."""
 
 
 @final
@@ -99,6 +99,6 @@ class Journal:
 
 
 def _size(request: Struct) -> int:
-    """Return how many items the sequences of a request have."""
+    """Return the total length of a request's sequences."""
     values = (getattr(request, name) for name in request.__struct_fields__)
     return 1 + sum(len(value) for value in values if isinstance(value, tuple))

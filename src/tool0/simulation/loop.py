@@ -84,7 +84,7 @@ class Loop:
         self.when_frozen: Callable[[float], None] = lambda duration: None
         """Called in real time, before the next tick, when the process was frozen: for
         how long [wall s].  Not with an engine in a process of its own, which may be
-        late by itself."""
+        late on its own."""
         executor.when_goal_starts = lambda goal: goal.when_finished(
             lambda done: bus.announce(GoalFinished(done, core.time))
         )
@@ -379,14 +379,14 @@ class Loop:
             self._answer(self._mailbox.get(timeout=timeout))
 
     def _drain(self) -> None:
-        """Carry out what waits now: what arrives meanwhile comes after a tick."""
+        """Carry out the waiting operations; later ones come after a tick."""
         for _ in range(self._mailbox.qsize()):
             # An operation may drain the rest itself.
             with contextlib.suppress(queue.Empty):
                 self._answer(self._mailbox.get_nowait())
 
     def _answer(self, operation: _Operation | None) -> None:
-        """Carry out what is urgent, then ``operation``."""
+        """Carry out urgent operations, then ``operation``."""
         while self._urgent:
             self._carry_out(self._urgent.popleft())
         if operation is not None:
@@ -410,7 +410,7 @@ class Loop:
             future.set_result(answer)
 
     def _clock(self) -> Pacer | FollowedClock:
-        """Return what says when a tick is due."""
+        """Return the clock that says when a tick is due."""
         if self._core.own_drives is not None:
             return FollowedClock()
         return Pacer(self._core.control_period, self.speed or 1.0)
@@ -422,7 +422,7 @@ class Loop:
         self._publisher.restart_meter(overruns)
 
     def snapshot_with_arms(self) -> Snapshot:
-        """Publish a snapshot that has what moves each arm, and return it.
+        """Publish a snapshot with the motion of each arm, and return it.
 
         Raises:
             ControlError: If the simulation is closed.

@@ -66,7 +66,8 @@ controller stops it, or not."""
 MOST_PLANS: Final = 100
 """Plans that are kept; the oldest are forgotten."""
 MOVED: Final = 1e-3
-"""By how much joints and objects may move between planning and executing [rad | m]."""
+"""Distance by which joints and objects may move between planning and executing [rad |
+m]."""
 _ROWS: Final = 200
 """Poses of a plan at which its clearance is measured."""
 
@@ -74,7 +75,7 @@ _ROWS: Final = 200
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeptPlan:
-    """A plan, and what it was made for."""
+    """A plan, with its request."""
 
     plan: Plan
     may_touch: frozenset[str]
@@ -92,13 +93,13 @@ class _Moving:
     """The arms of a motion, and where they are."""
 
     chains: tuple[ArmChain, ...]
-    """With the limits that apply."""
+    """Chains of the arms, with the limits that apply."""
     positions: Mapping[str, float]
-    """Of all joints, commanded where they are commanded [rad | m]."""
+    """Positions of all joints, commanded where they are commanded [rad | m]."""
 
     @property
     def joints(self) -> tuple[Joint, ...]:
-        """Of all arms, each from base to tip."""
+        """Joints of all arms, each from base to tip."""
         return tuple(joint for chain in self.chains for joint in chain.joints)
 
     @property
@@ -167,9 +168,9 @@ class MotionPlans:
         """Return a collision-free motion of one arm that is not kept.
 
         Args:
-            target: Where to.
+            target: Target of the motion.
             positions: Commanded positions of all joints [rad | m].
-            joints: Of the arm from base to flange, with the limits that apply.
+            joints: Joints of the arm from base to flange, with the limits that apply.
 
         Raises:
             Tool0Error: As ``plan``.
@@ -311,7 +312,7 @@ class MotionPlans:
     def _found(
         self, request: PlanMotion, moving: _Moving, snapshot: Snapshot
     ) -> Iterator[tuple[FreeMotion, PlanningGroup]]:
-        """Plan; what looks at motions is valid within the context."""
+        """Plan; the checker of motions is valid within the context."""
         model = self._simulation.description.model
         goals = combined(
             [
@@ -420,7 +421,7 @@ class MotionPlans:
         rules: Rules,
         keep_out: Sequence[KeepOut],
     ) -> PlanningGroup:
-        """Return what looks at motions; only with the lock."""
+        """Return the checker of motions; only with the lock."""
         simulation = self._simulation
         model = simulation.description.model
         if self._world is None:

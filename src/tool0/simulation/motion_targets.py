@@ -20,7 +20,7 @@ from tool0.protocol.planning import PlanTarget
 from tool0.simulation.tool_poses import pose_in_base, tool_in_flange
 
 ROUNDING: Final = 1e-3
-"""By how much a target may be beyond a joint's limit [rad]."""
+"""Distance by which a target may be beyond a joint's limit [rad]."""
 _FREE_TURNS: Final = 24
 """Angles about a free axis that are tried."""
 
@@ -37,7 +37,7 @@ def goals_of(
         model: The robot.
         chain: The arm, with the limits that apply.
         target: Joint positions or a pose.
-        positions: Of all joints, where they are commanded [rad | m].
+        positions: Positions of all joints, where they are commanded [rad | m].
 
     Raises:
         UnreachableError: If there are none, with the reason.

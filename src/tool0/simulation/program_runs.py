@@ -19,7 +19,7 @@ class Execution(Protocol):
 
     @property
     def status(self) -> ProgramRun:
-        """What it does."""
+        """State of the program."""
 
     @property
     def is_stopping(self) -> bool:

@@ -1,4 +1,4 @@
-"""Publishes the state of a core: a snapshot, with what subscribers asked for."""
+"""Publishes the state of a core: a snapshot, with the fields that subscribers need."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ logger = logging.getLogger(__name__)
 
 
 class Pace(Protocol):
-    """How time passes, as the loop has it."""
+    """Passing of time, as in the loop."""
 
     is_paused: bool
     speed: float | None
@@ -35,7 +35,7 @@ class Pace(Protocol):
 
 @final
 class Publisher:
-    """Makes snapshots.  Only the thread of the tick may use it."""
+    """Builds snapshots.  Only the thread of the tick may use it."""
 
     def __init__(self, core: Core, bus: Bus) -> None:
         self._core, self._bus = core, bus

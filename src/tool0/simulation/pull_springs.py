@@ -20,7 +20,7 @@ from tool0.simulation.applied_wrenches import AppliedWrench, AppliedWrenches
 PERIOD: Final = 0.004
 """Simulated time between two forces of a spring [s]."""
 _ROUNDING: Final = 1e-9
-"""[s] that a time may differ from a multiple of the tick."""
+"""Tolerance by which a time may differ from a multiple of the tick [s]."""
 
 
 @final
@@ -34,28 +34,28 @@ class PullSpring:
     target: Vector3
     """Target in the robot's root [m]."""
     stiffness: float
-    """[N/m]"""
+    """Stiffness of the spring [N/m]."""
     damping: float
-    """[N·s/m]"""
+    """Damping of the spring [N·s/m]."""
     max_force: float
-    """[N]"""
+    """Largest force of the spring [N]."""
     duration: float
-    """[s]"""
+    """Duration of the pull [s]."""
 
 
 class _Pull(NamedTuple):
     spring: PullSpring
     until: float
-    """[s]"""
+    """Time at which the pull ends [s]."""
     due: float
-    """When the next force begins [s]."""
+    """Time at which the next force begins [s]."""
     before: Vector3
-    """Where the point was when the last one began, in the robot's root [m]."""
+    """Position of the point when the last force began, in the robot's root [m]."""
 
 
 @final
 class PullSprings:
-    """At most one spring for each link.  Only the thread of the tick may use them."""
+    """Springs, at most one for each link.  Only the thread of the tick may use them."""
 
     def __init__(
         self, model: RobotModel, joint_names: Sequence[str], wrenches: AppliedWrenches

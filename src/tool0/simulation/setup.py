@@ -1,4 +1,4 @@
-"""What a simulation is started with; it makes the cores, of a bring-up or a batch."""
+"""Setup of a simulation: it makes the cores of a bring-up or a batch."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from tool0.simulation.core import Core
 @final
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """Description, options, and what they choose."""
+    """Description and options, with the choices that follow from them."""
 
     description: RobotDescription
     control: ControlConfig

@@ -67,7 +67,7 @@ class Simulation:
     ) -> None:
         description, config = setup.description, setup.choice.config
         self.setup = setup
-        """Its start, from which the journal leads to its present state."""
+        """Setup of its start; from it the journal leads to the present state."""
         self.description = description
         self.executor = executor
         self.core = core = executor.core
@@ -106,7 +106,7 @@ class Simulation:
         self.goals = GoalRegistry()
         self.programs = ProgramStore(description.model.name)
         self.program_runs = ProgramRuns()
-        """Only for the thread of the tick."""
+        """Runs of programs; only for the thread of the tick."""
         loop.when_observed = self.program_runs.look
         self.journal = Journal(core, loop)
         """The requests that changed the simulation, since its start."""
@@ -141,9 +141,9 @@ class Simulation:
             rate: Snapshots per simulated second [Hz]; the default rate if left out.
             keep_all: Miss no snapshot, however late they are taken.
             most_kept: With ``keep_all``: miss the oldest if more are waiting.
-            with_commands: Let the snapshots have the commands of the joints.
-            with_arms: Let them have what moves each arm, and the wrench on its tool.
-            with_contacts: Let them have the contacts and their forces.
+            with_commands: Whether the snapshots have the commands of the joints.
+            with_arms: Whether they have each arm's motion, and the wrench on its tool.
+            with_contacts: Whether they have the contacts and their forces.
             forces_period: Simulated time between two snapshots that have these [s];
                 they take the tick 0.2 ms.
             latest_only: Deliver events, and the newest snapshot only.
@@ -180,7 +180,7 @@ class Simulation:
         self.loop.refresh()
 
     def snapshot_with_arms(self) -> Snapshot:
-        """Publish a snapshot that has what moves each arm, and return it."""
+        """Publish a snapshot with the motion of each arm, and return it."""
         return self.loop.snapshot_with_arms()
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:

@@ -1,4 +1,4 @@
-"""What the controllers want drives to do that follow motions by themselves."""
+"""Motions that controllers command of drives that follow motions on their own."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class WantedMotions:
         }
 
     def look(self, state: JointState) -> Wanted:
-        """Return what is wanted in a tick that starts with ``state``."""
+        """Return the commands of a tick that starts with ``state``."""
         setpoints = self._manager.setpoints()
         grips = {
             name: WantedGrip(target, self._hardware.drive_limits.get(joint))

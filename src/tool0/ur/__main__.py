@@ -23,10 +23,10 @@ from tool0.ur.options import UrArm, UrOptions
 from tool0.ur.service import connected, serve
 
 _FORMAT = "[%(levelname)s] [%(created).3f] [%(name)s]: %(message)s"
-"""As ROS prints its log; the bring-up reads it."""
+"""Format of the log, as ROS prints it; the bring-up reads it."""
 SWITCH_INTERVAL: Final = 0.0005
-"""For how long a thread that plans or compiles may delay the event loop [s]: a fourth
-of RTDE's period."""
+"""Longest delay of the event loop by a thread that plans or compiles [s]: a fourth of
+RTDE's period."""
 
 
 def main() -> int:

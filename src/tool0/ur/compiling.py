@@ -1,4 +1,4 @@
-"""From the text of a program to one that can run."""
+"""Compiles the text of a program to one that can run."""
 
 from __future__ import annotations
 

@@ -85,9 +85,9 @@ class UrControlBox:
 
         Args:
             channel: The connection to the bring-up.
-            arm: As ``list_arms`` names it.
+            arm: Name of the arm in ``list_arms``.
             first: The first state of ``box_states``.
-            limits: Of each driven joint; those of the URDF, if left out.
+            limits: Limits of each driven joint; those of the URDF, if left out.
             allow_sockets: Whether programs may connect to other machines.
         """
         self.allow_sockets = allow_sockets
@@ -109,25 +109,27 @@ class UrControlBox:
         self.model_name = next(
             (r.arm.name for r in channel.description.robots if r.prefix == prefix), ""
         )
-        """Of the catalogue: ``ur5e``; empty for a robot of one's own."""
+        """Model of the arm in the catalogue, such as ``ur5e``; empty for your own
+        robot."""
         self.is_e_series = self.model_name not in CB3_ARMS
         self.version = E_SERIES_VERSION if self.is_e_series else CB3_VERSION
-        """Of the software that the box appears to run."""
+        """Version of the software that the box appears to run."""
         self.rate = 500.0 if self.is_e_series else 125.0
-        """Of RTDE and the real-time interface [Hz]."""
+        """Rate of RTDE and the real-time interface [Hz]."""
         self.registers = Registers()
         self.flags = [False] * N_FLAGS
-        """Of programs, which they share one after another."""
+        """Flags of programs, which share them one after another."""
         self.messages = Messages()
         self.programs = ProgramSlot(self)
         self.rtde_sensor = RtdeSensor()
-        """Of forces, which a client of RTDE measures."""
+        """Sensor of forces, which a client of RTDE measures."""
         self.encoders: dict[int, tuple[range, float]] = {}
-        """Of conveyors, which programs set: the range, and the ticks."""
+        """Encoders of conveyors, which programs set, by number: the range, and the
+        ticks."""
         self.interpreter: LineInterpreter | None = None
-        """Of the program that runs, if it has one."""
+        """Interpreter of the program that runs, if it has one."""
         self.modbus = Signals(lambda: self.programs.is_running)
-        """Of the units that programs read and write."""
+        """Signals of Modbus units that programs read and write."""
         self.when_updated: set[Callable[[], None]] = set()
         """Called for each update; of several that come together, for the newest."""
         self.when_shown: set[Callable[[], None]] = set()
@@ -140,7 +142,7 @@ class UrControlBox:
             self.chain, np.asarray(np.linalg.inv(self.T_chain_base))
         )
         self._postures: dict[bool, ScalarPosture] = {}
-        """Those of this update: measured, and the setpoint's."""
+        """Postures of this update: measured, and the setpoint's."""
         self._T_tip_tcp: tuple[tuple[float, ...], Transform] = ((), Transform())
         """The TCP in the flange: as UR's pose, and as a transform."""
         self._known: dict[tuple[str, bool], Six] = {}
@@ -378,9 +380,9 @@ class UrControlBox:
         """Return the joint positions nearest to ``near`` with the TCP at a pose [rad].
 
         Args:
-            pose: In the base frame.
+            pose: Pose of the TCP in the base frame.
             near: The setpoint, if left out [rad].
-            tcp: In the flange; that of the box, if left out.
+            tcp: TCP in the flange; that of the box, if left out.
 
         Raises:
             UnreachableError: If there are none, with the reason.

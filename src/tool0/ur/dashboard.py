@@ -52,7 +52,7 @@ BOTH: Final = frozenset({CB3, E_SERIES})
 SETTLE_TIMEOUT: Final = 1.0
 """Longest wait for a program to pause or resume [wall s]."""
 MAX_WORDS: Final = 4
-"""Of a command."""
+"""Largest number of words of a command."""
 
 Answer = Callable[[str], Awaitable[str]]
 
@@ -66,7 +66,7 @@ class DashboardCommand:
     answer: Answer
     """Gets what follows the command, and returns the answer."""
     boxes: frozenset[str] = BOTH
-    """Those that know it."""
+    """Kinds of boxes that have the command."""
 
 
 @final
@@ -97,7 +97,7 @@ class Dashboard:
 
     @property
     def n_clients(self) -> int:
-        """How many clients there are."""
+        """Number of clients."""
         return len(self._port.peers)
 
     async def answer(self, line: str) -> str:

@@ -27,7 +27,7 @@ Rows: TypeAlias = tuple["Six", ...]
 
 
 class MeasuredArm(Protocol):
-    """What a control box knows about its arm now."""
+    """State of an arm, as its control box has it now."""
 
     chain: ArmChain
     snapshot: Snapshot

@@ -23,7 +23,7 @@ REQUEST: Final = b"request_program\n"
 TIMEOUT: Final = 2.0
 """Longest wait for the driver [wall s]."""
 SILENCE: Final = 0.2
-"""Without data, after which a program is complete [wall s]."""
+"""Time without data after which a program is complete [wall s]."""
 
 
 def is_external(name: str) -> bool:

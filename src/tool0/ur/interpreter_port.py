@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 PORT: Final = 30020
 _COST: Final = 1e-3
-"""Of compiling a line [s]."""
+"""Processor time of compiling a line [s]."""
 
 
 @final

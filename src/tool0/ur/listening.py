@@ -17,9 +17,9 @@ from tool0.server.budget import Budget
 logger = logging.getLogger(__name__)
 
 MAX_CLIENTS: Final = 16
-"""Of one port; further ones are refused."""
+"""Largest number of clients of one port; further ones are refused."""
 REQUEST_COST: Final = 0.1e-3
-"""Of answering a line or a frame [s]."""
+"""Processor time of answering a line or a frame [s]."""
 MAX_OWED: Final = 1 << 20
 """Most data that a client may leave unread before it is dropped [bytes]."""
 
@@ -34,7 +34,8 @@ class Peer:
         self.reader = reader
         self._writer = writer
         self.account = _budget().account()
-        """Of what it sends: it is read no faster than all clients together may be."""
+        """Account of what it sends: it is read no faster than all clients together may
+        be."""
         self.address = str(writer.get_extra_info("peername"))
 
     def send(self, data: bytes) -> None:
@@ -81,7 +82,7 @@ def _budget() -> Budget:
 
 Serve = Callable[[Peer], Awaitable[None]]
 _open_ports: set[Port] = set()
-"""Those of this process that are listened on."""
+"""Ports of this process that are listened on."""
 
 
 def count_clients(host: str) -> int:
@@ -97,7 +98,7 @@ class Port:
         """Listen to nothing yet.
 
         Args:
-            name: For messages: ``RTDE``.
+            name: Name for messages, such as ``RTDE``.
             serve: Serves one client, and returns when it has left.
             limit: Longest line that a client may send [bytes].
         """
@@ -108,7 +109,7 @@ class Port:
         self._server: asyncio.Server | None = None
         self._tasks: set[asyncio.Task[None]] = set()
         self.host, self.number = "", 0
-        """Of the port, once it listens."""
+        """Address and number of the port, once it listens."""
 
     async def listen(self, host: str, port: int) -> None:
         """Accept clients at an address.

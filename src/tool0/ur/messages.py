@@ -1,4 +1,4 @@
-"""What a control box tells the clients of its primary interface."""
+"""Messages of a control box to the clients of its primary interface."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ class MessageKind(Enum):
     """The messages of UR's primary interface that occur."""
 
     TEXT = "text"
-    """Of ``textmsg``."""
+    """Text of ``textmsg``."""
     POPUP = "popup"
     ERROR = "error"
-    """Of the robot, or of a program as a whole."""
+    """Error of the robot, or of a program as a whole."""
     EXCEPTION = "exception"
-    """Of a program, at a place in its text."""
+    """Exception of a program, at a place in its text."""
     PROGRAM = "program"
     """The name of the program that runs now; empty when it has ended."""
 
@@ -34,9 +34,9 @@ class Message(NamedTuple):
     kind: MessageKind
     text: str
     title: str = ""
-    """Of a popup."""
+    """Title of a popup."""
     code: int = 0
-    """Of an error, as UR numbers them; 0 for those that it does not have."""
+    """Number of an error, as UR numbers them; 0 for those that it does not have."""
     is_warning: bool = False
     """Whether an error is one that the arm can go on after."""
     place: tuple[int, int] = (1, 1)
@@ -45,7 +45,7 @@ class Message(NamedTuple):
 
 @final
 class Messages:
-    """Passes messages on to those who listen, in the event loop."""
+    """Passes messages on to listeners, in the event loop."""
 
     def __init__(self) -> None:
         self.listeners: set[Callable[[Message], None]] = set()

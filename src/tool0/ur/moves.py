@@ -36,10 +36,12 @@ logger = logging.getLogger(__name__)
 T = TypeVar("T")
 
 LEAD: Final = (0.012, 0.03, 0.1)
-"""How long before a blend a move returns [s], so that there is time to plan and send
-the next one: at least, at first, and at most.  It follows the time that this takes."""
+"""Time before a blend at which a move returns [s], so that there is time to plan and
+send the next one: at least, at first, and at most.  It follows the time that this
+takes."""
 _MARGIN: Final = 0.01
-"""How far ahead of the last update a path is replaced [s]; more where that failed."""
+"""Time after the last update at which a path is replaced [s]; more where that
+failed."""
 _FIRST_KNOT: Final = 0.002
 """The earliest knot of a path that replaces another one [s]."""
 _LEAD_FACTOR: Final = 1.5
@@ -51,9 +53,9 @@ OWN_STREAM: Final = 1e6
 """Timeout of the streams of a program of the box itself [wall s]: it may pause between
 two commands, and nobody else sends them, who could fall silent."""
 MAX_ACCELERATION: Final = 1000.0
-"""What requests accept [rad/s², m/s²]."""
+"""Largest acceleration that requests accept [rad/s², m/s²]."""
 STOP: Final = 4.0
-"""Of the leading joint, when a motion is cancelled or replaced [rad/s²]."""
+"""Deceleration of the leading joint when a motion is cancelled or replaced [rad/s²]."""
 
 
 class _Running(NamedTuple):

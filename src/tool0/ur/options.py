@@ -10,7 +10,7 @@ from typing import Final, final
 from tool0.errors import ConfigError
 
 MAX_PORT_BASE: Final = 65535 - 63352
-"""So that the largest port, the gripper's, exists."""
+"""Largest port base: the largest port, the gripper's, must exist."""
 LOOPBACK: Final = ipaddress.ip_network("127.0.0.0/8")
 
 
@@ -22,7 +22,7 @@ class UrOptions:
     host: str = "127.0.0.1"
     """Address to listen on; further arms of a cell get the following ones."""
     port_base: int = 0
-    """Added to the port numbers of a real robot."""
+    """Number added to the ports of a real robot."""
     programs: Path | None = None
     """Folder with the programs that the dashboard server can load."""
     allow_sockets: bool = False
@@ -68,10 +68,10 @@ class UrOptions:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UrArm:
-    """Where an arm is served as a UR."""
+    """Address at which an arm is served as a UR."""
 
     address: str
-    """With the ports of a UR, and its gripper's socket on 63352."""
+    """Address with the ports of a UR, and its gripper's socket on 63352."""
     modbus_port: int | None = None
     """Modbus port of its gripper at this address; None without one."""
     serial_port: str | None = None

@@ -10,9 +10,10 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 CATCH_UP: Final = 0.1
-"""How late a step may begin and still count from when it was due [s]."""
+"""Longest delay with which a step begins and still counts from when it was due [s]."""
 AT_ONCE: Final = 0.02
-"""Within which a program goes on after a step, if it waits for nothing else [s]."""
+"""Time within which a program continues after a step, if it waits for nothing else
+[s]."""
 _ROUNDING: Final = 1e-9
 
 
@@ -28,13 +29,13 @@ class Pacer:
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._due = -math.inf
-        """When the last interval ended [s]."""
+        """Time at which the last interval ended [s]."""
         self._went_on = -math.inf
-        """When the program saw that, and went on [s]."""
+        """Time at which the program saw that, and continued [s]."""
 
     @property
     def start(self) -> float:
-        """When an interval begins that is waited for now [s]."""
+        """Time at which the interval that is waited for now begins [s]."""
         now = self._box.time
         follows = 0.0 <= now - self._went_on <= AT_ONCE
         return self._due if follows and 0.0 <= now - self._due <= CATCH_UP else now

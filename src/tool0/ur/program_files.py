@@ -12,9 +12,9 @@ from tool0.ur.external_control import is_external
 
 LOG: Final = "log_history.txt"
 SUFFIX: Final = ".script"
-"""Of URScript programs; PolyScope's ``.urp`` files are not read."""
+"""Suffix of URScript programs; PolyScope's ``.urp`` files are not read."""
 ROOTS: Final = ("/programs", "/ursim/programs")
-"""Where a UR and its simulator keep programs: here, both are the folder."""
+"""Folders of programs on a UR and on its simulator: here, both are the folder."""
 
 
 @final
@@ -23,7 +23,7 @@ class ProgramFile:
     """A program that was loaded."""
 
     name: str
-    """As the client named it, without folders."""
+    """Name as the client gave it, without folders."""
     text: str | None
     """None if UR's driver has it: it is the program of External Control."""
 

@@ -1,4 +1,4 @@
-"""Lets the program of a control box follow what others do with the arm."""
+"""Keeps the program of a control box consistent with other uses of the arm."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class ProgramWatch:
 
     @property
     def _reason(self) -> str:
-        """Why the arm has stopped by itself; empty if it has not."""
+        """Why the arm has stopped on its own; empty if it has not."""
         return self._box.state.protective_stop or self._box.state.motion_failure
 
     def _tell(self) -> None:

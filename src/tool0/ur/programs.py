@@ -84,11 +84,11 @@ class ProgramSlot(Generic[BoxT]):
         """Whether updates have shown that the program has the arm."""
         self.state = RuntimeState.STOPPED
         self.name = ""
-        """Of the program that runs, or ran last."""
+        """Name of the program that runs, or ran last."""
         self.n_stops = 0
         """A program that was sent before the last stop is not started after it."""
         self._n_stops_before = 0
-        """Those before the program that runs was sent."""
+        """Stops before the program that runs was sent."""
 
     @property
     def is_running(self) -> bool:

@@ -12,7 +12,7 @@ N_NUMBERS: Final = 48
 """Integer and double registers of each direction; 24 and up are for RTDE clients."""
 
 N_FLAGS: Final = 32
-"""Of programs."""
+"""Number of flags of programs."""
 
 
 @final

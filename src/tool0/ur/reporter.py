@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from tool0.ur.registers import RegisterBank
 
 PERIOD: Final = 0.1
-"""Between two looks for a change [wall s]."""
+"""Period of looking for a change [wall s]."""
 
 
 @final

@@ -22,7 +22,7 @@ logger = logging.getLogger(__name__)
 CONNECT_TIMEOUT: Final = 60.0
 """Longest wait for the bring-up [wall s]."""
 _RETRY: Final = 0.02
-"""Between two attempts to connect [wall s]."""
+"""Pause between two attempts to connect [wall s]."""
 
 
 class BoxInterface(Protocol):

@@ -17,15 +17,15 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 CONTACT_FORCE: Final = 5.0
-"""Against the direction that is watched [N]."""
+"""Least force of a contact, against the direction that is watched [N]."""
 START_FORCE: Final = 1.0
-"""[N]"""
+"""Force above which a contact has begun [N]."""
 MAX_STEPS: Final = 500
-"""How far back positions are known [updates]."""
+"""Number of updates for which positions are kept."""
 STEADY_TIME: Final = 0.5
-"""How long an arm has been at rest when it is steady [s]."""
+"""Time after which an arm at rest is steady [s]."""
 STEADY_SPEED: Final = 1e-3
-"""Of every joint, at most [rad/s]."""
+"""Largest speed of every joint of a steady arm [rad/s]."""
 
 
 class _Moment(NamedTuple):
@@ -73,8 +73,8 @@ class ToolHistory:
         """Return how many updates ago the tool came into contact; 0 without one.
 
         Args:
-            direction: In which the tool meets things, in the base frame's axes; of any
-                length; zero stands for all directions.
+            direction: Direction in which the tool meets things, in the base frame's
+                axes; of any length; zero stands for all directions.
         """
         first = self._force_along(self._moments[-1], direction)
         if first < CONTACT_FORCE:

@@ -25,7 +25,7 @@ robot's time aims that much too early, so that it must not be longer."""
 SHARE: Final = 0.1
 """Part of the time that may be spent on them for long."""
 _REPORT_PERIOD: Final = 10.0
-"""Between two warnings [wall s]."""
+"""Pause between two warnings [wall s]."""
 
 
 @final

@@ -24,10 +24,10 @@ class URScriptError(Tool0Error):
         """Report ``message`` as ``program:line:column: message``.
 
         Args:
-            message: What is wrong.
+            message: Description of the problem.
             place: Where.
             program: The name of its source.
-            key: What UR's controller calls this error; empty if that is not known.
+            key: Name of this error on UR's controller; empty if that is not known.
         """
         super().__init__(f"{program}:{place.line}:{place.column}: {message}")
         self.message = message

@@ -92,6 +92,21 @@ def test_python_gives_the_same(
         assert np.array_equal(one, other)
 
 
+@needs_kernel
+def test_fast_joints_whose_mobility_is_due(python_ticks: list[Core]) -> None:
+    """The governor gets a mobility between two steps of the kernel."""
+    with Beside(2) as beside:
+        columns = [beside.batch.joint_names.index(j) for j in beside.batch.arm_joints]
+        for sign in (1.0, -1.0):
+            q = beside.batch.position[:, columns]
+            q[:, 0] += sign * 1.2  # within 0.3 s: faster than a drive can
+            beside.command(q, duration=0.3)
+            beside.run(0.25)
+            beside.check()
+            assert np.abs(beside.batch.velocity[:, columns]).max() > 2.0
+    assert not set(python_ticks) & set(beside.batch._cores)
+
+
 def test_servos_whose_masses_are_due(tmp_path: Path, python_ticks: list[Core]) -> None:
     """Servos get new masses every 64 steps, between two steps of the kernel."""
     servos = tool0.DescriptionConfig(transmission_hw_interface=POSITION)
@@ -109,6 +124,25 @@ def test_servos_whose_masses_are_due(tmp_path: Path, python_ticks: list[Core]) -
             beside.move_gripper(rng.uniform(0.0, 0.08, 2).tolist())
             beside.run(0.15)
             beside.check()
+    if library.load() is not None:
+        assert python_ticks == []
+
+
+def test_joints_that_are_fast(python_ticks: list[Core]) -> None:
+    """The governor gets new mobilities between two steps of the kernel."""
+    with Beside(2) as beside:
+        rng = np.random.default_rng(3)
+        columns = [beside.batch.joint_names.index(j) for j in beside.batch.arm_joints]
+        home = beside.batch.position[:, columns]
+        for k in range(6):
+            target = home + rng.uniform(-0.6, 0.6, home.shape)
+            beside.command(target, duration=0.15, which=[1] if k % 2 else None)
+            beside.run(0.1)
+            beside.check()
+        beside.batch.restore(beside.batch.save())
+        beside.run(0.1)
+        beside.check()
+        assert np.abs(beside.batch.velocity[:, columns]).max() > 2.0
     if library.load() is not None:
         assert python_ticks == []
 

@@ -6,7 +6,7 @@ import pytest
 from ros2_arm import NAMES, REST, Point, arm, goal
 from toy_robot import DT
 
-from tool0.control.spline import Motion, hold
+from tool0.control.spline import Motion, Segment, along
 from tool0.control.trajectory_monitor import REACHED
 from tool0.description.model import Interface
 from tool0.errors import ControlError
@@ -466,12 +466,27 @@ def test_a_plan_starts_with_the_desired_motion() -> None:
     assert handle.result == REACHED
 
 
-def test_motions_that_the_kernel_started_end_the_goal() -> None:
-    robot, controller, old = moving({})
-    controller.resume_from_kernel({0: hold(robot.time, 0.25)}, robot.time)
-    assert old.result == REPLACED
-    robot.run(2.0)
-    assert robot.position[1:] == [0.25, 1.0, 1.0]
+@pytest.mark.parametrize("has_points", [True, False])
+def test_motions_that_the_kernel_started(has_points: bool) -> None:
+    """They are judged as trajectories of the topic; another one may follow them."""
+    robot, controller, _ = moving({})
+    controller.stop()
+    q, end = robot.position[1], robot.time + 0.5
+    rising = Segment.of(robot.time, end, (q, 0.5, 0.0, 0.0, 0.0, 0.0))
+    splines = dict.fromkeys(range(3), along(rising))
+    controller.resume_from_kernel(
+        splines, robot.time, is_first=True, has_points=has_points
+    )
+    robot.run(0.25)
+    assert robot.velocity[1] == pytest.approx(0.5, rel=0.01)
+    last = [robot.position[1]] * 3
+    controller.command(goal(Point(last, REST, time_from_start=1.0)), robot.time)
+    law = controller.law()
+    assert law is None  # the next tick starts it
+    robot.tick()
+    law = controller.law()
+    assert law is not None
+    assert law.has_points == has_points
 
 
 # ---- stopping ----------------------------------------------------------------------

@@ -200,6 +200,26 @@ def test_the_ground_is_where_it_is(skew_model: RobotModel) -> None:
     assert depth == pytest.approx(np.full((16, 16), 1.5), abs=1e-5)
 
 
+def test_the_ground_is_below_a_camera_far_away(skew_model: RobotModel) -> None:
+    require_gl()
+    renderer = Renderer(skew_model, 0.25, 24, 16)
+    pose = looking((300.0, -70.0, 2.0), (302.0, -68.0, 1.6))
+    camera = Camera(name="c", pose=pose, width=24, height=16, far=90.0)
+    at_rest = {joint.name: 0.0 for joint in skew_model.movable_joints}
+    _, depth, frame = renderer.render(camera, at_rest, (), ())
+    renderer.close()
+    rows, columns = np.mgrid[:16, :24]
+    (fx, _, cx), (_, fy, cy), _ = camera.intrinsics
+    x, y = (columns - cx) / fx, (rows - cy) / fy
+    right, down, forward = frame.rotation[2]
+    falling = -(right * x + down * y + forward)  # per metre of depth
+    with np.errstate(divide="ignore"):
+        expected = np.where(falling > 0.0, 1.75 / falling, np.inf)
+    is_near = expected < 30.0
+    assert is_near.any()
+    assert depth[is_near] == pytest.approx(expected[is_near], rel=1e-3)
+
+
 def test_collision_shapes_stand_in_for_meshes_that_mujoco_cannot_read(
     caplog: pytest.LogCaptureFixture,
 ) -> None:

@@ -130,6 +130,10 @@ def test_a_deep_copy_goes_on_alike_and_apart() -> None:
         action = rng.uniform(-1.0, 1.0, 5).astype(np.float32)
         act(env)
     twin = copy.deepcopy(env)
+    states = [each.unwrapped.copies.state for each in (env, twin)]
+    measured = [[*arm, *s[1:]] for s in states for arm in s.arms.values()]
+    for one, other in zip(*measured, strict=True):
+        np.testing.assert_array_equal(one, other)
     for _ in range(5):
         action = rng.uniform(-1.0, 1.0, 5).astype(np.float32)
         first, second = act(env), act(twin)

@@ -8,7 +8,7 @@ import pytest
 from tool0.description.transform_arrays import Frames, from_rotation_vectors
 from tool0.gym.options import EnvOptions
 from tool0.gym.tool import chord_vectors, downward
-from tool0.gym.workspace import Workspace
+from tool0.gym.workspace import workspaces
 
 PAIRS = [("ur5", "2f85"), ("ur3e", "hande"), ("ur20", "2f140")]
 
@@ -25,7 +25,7 @@ def test_a_chord_is_about_the_rotation_vector() -> None:
 @pytest.mark.parametrize("pair", PAIRS)
 def test_a_step_takes_the_tool_where_it_is_to_go(pair: tuple[str, str]) -> None:
     arm, gripper = pair
-    space = Workspace(EnvOptions(arm=arm, gripper=gripper))
+    space = workspaces(EnvOptions(arm=arm, gripper=gripper))["arm"]
     n, tool = 20, space.tool
     q = space.start + rng.uniform(-0.1, 0.1, (n, 6))
     pose = tool.pose(q)
@@ -45,9 +45,9 @@ def test_the_kernel_computes_what_numpy_does(
     pair: tuple[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     options = EnvOptions(arm=pair[0], gripper=pair[1])
-    compiled = Workspace(options).tool
+    compiled = workspaces(options)["arm"].tool
     monkeypatch.setenv("TOOL0_KERNEL", "python")
-    space = Workspace(options)
+    space = workspaces(options)["arm"]
     reference = space.tool
     q = space.start + rng.uniform(-0.5, 0.5, (200, 6))
     pose = reference.pose(q)
@@ -67,7 +67,7 @@ def test_the_kernel_computes_what_numpy_does(
 
 @pytest.mark.parametrize("pair", PAIRS)
 def test_the_tool_starts_above_the_table_and_looks_down(pair: tuple[str, str]) -> None:
-    space = Workspace(EnvOptions(arm=pair[0], gripper=pair[1]))
+    space = workspaces(EnvOptions(arm=pair[0], gripper=pair[1]))["arm"]
     pose = space.tool.pose(space.start[None])
     np.testing.assert_allclose(pose.position[0], space.start_position, atol=1e-6)
     np.testing.assert_allclose(

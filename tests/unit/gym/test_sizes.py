@@ -18,7 +18,7 @@ from tool0.description.shapes import extents, sizes
 from tool0.errors import ConfigError
 from tool0.gym.copies import Copies
 from tool0.gym.options import EnvOptions
-from tool0.gym.workspace import Workspace
+from tool0.gym.workspace import workspaces
 from tool0.scene import Cylinder, Scene, Sphere
 
 pytestmark = pytest.mark.slow
@@ -116,7 +116,8 @@ def test_the_checker_has_no_complaint() -> None:
 @pytest.mark.parametrize("gripper", ["2f85", "2f140", "hande"])
 def test_the_gripper_can_grasp_every_size(gripper: str) -> None:
     ranges = tool0.gym.Randomisation(size=(0.01, 100.0))
-    space = Workspace(EnvOptions(gripper=gripper, randomise=ranges))
+    options = EnvOptions(gripper=gripper, randomise=ranges)
+    (space,) = workspaces(options).values()
     smallest, largest = space.edges
     assert 0.01 < smallest < space.edge <= largest
     assert largest <= 0.8 * space.gripper.max_opening

@@ -18,6 +18,7 @@ from tool0.errors import Tool0Error
 from tool0.kernel import library
 from tool0.protocol.controllers import Role
 from tool0.simulation.config import ControlConfig, SimulationConfig
+from tool0.simulation.core import Core
 
 pytestmark = pytest.mark.slow
 
@@ -253,6 +254,46 @@ def payloads(robot: Any, record: Record) -> None:
     robot.run(0.3)
     robot.arm.control_box.play()
     robot.run(0.3)
+
+
+def pushes(robot: Any, record: Record) -> None:
+    """Push links and an object for a while, also at once, while a sensor samples."""
+    robot.force_torque.start(rate=200.0)
+    robot.move_joints({"elbow_joint": 0.5})
+    for name, duration in (
+        ("wrist_3_link", 0.0334),
+        ("red cube", 0.05),
+        ("forearm_link", None),
+    ):
+        robot.apply_wrench(
+            name, force=(8.0, 2.0, 5.0), torque=(0.1, 0.0, 0.0), duration=duration
+        )
+        robot.run(0.013)
+        record.append(numbers(robot))
+        robot.apply_wrench("tool0", force=(0.0, 3.0, 0.0), duration=0.02)
+        robot.run(0.1)
+        record.append((robot.force_torque.samples(), numbers(robot)))
+    robot.clear_wrenches()
+    robot.run(0.1)
+
+
+def test_of_wrenches_that_are_applied(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert_identical(
+        monkeypatch, pushes, simulation=SimulationConfig(scene="table_and_cubes")
+    )
+
+
+def test_python_executes_no_tick_while_a_wrench_acts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ticks: list[Core] = []
+    tick = Core.tick
+    monkeypatch.setattr(Core, "tick", lambda core: ticks.append(core) or tick(core))
+    with tool0.bringup(realtime=False) as robot:
+        robot.force_torque.start(rate=125.0)
+        robot.apply_wrench("tool0", force=(1.0, 0.0, 0.0), duration=0.4)
+        robot.run(0.5)
+    assert len(ticks) <= 4  # at its start and at its end
 
 
 def paths(robot: Any, record: Record) -> None:

@@ -15,12 +15,13 @@ def test_sizes_agree() -> None:
         sizeof(memory.LawStruct),
         8 * memory.PIECE_SIZE,
         sizeof(memory.GripStruct),
+        sizeof(memory.StartStruct),
         *(
             sizeof(kind)
             for kind in (
                 drives.Drives,
                 drives._Table,
-                drives._Body,
+                drives.Body,
                 drives._Bounds,
                 drives._Goal,
                 drives._Servo,

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from tool0.errors import ControlError
-from tool0.sensing.force_torque import LowPass
+from tool0.sensing.low_pass import LowPass
 
 
 def amplitude(frequency: float, cutoff: float, rate: float = 1000.0) -> float:

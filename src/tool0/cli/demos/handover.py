@@ -10,14 +10,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple, final
 
 from tool0.api.grasps import Bin, finger_reach, grasps_from_above, half_height
-from tool0.api.table import BIN, TABLE, PickTable
+from tool0.api.table import BIN, TABLE, PickTable, joined
 from tool0.cli.demos.hand import Hand, PickOptions, TaskFailure
 from tool0.cli.demos.monitor import GraspMonitor
 from tool0.cli.demos.picker import DROP, Picker, measured
 from tool0.cli.demos.report import PickReport
 from tool0.description.config import Cell, CellRobot, DescriptionConfig
 from tool0.description.scene import Scene
-from tool0.description.shapes import Box
 from tool0.description.transform import Pose, Transform, Vector3, to_transform
 from tool0.errors import ModelError
 from tool0.protocol.state import Snapshot
@@ -91,28 +90,14 @@ class HandoverCell:
             for table in (self.giver, self.taker)
         )
         walls = [item for item in other.objects if item.name.startswith(f"{BIN}.")]
-        tables = [
-            item
-            for item in (*one.objects, *other.objects)
-            if item.name == TABLE and isinstance(item.geometry, Box)
-        ]
+        table = joined(
+            item for item in (*one.objects, *other.objects) if item.name == TABLE
+        )
         rest = [
             item
             for item in one.objects
             if item.name != TABLE and not item.name.startswith(f"{BIN}.")
         ]
-        spans = [
-            (
-                min(item.pose.xyz[k] - _size(item.geometry)[k] / 2 for item in tables),
-                max(item.pose.xyz[k] + _size(item.geometry)[k] / 2 for item in tables),
-            )
-            for k in range(3)
-        ]
-        x, y, z = ((low + high) / 2.0 for low, high in spans)
-        dx, dy, dz = (high - low for low, high in spans)
-        table = replace(
-            tables[0], geometry=Box(size=(dx, dy, dz)), pose=Pose(xyz=(x, y, z))
-        )
         return replace(one, objects=(table, *rest, *walls))
 
 
@@ -272,8 +257,3 @@ class _Handover:
 def _behind(frame: Transform) -> Transform:
     """Return the frame of a gripper that has not yet approached, or has left."""
     return frame @ Transform(position=(0.0, 0.0, -APART))
-
-
-def _size(geometry: object) -> Vector3:
-    assert isinstance(geometry, Box)
-    return geometry.size

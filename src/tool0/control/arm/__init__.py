@@ -1,1 +1,1 @@
-"""What moves an arm for programs that plan elsewhere: paths, streams, forces."""
+"""Motion of an arm for programs that plan elsewhere: paths, streams, forces."""

@@ -298,9 +298,9 @@ class ArmMotionController:
         """Ramp down to rest, from any mode.
 
         Args:
-            deceleration: Of the leading joint [rad/s²]; of the path's clock [1/s], if
-                the arm is to stay on the path.
-            now: [s]
+            deceleration: Deceleration of the leading joint [rad/s²]; of the path's
+                clock [1/s], if the arm is to stay on the path.
+            now: Present time [s].
             along_path: Whether it does, if it is on one.
         """
         splines = self._splines
@@ -325,7 +325,7 @@ class ArmMotionController:
         self._use(SplineMotion.stopping(start, now, deceleration), now)
 
     def stream_deceleration(self) -> float:
-        """Return how fast a stream of velocities ramps to rest by itself [rad/s²].
+        """Return the deceleration with which a stream of velocities ends [rad/s²].
 
         It is that of the leading joint; 0 without such a stream.
         """

@@ -181,7 +181,7 @@ class SpeedStream:
 
         Args:
             target: The velocities, or the twist in the base's axes [m/s, rad/s].
-            acceleration: [rad/s²], or [m/s², rad/s²].
+            acceleration: Acceleration [rad/s²], or [m/s², rad/s²].
             until: When to ramp to rest [s].
             lever: The point in the flange's frame [m], shape (3,).
         """

@@ -161,7 +161,7 @@ def _invalid_joints(
 
 @final
 class TrajectoryReplacement:
-    """Makes the splines of one controller.
+    """Builds the splines of one controller.
 
     In its methods ``running`` are the splines that are executed so far, ``now`` is the
     simulated time of the coming update [s], and ``handle`` is the goal whose tolerances

@@ -149,7 +149,12 @@ class JointTrajectoryController:
         self._tracking.state = state
 
     def resume_from_kernel(
-        self, splines: Mapping[int, JointSpline], now: float
+        self,
+        splines: Mapping[int, JointSpline],
+        now: float,
+        *,
+        is_first: bool,
+        has_points: bool,
     ) -> None:
         """Continue with the motions of joints, by number, that the kernel started."""
         self._end_goal(PREEMPTED)

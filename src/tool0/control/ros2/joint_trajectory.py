@@ -11,7 +11,7 @@ from typing import ClassVar, NamedTuple
 
 from tool0.control.goal_motion import check_limits, splines_by_plan
 from tool0.control.joint_tracking import JointTracking
-from tool0.control.law import TrajectoryClock, TrajectoryLaw
+from tool0.control.law import TrajectoryClock, TrajectoryLaw, TrajectoryStart
 from tool0.control.ros2.trajectory_check import (
     Acceptance,
     active_tolerances,
@@ -135,7 +135,7 @@ class JointTrajectoryController:
             spec.joint_models, spec.gains, spec.velocity_ff, indices, state
         )
         self.pid = self._tracking.pid
-        self._tolerances = spec.tolerances
+        self._take_tolerances(spec.tolerances)
         self._monitor: TrajectoryMonitor | None = None
         """Monitor of the trajectory; None while the joints hold still."""
         self._factor = spec.speed.initial
@@ -201,7 +201,14 @@ class JointTrajectoryController:
     def law(self) -> TrajectoryLaw | None:
         if self._is_first or self.speed_scaling != self._factor_used:
             return None
-        return self._tracking.law(self._monitor, lead=self._period, clock=self._clock)
+        replacement = self.spec.replacement
+        is_python = replacement.is_stepped or replacement.upsamples
+        return self._tracking.law(self._monitor)._replace(
+            lead=self._period,
+            clock=self._clock,
+            start=None if is_python else self._coming,
+            has_points=self._has_points,
+        )
 
     def observe(self, state: JointState) -> None:
         self._tracking.state = state
@@ -210,15 +217,36 @@ class JointTrajectoryController:
         """Continue with other parameters; tolerances hold from the next goal on."""
         self.spec = spec
         self._tracking.set_feed_forward(spec.velocity_ff)
+        self._take_tolerances(self._tolerances)
+
+    def _take_tolerances(self, tolerances: TrajectoryTolerances) -> None:
+        """Judge trajectories from the next one on by these tolerances."""
+        spec, self._tolerances = self.spec, tolerances
+        path, at_goal = active_tolerances(
+            tolerances, spec.joints, by_velocity=spec.judges_velocity
+        )
+        self._coming = TrajectoryStart(
+            spec.replacement.is_spliced,
+            spec.replacement.from_desired,
+            spec.reads_velocity,
+            spec.acceptance.allows_moving_end,
+            path,
+            at_goal,
+            tolerances.goal_time,
+            spec.command_timeout,
+        )
 
     def resume_from_kernel(
-        self, splines: Mapping[int, JointSpline], now: float
+        self,
+        splines: Mapping[int, JointSpline],
+        now: float,
+        *,
+        is_first: bool,
+        has_points: bool,
     ) -> None:
-        """Continue with the motions of joints, by number, that the kernel started."""
-        self._finish(REPLACED)
-        self._monitor = None
-        self._execute(self._tracking.merged(splines))
-        self._is_first = self._has_points = False
+        self._pending = None
+        self._start(self._tracking.merged(splines), None)
+        self._is_first, self._has_points = is_first, has_points
 
     def _execute(self, splines: Sequence[JointSpline]) -> None:
         """Follow other splines; the samplers look at them with the coming tick."""
@@ -284,9 +312,11 @@ class JointTrajectoryController:
         handle = Goal(self.spec.name)
         splines = self._accept(goal, now)
         self._finish(REPLACED)
-        self._tolerances = self.spec.tolerances
-        if isinstance(goal, TrajectoryGoal):
-            self._tolerances = self._tolerances_of(goal)
+        self._take_tolerances(
+            self._tolerances_of(goal)
+            if isinstance(goal, TrajectoryGoal)
+            else self.spec.tolerances
+        )
         self._start(splines, handle)
         return handle
 
@@ -402,19 +432,16 @@ class JointTrajectoryController:
 
     def _start(self, splines: Sequence[JointSpline], handle: Goal | None) -> None:
         """Execute accepted splines with the coming tick."""
-        spec, tolerances = self.spec, self._tolerances
-        path, at_goal = active_tolerances(
-            tolerances, spec.joints, by_velocity=spec.judges_velocity
-        )
+        coming = self._coming
         self._execute(splines)
         self._is_first = True
         self._monitor = TrajectoryMonitor(
             handle,
             end=max(spline.end for spline in splines),
-            path=path,
-            at_goal=at_goal,
-            goal_time=tolerances.goal_time,
-            timeout=spec.command_timeout,
+            path=coming.path,
+            at_goal=coming.at_goal,
+            goal_time=coming.goal_time,
+            timeout=coming.timeout,
         )
 
     # ---- desired and measured motion ----------------------------------------------

@@ -38,7 +38,7 @@ from tool0.installation.gazebo.installation import find_installation
 from tool0.installation.gazebo.plugin import bridge_libraries
 
 _STRONGEST_BRAKE = 1e6
-"""Of a drive without an effort limit [N·m | N]."""
+"""Torque of the brake of a drive without an effort limit [N·m | N]."""
 
 
 @final

@@ -38,7 +38,7 @@ A master's stop also stops its mimics: ODE's direct solver fails on redundant ro
 undamped fingers then oscillate at 6 rad/s.
 """
 _ROS2_CONTROL = "ros2_control"
-"""In the file names of Gazebo's controller managers of ROS 2."""
+"""Text in the file names of Gazebo's controller managers of ROS 2."""
 _COLORED = "tool0_paint"
 """Prefix of the links of coloured shapes: libsdformat does not lump a link whose name
 begins with its parent's."""

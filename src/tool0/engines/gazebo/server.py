@@ -29,7 +29,7 @@ logger = logging.getLogger(__name__)
 START_TIMEOUT = 30.0
 """Timeout for gzserver to load the bridge [s]; with a cold disk it takes ten."""
 _EXIT_TIMEOUT: Final = 0.2
-"""Timeout for a disconnected server to end by itself [wall s]."""
+"""Timeout for a disconnected server to end on its own [wall s]."""
 _FOLDER: Final = "tool0-gazebo-"
 _LOCK: Final = "lock"
 _NEW_LOCK: Final = "lock.new"

@@ -98,9 +98,9 @@ def _groups(
     """Return the first point of each pair in a world, and the pair of each point.
 
     Args:
-        numbers: Of the points' worlds, shape (p,).
+        numbers: Numbers of the points' worlds, shape (p,).
         pairs: Numbers below ``count`` of what touches there, in either order, (p, 2).
-        count: How many things there are.
+        count: Number of the things that can touch.
     """
     key = (numbers * count + pairs.min(axis=1)) * count + pairs.max(axis=1)
     _, begins, group = np.unique(key, return_index=True, return_inverse=True)

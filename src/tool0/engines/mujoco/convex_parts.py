@@ -101,7 +101,7 @@ def _segments(triangles: Points, price: float) -> list[Points]:
 
 
 def _slabs(triangles: Points, axis: int) -> list[Points]:
-    """Return what lies between planes across an axis; thin ones join the next."""
+    """Return the parts between planes across an axis; thin ones join the next."""
     lower, upper = _box(triangles)
     slabs, rest = [], triangles
     for place in np.linspace(lower[axis], upper[axis], _CUTS + 2)[1:-1]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, final
 
 import numpy as np
 
@@ -23,8 +24,13 @@ class ObjectArrays(NamedTuple):
     """w, x, y, z, shape (n, n_objects, 4)."""
     linear: Array
     """[m/s], shape (n, n_objects, 3)."""
-    angular: Array
-    """[rad/s], shape (n, n_objects, 3)."""
+    turning: Array
+    """Angular velocities in the objects' own axes [rad/s], shape (n, n_objects, 3)."""
+
+    @property
+    def angular(self) -> Array:
+        """Angular velocities in the root's axes [rad/s], shape (n, n_objects, 3)."""
+        return rotated_by(self.quat, self.turning)
 
 
 def mujoco_engine(engine: Engine) -> MujocoEngine:
@@ -33,50 +39,59 @@ def mujoco_engine(engine: Engine) -> MujocoEngine:
     return engine
 
 
-def joint_views(engine: MujocoEngine) -> tuple[Array, Array]:
-    """Return views of the joints' positions and velocities.
+@final
+class ObjectReader:
+    """Reads the states of the objects of n copies of one scene."""
 
-    They hold as long as no object is spawned, deleted or attached.
-    """
-    n = len(engine.joint_names)
-    return engine.data.qpos[:n], engine.data.qvel[:n]
+    def __init__(self, first: ObjectStates, n: int) -> None:
+        """Read objects such as those of the ``first`` copy."""
+        self._names = first.names
+        self._movable = [
+            k for k, name in enumerate(first.names) if name in first.starts
+        ]
+        self._static: list[Mapping[str, ObjectState]] = []
+        self._poses = np.zeros((n, len(first.names), 7))
+        """Those of the static objects; the others are zero."""
+
+    def read(
+        self, q: Array, qd: Array, static: Sequence[Mapping[str, ObjectState]]
+    ) -> ObjectArrays:
+        """Return the states.
+
+        ``q`` and ``qd`` are those of the free joints, (n, 7 n_movable) and
+        (n, 6 n_movable); ``static`` has the states of the other objects in each copy,
+        or once for all of them.
+        """
+        if not _are_same(static, self._static):
+            self._note(static)
+        poses = self._poses.copy()
+        speeds = np.zeros((*poses.shape[:2], 6))
+        if self._movable:
+            shape = len(poses), len(self._movable), -1
+            poses[:, self._movable] = q.reshape(shape)
+            speeds[:, self._movable] = qd.reshape(shape)
+        return ObjectArrays(
+            poses[..., :3], poses[..., 3:], speeds[..., :3], speeds[..., 3:]
+        )
+
+    def _note(self, static: Sequence[Mapping[str, ObjectState]]) -> None:
+        """Keep the poses of the static objects, which change rarely."""
+        self._static = list(static)
+        for k, name in enumerate(self._names):
+            if k not in self._movable:
+                states = [states[name] for states in static]
+                self._poses[:, k] = [(*x.position, *x.quat_wxyz) for x in states]
 
 
-def object_arrays(engines: Sequence[MujocoEngine]) -> ObjectArrays:
+def _are_same(some: Sequence[object], others: Sequence[object]) -> bool:
+    return len(some) == len(others) and all(map(operator.is_, some, others))
+
+
+def read_objects(reader: ObjectReader, engines: Sequence[MujocoEngine]) -> ObjectArrays:
     """Return the objects' states, as ``World.object_states`` of each engine."""
     states = [engine.world.states for engine in engines]
-    return object_arrays_of(
-        states[0],
+    return reader.read(
         np.array([each.position for each in states]),
         np.array([each.velocity for each in states]),
         [each.static for each in states],
     )
-
-
-def object_arrays_of(
-    first: ObjectStates,
-    q: Array,
-    qd: Array,
-    static: Sequence[Mapping[str, ObjectState]],
-) -> ObjectArrays:
-    """Return the states of the objects that ``first`` has, in n copies.
-
-    ``q`` and ``qd`` are those of the free joints, (n, 7 n_movable) and
-    (n, 6 n_movable); ``static`` has the states of the other objects in each copy, or
-    once for all of them.
-    """
-    n, n_objects = len(q), len(first.names)
-    position, linear, angular = np.zeros((3, n, n_objects, 3))
-    quat = np.zeros((n, n_objects, 4))
-    movable = [k for k, name in enumerate(first.names) if first.is_movable(name)]
-    if movable:
-        shape = n, len(movable), -1
-        q, qd = q.reshape(shape), qd.reshape(shape)
-        position[:, movable], quat[:, movable] = q[..., :3], q[..., 3:]
-        linear[:, movable] = qd[..., :3]
-        angular[:, movable] = rotated_by(q[..., 3:], qd[..., 3:])
-    for k, name in enumerate(first.names):
-        if k not in movable:
-            position[:, k] = [states[name].position for states in static]
-            quat[:, k] = [states[name].quat_wxyz for states in static]
-    return ObjectArrays(position, quat, linear, angular)

@@ -1,4 +1,4 @@
-"""The shapes of a robot, of the objects around it and of what it holds, at rest.
+"""The shapes of a robot, of the objects around it and of those it holds, at rest.
 
 It is a model of its own, without dynamics, in which distances are measured: for every
 engine, and in any thread.
@@ -36,7 +36,7 @@ class Shape(NamedTuple):
     owner: str
     """The link, object or plane it belongs to, or ``ground``."""
     body: int
-    """What it moves with."""
+    """Body that the shape moves with."""
 
 
 @final
@@ -57,8 +57,8 @@ class DistanceModel:
         Args:
             robot: Its links.
             ground: Height of the ground in the robot's root [m]; None without.
-            objects: What stands around the robot; ``place`` says where.
-            held: What it carries.
+            objects: Objects around the robot; ``place`` sets their poses.
+            held: Objects that it carries.
             planes: Bounds of the space.
 
         Raises:
@@ -197,7 +197,7 @@ class DistanceModel:
         return int(self.model.body_parentid[body])
 
     def memory(self) -> ShapeMemory:
-        """Return what compiled code needs.
+        """Return the memory for compiled code.
 
         Raises:
             ModelError: If MuJoCo's library is not found.

@@ -36,17 +36,18 @@ _BRAKE_SOLREF = (0.002, 1.0)
 """Time constant and damping ratio of a brake's friction: as stiff as steps of 1 ms
 permit."""
 _BRAKE_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
-"""Its impedance, the largest that MuJoCo has: a brake does not yield."""
+"""Impedance of a brake's friction, the largest that MuJoCo has: a brake does not
+yield."""
 _BRAKE_MOBILITY = 1000.0
 """Bound of a joint's mobility, by which MuJoCo scales how far friction yields, times
 the brake's torque [rad/s²].  A brake with its whole torque creeps at 1e-4 rad/s at
 most, however light the joint is without its load."""
 _MOST_FRICTION = 1e6
-"""Of a drive without an effort limit [N·m | N]."""
+"""Dry friction of the brake of a drive without an effort limit [N·m | N]."""
 
 
 def _log_warning(message: str) -> None:
-    """Log what MuJoCo warns of, in place of a file in the working directory."""
+    """Log MuJoCo's warnings, in place of a file in the working directory."""
     logger.debug("MuJoCo: %s", message)
 
 

@@ -42,7 +42,7 @@ LinkPair = tuple[str, str]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SampledCollisions:
-    """How often links collided in random poses."""
+    """Counts of the random poses in which links collided."""
 
     n_samples: int
     collided: Mapping[LinkPair, int]
@@ -72,7 +72,7 @@ def disabled_collisions(
         model: The robot, or several robots below one root.
         default: The default pose: joint → position [rad | m].
         n_samples: Number of random poses within the limits of the joints.
-        seed: Of the random poses.
+        seed: Seed of the random poses.
     """
     shapes = LinkShapes(model)
     sampled = shapes.sample(n_samples, seed)

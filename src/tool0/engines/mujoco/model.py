@@ -52,8 +52,8 @@ GRIP_CONDIM = 4
 """Sliding and spinning friction: a pad is a patch, not a point."""
 IMPRATIO = 100.0
 MIMIC_SOLREF = (0.002, 1.0)
-"""As stiff as a step of 1 ms allows: mimic joints follow within the step, loops stay
-closed, and passive joints do not pass their stops."""
+"""Reference of mimic joints, as stiff as a step of 1 ms allows: they follow within the
+step, loops stay closed, and passive joints do not pass their stops."""
 MIMIC_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 STIFF_SOLIMP = (0.995, 0.999, 0.001, 0.5, 2.0)
 """Impedance of loops, of stops of passive joints, and of sliding mimic joints.
@@ -65,7 +65,7 @@ closed pads of a linkage vibrate."""
 MESH_SUFFIXES = (".stl", ".obj", ".msh")
 """Suffixes of mesh files that MuJoCo reads."""
 
-_VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # as mujoco_menagerie has them
+VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # as mujoco_menagerie has them
 
 
 def build_spec(
@@ -302,7 +302,7 @@ def _add_shapes(
     for number, visual in enumerate(link.visuals if visuals else ()):
         geom = add_geom(spec, handle, visual, frame)
         geom.name = f"{link.name}/visual{number}"
-        geom.group = _VISUAL_GROUP
+        geom.group = VISUAL_GROUP
         geom.mass = 0.0
         geom.contype = geom.conaffinity = 0
         if visual.rgba is not None:

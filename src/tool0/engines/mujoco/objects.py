@@ -294,9 +294,9 @@ class ObjectStates:
         }
         """The first numbers of each movable object in ``position`` and ``velocity``."""
         self.position = data.qpos[model.nq - 7 * len(movable) :]  # views
-        """Of the free joints, each with 7 numbers."""
+        """Positions of the free joints, each with 7 numbers."""
         self.velocity = data.qvel[model.nv - 6 * len(movable) :]
-        """Of the free joints, each with 6 numbers."""
+        """Velocities of the free joints, each with 6 numbers."""
         self._warm_start = data.qacc_warmstart[model.nv - 6 * len(movable) :]
         self._static_at_start = {
             item.name: ObjectState(

@@ -23,7 +23,9 @@ from tool0.description.scene import Scene, SceneObject
 from tool0.description.scene_state import ObjectState
 from tool0.description.shapes import Mesh, kind_of
 from tool0.description.transform import Transform, from_arrays
+from tool0.engines.mujoco.detail import Detail, add_coarse
 from tool0.engines.mujoco.gl import make_context
+from tool0.engines.mujoco.ground import add_ground, put_ground_below
 from tool0.engines.mujoco.model import MESH_SUFFIXES, build_spec
 from tool0.engines.mujoco.objects import (
     change_body,
@@ -39,6 +41,9 @@ SHADOW_DETAIL = 5
 """Pixels of the shadow map along a side, per pixel of the image."""
 SHADOW_SIZES = (512, 2048)
 """Range of the side of the shadow map [pixels]."""
+SMALL, ROUND = 128, (20, 8)
+"""Side of images [pixels] up to which cylinders and spheres have so many slices and
+stacks; in larger ones they have MuJoCo's 28 and 16."""
 HORIZON, ZENITH = np.array([237.0, 242.0, 247.0]), np.array([180.0, 203.0, 230.0])
 """Colours of the sky."""
 HAZE = (3.0, 9.0)
@@ -46,7 +51,7 @@ HAZE = (3.0, 9.0)
 DIFFUSE, HEAD_DIFFUSE, HEAD_AMBIENT = 0.5, 0.32, 0.38
 """Intensities of the lamp, and of the light from the camera."""
 ROBOT, GROUND, NOTHING = -1, -2, -3
-"""What a pixel shows that shows no object."""
+"""Values of pixels that show no object."""
 STAND_IN_RGBA = (0.6, 0.62, 0.65, 1.0)
 """Colour of collision shapes that replace a mesh."""
 
@@ -70,7 +75,10 @@ class Renderer:
         self._robot = model = with_readable_visuals(model)
         self.size = width, height
         """Of the largest image [pixels]."""
-        self._robot_spec = build_spec(model, dt=0.001, visuals=True, ground=ground)
+        self._robot_spec = build_spec(model, dt=0.001, visuals=True, ground=None)
+        if ground is not None:
+            add_ground(self._robot_spec, ground)
+        add_coarse(self._robot_spec)
         _furnish(self._robot_spec, width, height)
         self._mesh_files: Mapping[str, bytes] = {}
         self._objects: tuple[SceneObject, ...] | None = None
@@ -112,7 +120,7 @@ class Renderer:
         objects: tuple[SceneObject, ...],
         states: Sequence[ObjectState],
     ) -> NDArray[np.int32]:
-        """Return what each pixel shows, shape (height, width).
+        """Return the thing that each pixel shows, shape (height, width).
 
         ``ROBOT``, ``GROUND``, ``NOTHING``, or the number of an object from 0 on.
         """
@@ -211,6 +219,7 @@ class Renderer:
         self._options = mujoco.MjvOption()
         self._options.geomgroup[:] = [1, 1, 1, 0, 0, 0]  # no collision shapes
         self._options.sitegroup[:] = 0
+        self._detail = Detail(model)
         self._numbers = {
             int(model.body(item.name).id): k for k, item in enumerate(objects)
         }
@@ -254,6 +263,8 @@ class Renderer:
             eye.frustum_bottom, eye.frustum_top = -half, half
             eye.frustum_width = half * camera.width / camera.height
             eye.frustum_near, eye.frustum_far = camera.near, camera.far
+        put_ground_below(self._model, self._data, frame.position)
+        self._detail.choose(self._data, camera, frame)
         view = mujoco.MjvCamera()
         view.type = mujoco.mjtCamera.mjCAMERA_USER.value  # leave it as it is
         mujoco.mjv_updateScene(
@@ -306,6 +317,8 @@ def _furnish(spec: Any, width: int, height: int) -> None:
     """Add light, and allocate images of this size."""
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.shadowsize = shadow_size(width, height)
+    if max(width, height) <= SMALL:
+        spec.visual.quality.numslices, spec.visual.quality.numstacks = ROUND
     # With several samples per pixel, the depth would be that of an off-centre sample:
     # millimetres wrong on a steep face.  Rendering would also take twice as long.
     spec.visual.quality.offsamples = 0

@@ -1,4 +1,4 @@
-"""Which links of a robot collide with each other, as in Gazebo."""
+"""Pairs of a robot's links that collide with each other, as in Gazebo."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What happens to MuJoCo Warp's state beside its own steps, as Warp kernels.
+"""Changes of MuJoCo Warp's state besides its own steps, as Warp kernels.
 
 Arrays have one row per copy of the robot and its scene: a world.
 """

@@ -13,7 +13,7 @@ import warp as wp
 from mujoco_warp import OverflowType
 from numpy.typing import NDArray
 
-from tool0.engines.mujoco.copies import ObjectArrays, object_arrays_of
+from tool0.engines.mujoco.copies import ObjectArrays, ObjectReader
 from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.engines.mujoco.warp_kernels import (
     find_touching,
@@ -90,6 +90,7 @@ class WarpWorlds:
         """
         self._device = device
         self._engine = engine
+        self._objects = ObjectReader(engine.world.states, n)
         self._n, self._n_joints = n, len(engine.joint_names)
         model = copy.copy(engine.model)
         # MuJoCo Warp never resets a diverged world, and rejects the flag that says so.
@@ -119,14 +120,14 @@ class WarpWorlds:
                 njmax=ROWS + ROWS_PER_CONTACT * n_contacts,
             )
             self.steps = wp.zeros(n, dtype=int)
-            """Of each world since its reset: Warp's array, as the next four."""
+            """Steps of each world since its reset: Warp's array, as the next four."""
             self.divergence = wp.zeros(n, dtype=int)
             """1 for worlds that stand still."""
             self._start = engine.data.qpos.copy()
             self._parked = wp.array(self._start.astype(np.float32), dtype=float)
             self._measured = wp.zeros((n, model.nq), dtype=float)
         self.position = data.qpos
-        """Of the joints first, then of the objects, shape (n, nq)."""
+        """Positions of the joints, then of the objects, shape (n, nq)."""
         self.velocity = data.qvel
         self.motors = data.ctrl
         self.reset(np.arange(n), np.tile(self._start[: self._n_joints], (n, 1)))
@@ -156,7 +157,7 @@ class WarpWorlds:
             )
 
     def recorded(self, launch: Callable[[], None]) -> Callable[[], None]:
-        """Return what repeats the launches of ``launch`` at once: a CUDA graph.
+        """Return a CUDA graph that repeats the launches of ``launch`` at once.
 
         Its kernels must have been compiled; without CUDA, it is ``launch`` itself.
         """
@@ -204,7 +205,7 @@ class WarpWorlds:
 
     @property
     def has_diverged(self) -> NDArray[np.bool_]:
-        """Which worlds stand still since their physics failed, shape (n,)."""
+        """Worlds that stand still since their physics failed, shape (n,) of bool."""
         return np.asarray(self.divergence.numpy() != 0)
 
     def joints(self) -> tuple[Array, Array]:
@@ -245,7 +246,7 @@ class WarpWorlds:
         """Return the objects' states in the root."""
         states, k = self._engine.world.states, self._n_joints
         q, qd = _doubles(self._measured)[:, k:], _doubles(self.velocity)[:, k:]
-        return object_arrays_of(states, q, qd, [states.static])
+        return self._objects.read(q, qd, [states.static])
 
     def place(self, name: str, rows: Indices, position: Array, quat: Array) -> None:
         """Put a movable object at rest at positions (len(rows), 3), quat_wxyz (…, 4).

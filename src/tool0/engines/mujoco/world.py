@@ -48,7 +48,7 @@ class SavedWorld:
     """The state of a world that is not in ``MjData``."""
 
     objects: Mapping[str, SceneObject]
-    """With their sizes, masses and frictions, by name."""
+    """Objects with their sizes, masses and frictions, by name."""
     static: Mapping[str, ObjectState]
     contacts: tuple[float, tuple[Contact, ...]]
 
@@ -150,7 +150,7 @@ class MujocoWorld:
         self._scene = scene
 
     def saved(self) -> SavedWorld:
-        """Return what ``MjData`` does not have.
+        """Return the state that ``MjData`` does not have.
 
         Raises:
             EngineError: If an object is attached to a link.
@@ -370,7 +370,8 @@ def _body_names(model: Any) -> set[str]:
 
 
 ContactPoint = tuple[Vector3, float, Vector3, Vector3]
-"""Its position, its weight in the mean, and the force and torque there."""
+"""Position of a contact point, its weight in the mean, and the force and torque
+there."""
 MIN_WEIGHT = 1e-12
 """Keeps the mean point defined if the force is zero [N]."""
 
@@ -384,7 +385,7 @@ class Attachment:
     body: str
     """MuJoCo's body that the link is part of."""
     position: Vector3
-    """Of the object, in the body [m]."""
+    """Position of the object, in the body [m]."""
     quat_wxyz: Quaternion
 
 
@@ -423,7 +424,7 @@ def add_attachments(spec: Any, attachments: Mapping[str, Attachment]) -> None:
 def attachment_points(
     model: Any, data: Any, attachments: Mapping[str, Attachment]
 ) -> Iterator[tuple[tuple[str, str], ContactPoint]]:
-    """Yield what each link exerted on its object in the last step, at its origin.
+    """Yield each link's wrench on its object in the last step, at its origin.
 
     The weld acts on the object's free joint only, whose coordinates are a force in the
     world's axes and a torque in the object's.

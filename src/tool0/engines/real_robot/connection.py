@@ -30,7 +30,7 @@ from tool0.errors import ConfigError, TransportError
 logger = logging.getLogger(__name__)
 
 RETRY: Final = 0.5
-"""Between attempts to connect again [s]."""
+"""Pause between attempts to connect again [s]."""
 
 
 @final

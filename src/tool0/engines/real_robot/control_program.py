@@ -25,9 +25,10 @@ from pathlib import Path
 from typing import Final
 
 SCALE: Final = 1e7
-"""Per radian, and per rad/s: 32 bits are ±214 rad in steps of 1e-7 rad."""
+"""Integer steps per radian, and per rad/s: 32 bits are ±214 rad in steps of 1e-7
+rad."""
 COMMAND_SCALE: Final = 1e6
-"""Per unit of the arguments of commands."""
+"""Integer steps per unit of the arguments of commands."""
 N_KNOT: Final = 14
 """Integers of a message: its kind, a period, six positions, six velocities."""
 N_COMMAND: Final = 30
@@ -36,22 +37,23 @@ N_ARGUMENTS: Final = N_COMMAND - 2
 N_RING: Final = 64
 """Knots that the program keeps."""
 EMPTY: Final = 0.05
-"""How long after its last knot the program follows a motion that does not end with it
-[s]."""
+"""Time after its last knot for which the program follows a motion that does not end
+with it [s]."""
 SILENCE: Final = 0.1
-"""Without a message for that long, the arm slows down to rest [s]."""
+"""Time without a message after which the arm slows down to rest [s]."""
 BRAKE_TIME: Final = 0.024
-"""In which the curve's clock stops [s], unless a joint would decelerate more than
+"""Time in which the curve's clock stops [s], unless a joint would decelerate more than
 ``BRAKE_DECELERATION``; the joints' servos need some time more."""
 BRAKE_DECELERATION: Final = 40.0
-"""Of a joint, when the clock stops [rad/s²]: as fast as UR's own streams change."""
+"""Largest deceleration of a joint when the clock stops [rad/s²]: as fast as UR's own
+streams change."""
 FADE_TIME: Final = 0.02
 """Shortest time in which a difference fades [s]."""
 FADE_ACCELERATION: Final = 12.0
-"""Which a fading difference adds to a joint [rad/s²]."""
+"""Largest acceleration that a fading difference adds to a joint [rad/s²]."""
 FADE_SPEED: Final = 0.05
-"""Which a fading difference adds to a joint, at most [rad/s]: the arm that catches up
-is hardly faster than the speed slider says."""
+"""Largest speed that a fading difference adds to a joint [rad/s]: the arm that catches
+up is hardly faster than the speed slider says."""
 FAR: Final = 0.1
 """A curve goes on for longer than that, but for its end [s]; a stream does not."""
 MOST_JUMP: Final = (0.1, 1.5)
@@ -63,7 +65,7 @@ LOOKAHEAD: Final = 2.0 / math.sqrt(GAIN)
 """``lookahead_time`` of servoj [s]: an error then decays without oscillation."""
 
 LONGEST_VECTOR_PERIOD: Final = 0.004
-"""Between those of an e-Series and of a CB3 [s]."""
+"""Control period between those of an e-Series and of a CB3 [s]."""
 FIRST_REGISTER: Final = 24
 """Output registers that the program writes: integers from this one on.  UR keeps those
 below for fieldbuses."""
@@ -82,7 +84,8 @@ class MessageKind(IntEnum):
     REPLACE = 2
     """A knot that replaces those that are due from its period on."""
     RESTART = 3
-    """As ``REPLACE``, also after the arm has come to rest by itself."""
+    """A knot that replaces others as ``REPLACE``, also after the arm came to rest
+    itself."""
     BRAKE = 4
     """Come to rest on the curve; the period is that of the deceleration."""
     END = 5
@@ -95,13 +98,13 @@ that belong to it."""
 
 
 class ProgramMode(IntEnum):
-    """What the program does."""
+    """State of the program."""
 
     STARTING = 0
     FOLLOWING = 1
     BRAKING = 2
     RESTING = 3
-    """After braking, until a ``RESTART``."""
+    """The arm has braked; it rests until a ``RESTART``."""
     GUIDED = 4
     """Freedrive."""
 
@@ -110,7 +113,7 @@ class StopCause(IntEnum):
     """Why the program brought the arm to rest."""
 
     TOLD = 1
-    """By ``BRAKE``."""
+    """The program received ``BRAKE``."""
     SILENT = 2
     """No message for ``SILENCE``."""
     RAN_OUT = 3
@@ -120,7 +123,7 @@ class StopCause(IntEnum):
 
 
 class CommandKind(IntEnum):
-    """What a command does: functions of URScript."""
+    """Kind of a command: a function of URScript."""
 
     FORCE_MODE = 1
     END_FORCE_MODE = 2
@@ -137,11 +140,11 @@ def control_program(host: str, port: int, token: int, period: float) -> str:
     """Return the program, which connects to ``host`` at ``port``.
 
     Args:
-        host: Of tool0, as the robot reaches it.
-        port: Where tool0 listens.
-        token: Which tool0 expects first on each connection.
-        period: Of the controller [s]: an e-Series computes with lists, a CB3, whose
-            period is longer, with their elements.
+        host: Host name or address of tool0, as the robot reaches it.
+        port: Port at which tool0 listens.
+        token: Number that tool0 expects first on each connection.
+        period: Period of the controller [s]: an e-Series computes with lists, a CB3,
+            whose period is longer, with their elements.
     """
     names = {
         "HOST": host,

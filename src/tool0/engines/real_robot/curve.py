@@ -14,24 +14,26 @@ from tool0.hardware.own_drives import WantedMotion
 from tool0.protocol.state import ArmSetpoint
 
 HORIZON: Final = 0.2
-"""How far ahead knots are sent [s]: the arm stays on its path if tool0 is late."""
+"""Time by which knots are sent ahead [s]: the arm stays on its path if tool0 is
+late."""
 SPACING: Final = 0.012
-"""Between two knots [s].  A cubic is off by h⁴/384 of the fourth derivative, and by
-h²/32 of a step in the acceleration between two knots: 45 µrad for 10 rad/s²."""
+"""Time between two knots [s].  A cubic is off by h⁴/384 of the fourth derivative, and
+by h²/32 of a step in the acceleration between two knots: 45 µrad for 10 rad/s²."""
 RENEWAL: Final = 0.04
-"""Between two curves in place of each other [s], if the next one is ``CLOSE``."""
+"""Time after which a curve is sent again in place of the last one [s], if the next one
+is ``CLOSE``."""
 CLOSE: Final = 1e-3
 """Difference of motions that may wait for the next renewal [rad]."""
 MOST_LAG: Final = 0.04
-"""How far the program's periods may be off before it gets new knots [s]: a real
-controller misses none, a simulated one may."""
+"""Difference of the program's periods from ours after which it gets new knots [s]: a
+real controller misses none, a simulated one may."""
 STREAM_AHEAD: Final = 0.05
-"""For how long a stream's velocities are assumed to last [s]; with the program's
+"""Time for which a stream's velocities are assumed to last [s]; with the program's
 ``EMPTY``, the arm slows down 0.1 s after the last setpoint."""
 _CHANGED: Final = 1e-7
 """Difference from what was sent that makes a new motion [rad]."""
 _AT_REST: Final = 1e-9
-"""[rad/s]"""
+"""Speed below which a joint is at rest [rad/s]."""
 
 
 @final
@@ -54,15 +56,15 @@ class CurveSender:
         """Periods since the last message."""
         self._renewal = round(RENEWAL / period)
         self._renewed = 0
-        """When the whole curve was sent last, as a period of the program."""
+        """Period of the program in which the whole curve was sent last."""
         self._step = 0
-        """The program's period now, as the knots that were sent assume it."""
+        """Period of the program now, as the knots that were sent assume it."""
         self._most_lag = round(MOST_LAG / period)
         self._must_restart = True
         self._lag = LagMeter(period)
         self._lead = 0.0
-        """By how much the curve is ahead of what is wanted [s]: the robot follows it
-        that late."""
+        """Time by which the curve is ahead of the commanded motion [s]: the robot's lag
+        behind the curve."""
 
     def restart(self) -> None:
         """Begin a new curve with the next motion, also after a stop."""
@@ -72,7 +74,7 @@ class CurveSender:
     def follow(
         self, wanted: WantedMotion, now: float, step: int, measured: Sequence[float]
     ) -> None:
-        """Send what the program does not know yet.
+        """Send the knots that the program does not have yet.
 
         Args:
             wanted: The motion.
@@ -151,7 +153,7 @@ class CurveSender:
         return False
 
     def _is_close(self, wanted: WantedMotion, now: float, step: int) -> bool:
-        """Return whether what was sent serves until the next renewal."""
+        """Return whether the curve that was sent serves until the next renewal."""
         at = step + 2 * self._renewal
         knot = min(self._sent, key=lambda one: abs(one.step - at))
         if knot.step < step:

@@ -49,13 +49,13 @@ logger = logging.getLogger(__name__)
 _HOLDING: Final = frozenset({ObjectStatus.MET_CLOSING, ObjectStatus.MET_OPENING})
 LOST: Final = "the connection to the robot was lost"
 STREAM_LOOK: Final = 0.1
-"""Between two looks at where a stream leads [s]."""
+"""Time between two looks at where a stream leads [s]."""
 CAUSES: Final = {
     StopCause.SILENT: "the robot did not hear of tool0 for 0.1 s",
     StopCause.RAN_OUT: "the robot ran out of knots: tool0 or the network was late",
     StopCause.TOO_FAR: "a new motion was too far from the present one",
 }
-AT_REST: Final = "the arm came to rest by itself"
+AT_REST: Final = "the arm stopped on its own"
 RESTART_TIME: Final = 0.1
 """Longest time until the program shows that it follows again [s]."""
 ENDED: Final = "tool0's program on the robot has ended"
@@ -67,12 +67,12 @@ class _Fingers(NamedTuple):
     geometry: ParallelGripper
     counts: Counts
     place: int
-    """Of the driven joint, in the order of the engine."""
+    """Place of the driven joint in the engine's order."""
 
 
 @final
 class RealRobotEngine(OwnDrives):
-    """A real robot: reads its state, and lets it follow motions.
+    """A real robot: reads its state, and sends it motions.
 
     Only the thread of the tick may use it, except ``brake`` and ``connection``.
     """
@@ -115,7 +115,7 @@ class RealRobotEngine(OwnDrives):
         try:
             rtde = self.connection.rtde
             self.reader = StateReader(rtde, first_package(rtde))
-            """What the robot reports, newest first."""
+            """Reports of the robot, newest first."""
         except BaseException:
             self.connection.close()
             raise
@@ -127,7 +127,7 @@ class RealRobotEngine(OwnDrives):
         self._is_enabled = False
         self._has_followed = False
         self._rests_since = 0
-        """The tick up to which the program has not rested by itself."""
+        """The tick up to which the program has not come to rest on its own."""
         self._patience = round(RESTART_TIME / self._period)
         self._is_guided = False
         """Whether the arm follows nothing: a hand guides it, or its mode just ends."""
@@ -136,9 +136,9 @@ class RealRobotEngine(OwnDrives):
         self.guard: Callable[[WantedMotion, float], str] = lambda motion, now: ""
         """Returns why a motion may not be sent; empty if it may."""
         self._key: tuple[object, ...] = ()
-        """Of the motion that was looked at last."""
+        """Key of the motion that the guard looked at last."""
         self._looked = -math.inf
-        """When that was [s]."""
+        """Time of that look [s]."""
         self._failure = ""
         self._report = self._first_report(options)
 
@@ -261,7 +261,7 @@ class RealRobotEngine(OwnDrives):
         return self.guard(arm, now)
 
     def _grip(self, grips: Mapping[str, WantedGrip]) -> None:
-        """Send what has changed, once: a lost command is not repeated."""
+        """Send changes once: a lost command is not repeated."""
         before, self._wanted_grips = self._wanted_grips, grips
         gripper = self.connection.gripper
         for name, fingers in self._grippers.items():
@@ -411,7 +411,7 @@ class RealRobotEngine(OwnDrives):
         self._show(is_enabled=enabled)
 
     def forgive(self) -> None:
-        """Follow again after the arm came to rest by itself: whoever asked has seen."""
+        """Follow again after the arm came to rest on its own: the user has seen it."""
         self._failure = ""
         self._curve.restart()
 
@@ -458,7 +458,7 @@ class RealRobotEngine(OwnDrives):
         self._report = RobotReport(link=link, motion_failure=self._failure, **boxes)
 
     def _watch_program(self, mode: int) -> None:
-        """Note that the program brought the arm to rest by itself."""
+        """Note that the program brought the arm to rest on its own."""
         if mode != ProgramMode.RESTING or not self._has_followed or self._failure:
             self._rests_since = self._arm_state.tick
         elif self._arm_state.tick - self._rests_since > self._patience:
@@ -467,7 +467,7 @@ class RealRobotEngine(OwnDrives):
             self._fail(CAUSES.get(StopCause(cause), AT_REST) if cause else AT_REST)
 
     def _note_loss(self) -> None:
-        """Nothing goes on by itself after that, also if the link is there again."""
+        """Nothing resumes on its own after that, even if the link is restored."""
         logger.warning("%s", LOST)
         self.connection.link.disconnect()
         self.connection.note_loss()
@@ -493,7 +493,7 @@ def _only_arm(model: RobotModel) -> tuple[str, ArmParts]:
     if len(arms) != 1:
         raise ConfigError(
             f"a real robot is one arm; this description has {len(arms)}: "
-            "bring up each arm by itself"
+            "bring up each arm separately"
         )
     return next(iter(arms.items()))
 

@@ -1,4 +1,4 @@
-"""How late a robot follows its setpoints, measured while it moves."""
+"""Measures a robot's lag behind its setpoints while it moves."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import Final, final
 
 MEMORY: Final = 2.0
-"""In which a measurement loses its weight [s of motion]."""
+"""Time of motion in which a measurement loses its weight [s]."""
 SLOW: Final = 0.05
-"""A slower arm tells nothing [rad/s]."""
+"""Speed below which an arm's lag cannot be measured [rad/s]."""
 MOST: Final = 0.08
 """Largest lag, and largest lead, that is made up for [s]."""
 ENOUGH: Final = 0.2
@@ -35,7 +35,7 @@ class LagMeter:
         velocities: Sequence[float],
         measured: Sequence[float],
     ) -> None:
-        """Take a setpoint and what was measured at its time into account."""
+        """Take a setpoint and the state measured at its time into account."""
         squares = sum(v * v for v in velocities)
         if squares < SLOW * SLOW:
             return

@@ -1,4 +1,4 @@
-"""How late the network and both computers are, from when packages arrive."""
+"""Measures how late the network and both computers are, from when packages arrive."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import math
 from typing import Final, final
 
 MEMORY: Final = 10.0
-"""After which a late package is forgotten, or up to twice that [s]."""
+"""Time after which a late package is forgotten, or up to twice that [s]."""
 DRIFT: Final = 1e-4
 """Largest difference of the two clocks' rates."""
 MARGIN: Final = 0.025
-"""Of a start delay, besides the lateness [s]: three periods of a CB3."""
+"""Margin of a start delay, besides the lateness [s]: three periods of a CB3."""
 MOST: Final = 0.2
 """Longest start delay [s]: knots are sent no longer before their time."""
 _RESTART: Final = 1.0
@@ -23,11 +23,13 @@ class Lateness:
 
     def __init__(self) -> None:
         self._least = math.inf
-        """Of the differences between the clocks [s]."""
+        """Least difference between the clocks [s]."""
         self._late = self._late_before = 0.0
-        """Of the latest package in this span of ``MEMORY``, and in the last one [s]."""
+        """Lateness of the latest package in this span of ``MEMORY``, and in the last
+        one [s]."""
         self._since = self._last = 0.0
-        """When this span began, and when the last package arrived [wall s]."""
+        """Times at which this span began, and at which the last package arrived [wall
+        s]."""
 
     def observe(self, time: float, arrived: float) -> None:
         """Take a package into account, with the robot's and our time [s]."""
@@ -44,7 +46,7 @@ class Lateness:
 
     @property
     def start_delay(self) -> float:
-        """How long before its start a motion should be sent [s].
+        """Time before its start at which a motion should be sent [s].
 
         What a tick sends is late by the way of the state to it, and by the way back.
         """

@@ -28,8 +28,8 @@ from tool0.errors import TransportError
 logger = logging.getLogger(__name__)
 
 BEAT: Final = 0.005
-"""Between two messages that say nothing but that tool0 is there [s]: many, so that TCP
-soon notices a lost one."""
+"""Period of the messages that only say that tool0 is alive [s]: many, so that TCP soon
+notices a lost one."""
 _KNOT: Final = struct.Struct(">14i")
 _COMMAND: Final = struct.Struct(">30i")
 _HELLO: Final = struct.Struct(">2i")
@@ -40,13 +40,13 @@ _HELLO_TIMEOUT: Final = 2.0
 
 
 class Knot(NamedTuple):
-    """Where the joints are due at a period of the program."""
+    """Positions and velocities of the joints in a period of the program."""
 
     step: int
     positions: Sequence[float]
-    """[rad]"""
+    """Positions of the joints [rad]."""
     velocities: Sequence[float]
-    """[rad/s]"""
+    """Velocities of the joints [rad/s]."""
 
 
 @final
@@ -60,7 +60,7 @@ class MotionLink:
             TransportError: If that is not possible.
         """
         self.token = secrets.randbelow(1 << 31)
-        """Which the program says first."""
+        """First text that the program sends."""
         self._lock = threading.Lock()
         self._ends = threading.Event()
         self._sockets: dict[int, socket.socket] = {}
@@ -72,7 +72,7 @@ class MotionLink:
                 f"cannot listen for the robot's program at {host}:{port}: {error}"
             ) from None
         self.address: tuple[str, int] = self._listener.getsockname()[:2]
-        """Where it listens."""
+        """Address and port at which it listens."""
         self._heart = threading.Thread(
             target=self._beat, name="tool0 heartbeat", daemon=True
         )

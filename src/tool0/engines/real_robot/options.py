@@ -1,4 +1,4 @@
-"""Where a real robot is, and how its gripper is reached."""
+"""Options of a real robot: its address, and the way to its gripper."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final, final
 from tool0.errors import ConfigError
 
 MAX_PORT_BASE: Final = 65535 - 63352
-"""So that the largest port, the gripper's, exists."""
+"""Largest port base: the largest port, the gripper's, must exist."""
 GRIPPER_LINKS: Final = ("urcap", "modbus", "rtu", "none")
 """Robotiq's URCap on port 63352; Modbus TCP; Modbus RTU at a serial port."""
 
@@ -21,12 +21,12 @@ class RealRobotOptions:
     address: str = ""
     """Address of the robot's controller: a name or an IPv4 address."""
     port_base: int = 0
-    """Added to the port numbers of a real robot: for a simulated controller."""
+    """Number added to the ports of a real robot, for a simulated controller."""
     callback_host: str = ""
     """This machine's address, as the robot reaches it; that of the connection to the
     robot, if left out."""
     callback_port: int = 0
-    """Where tool0's program on the robot connects; a free port, if 0."""
+    """Port at which tool0's program on the robot connects; a free one, if 0."""
     gripper: str = ""
     """``urcap``, ``modbus``, ``modbus:HOST:PORT``, ``rtu:/dev/ttyUSB0`` or ``none``; by
     default the URCap, if the description has a gripper."""

@@ -13,7 +13,7 @@ from tool0.engines.real_robot.rtde_fields import EFFORTS, Fields
 from tool0.errors import TransportError
 
 LOST_AFTER: Final = 0.3
-"""Without a package for that long, the link counts as lost [s]: TCP repeats a lost
+"""Time without a package after which the link counts as lost [s]: TCP repeats a lost
 segment within 0.2 s.  The arm does not wait for that: without knots, tool0's program
 has brought it to rest by then."""
 OFFSETS: Final = 25
@@ -31,11 +31,11 @@ class ArmState(NamedTuple):
     tick: int
     """Control periods since the start."""
     positions: tuple[float, ...]
-    """[rad]"""
+    """Measured joint positions [rad]."""
     velocities: tuple[float, ...]
-    """[rad/s]"""
+    """Measured joint velocities [rad/s]."""
     efforts: tuple[float, ...]
-    """[N·m]"""
+    """Efforts of the joints [N·m]."""
     step: int
     """The period of tool0's program at that time; 0 if it does not run."""
 
@@ -52,7 +52,7 @@ class StateReader:
     def __init__(self, client: RtdeClient, package: Package) -> None:
         """Begin with a first package."""
         self.period = 1.0 / client.rate
-        """[s]"""
+        """Period of the robot's packages [s]."""
         self.is_connected = True
         """Whether packages arrive."""
         self.missing = 0
@@ -60,16 +60,17 @@ class StateReader:
         self.newest = package
         """The newest package."""
         self.lateness = Lateness()
-        """How late packages are."""
+        """Lateness of the packages."""
         self._waiting: deque[ArmState] = deque()
         self._heard = time.monotonic()
         self._due = self._heard
-        """When a repeated state is due, while there are no packages."""
+        """Time at which a repeated state is due, while there are no packages [wall
+        s]."""
         self._offset = 0
-        """Between the robot's periods and ours."""
+        """Difference between the robot's periods and ours."""
         self._program_offsets: deque[int] = deque(maxlen=OFFSETS)
-        """Between the robot's periods and those of tool0's program, lately: the program
-        writes its period late by some, never early."""
+        """Recent differences between the robot's periods and those of tool0's program:
+        the program writes its period late by some, never early."""
         self._last_step = 0
         self._use(client)
         self._offset = self._robot_period(package)

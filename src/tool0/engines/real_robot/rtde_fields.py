@@ -1,4 +1,4 @@
-"""The fields of RTDE that a real robot's state is made of, and what they mean here."""
+"""The fields of RTDE that a real robot's state is made of, and their meaning here."""
 
 from __future__ import annotations
 
@@ -42,7 +42,8 @@ INPUTS: Final = {
         *("standard_analog_output_0", "standard_analog_output_1"),
     ),
 }
-"""What tool0 writes: a recipe for each kind, so that one does not disturb another."""
+"""Fields that tool0 writes: a recipe for each kind, so that one does not disturb
+another."""
 
 _PLAYING, _PAUSED = frozenset({2, 5}), frozenset({3, 4})
 """RTDE's ``runtime_state``: playing and resuming, pausing and paused; others are
@@ -67,7 +68,7 @@ class Fields:
         return 0 if column is None else package[column.start]
 
     def status(self, package: Sequence[Any]) -> tuple[Any, ...]:
-        """Return what changes rarely, to compare it with the last."""
+        """Return the values that rarely change, to compare them with the last."""
         return tuple(package[column] for column in self._status)
 
     def boxes(self, package: Sequence[Any]) -> dict[str, Any]:

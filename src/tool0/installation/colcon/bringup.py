@@ -54,7 +54,7 @@ def colcon_packages(
     Args:
         description: One robot of the catalogue, or several, with ``<ros2_control>``.
         controllers: The YAML of its controllers, for ROS 2.
-        started: Those that tool0 starts.
+        started: Controllers that tool0 starts.
 
     Raises:
         ConfigError: If a folder of your own cannot be put among the built-in ones, or
@@ -122,7 +122,7 @@ def gazebo_controllers(
     """Return the parameters of the controllers that gz_ros2_control can run.
 
     Args:
-        parameters: Those of all controllers and of the manager, by node.
+        parameters: Parameters of all controllers and of the manager, by node.
         interfaces: The command interfaces of the joints: ``elbow_joint/position``.
     """
     manager = parameters["controller_manager"]["ros__parameters"]

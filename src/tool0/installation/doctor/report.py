@@ -46,7 +46,8 @@ class ProbeResult:
     what: str
     state: ProbeState
     found: str
-    """Its version and location, or what is missing and why it is needed."""
+    """Version and location of the component, or what is missing and why it is
+    needed."""
     remedy: str = ""
     """The command that installs what is missing; empty if there is none."""
 
@@ -123,7 +124,7 @@ def _start(probe: Probe) -> ChildProcess:
 
 
 def _results(name: str, process: ChildProcess, deadline: float) -> list[ProbeResult]:
-    """Return what a probe found until the deadline, or how it failed."""
+    """Return the findings of a probe until the deadline, or its failure."""
     try:
         answer = process.completed(max(deadline - time.monotonic(), 0.0))
     except subprocess.TimeoutExpired:

@@ -50,7 +50,8 @@ HEADERS: Final = (
     *("libignition-transport-dev", "libtbb-dev", "libtinyxml-dev", "libtinyxml2-dev"),
     "uuid-dev",
 )
-"""Without dependencies: compiling a plugin needs only their headers."""
+"""Packages with headers, without dependencies: only these are needed to compile a
+plugin."""
 
 DROPPED: Final = (
     *("./usr/share/bug", "./usr/share/doc", "./usr/share/icons"),
@@ -142,7 +143,7 @@ class DebianPackage:
     """One file to download."""
 
     file: str
-    """Its name in apt's format: ``name_version_architecture.deb``."""
+    """Name of the file in apt's format: ``name_version_architecture.deb``."""
     size: int
     """Bytes."""
     sha256: str
@@ -177,7 +178,7 @@ class PrivateApt:
             folder: Created if needed; lists and downloads in it are reused.
             mirror: Address of a Debian mirror.
             keyring: The keys by which the release must be signed.
-            architecture: In Debian's notation.
+            architecture: Architecture in Debian's notation.
 
         Raises:
             EngineUnavailableError: If the list cannot be fetched or is not signed.

@@ -1,4 +1,4 @@
-"""Which Gazebo would run: the named one, the system's, or the private one.
+"""Finds the Gazebo that would run: the named one, the system's, or the private one.
 
 Each is a folder with the same layout: the root of a system (``/usr``, ``/usr/local``),
 or the result of ``tool0 gazebo install``: a root in another folder, which environment
@@ -46,7 +46,7 @@ class GazeboInstallation:
     environment: dict[str, str]
     """Additional environment variables for both programs."""
     include_dirs: tuple[Path, ...]
-    """Where the compiler finds the headers."""
+    """Folders in which the compiler finds the headers."""
     size: int | None = None
     """Size of the private prefix on disk [bytes]."""
 

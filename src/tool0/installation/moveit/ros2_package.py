@@ -42,7 +42,7 @@ _PIPELINE: Final = {
         "default_planning_response_adapters/DisplayMotionPath",
     ],
 }
-"""From Jazzy on."""
+"""Parameters of OMPL's pipeline, from Jazzy on."""
 _CARTESIAN_LIMITS: Final = {
     "max_trans_vel": 1.0,
     "max_trans_acc": 2.25,

@@ -1,1 +1,1 @@
-"""Which ROS 1 a machine has, and how to install it."""
+"""The ROS 1 of a machine, and its installation."""

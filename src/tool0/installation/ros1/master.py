@@ -20,20 +20,20 @@ from tool0.installation.ros1.library import is_local
 logger = logging.getLogger(__name__)
 
 ROSCORE_TIMEOUT = 20.0
-"""[s] until our roscore answers; usually two."""
+"""Longest time until our roscore answers [s]; usually two."""
 UNREGISTER_TIMEOUT = 5.0
-"""For the master to forget our node [wall s]; on a busy machine each of tens of calls
-takes a while."""
+"""Time for the master to forget our node [wall s]; on a busy machine each of tens of
+calls takes a while."""
 _QUIET = 0.05
-"""So long must the master not know our node [wall s]."""
+"""Time for which the master must not know our node [wall s]."""
 _SUBSCRIBED_BY_ROSPY = "/rosout_disable_topics_generation"
 """A parameter that it subscribes to with its first warning, and for ever."""
 _POLL_PERIOD = 0.01
-"""[wall s]"""
+"""Period of polling the master [wall s]."""
 CALL_TIMEOUT = 3.0
 """Timeout of a call to the master [s]."""
 ROSCORE_GRACE = 5.0
-"""[s] for our roscore to end by itself."""
+"""Time in which our roscore has to end when it is stopped [s]."""
 
 
 @final

@@ -1,4 +1,4 @@
-"""Makes the message classes of the ROS interface importable.
+"""Generates the message classes that the ROS interface imports.
 
 Installed packages ``control_msgs``, ``controller_manager_msgs`` and ``gazebo_msgs`` are
 used.  A missing one is generated from our definitions, once, into the cache.  It is a

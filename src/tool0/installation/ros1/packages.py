@@ -36,7 +36,7 @@ class RosComponent:
 
     name: str
     purpose: str
-    """Its purpose."""
+    """Purpose of the part, for users."""
     modules: tuple[str, ...] = ()
     """Python modules to import; each has a package of its name."""
     programs: tuple[str, ...] = ()

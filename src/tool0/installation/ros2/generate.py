@@ -1,4 +1,4 @@
-"""Makes the message packages of a folder of definitions, in a ROS 2 of PyPI's wheels.
+"""Builds the message packages of a folder of definitions, in a ROS 2 of PyPI's wheels.
 
 usage: PYTHON generate.py DEFINITIONS PREFIX WORK
 
@@ -85,8 +85,8 @@ def make_package(
     Args:
         definitions: The folder.
         prefix: The root of the ROS 2.
-        work: For intermediate files.
-        libraries: What to link with: those of other packages.
+        work: Folder for intermediate files.
+        libraries: Libraries of other packages to link with.
     """
     package = definitions.name
     with Path(os.devnull).open("w") as nowhere, redirect_stdout(nowhere):

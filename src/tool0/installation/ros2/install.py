@@ -41,7 +41,7 @@ from tool0.installation.ros2.installation import (
 
 DISTRO: Final = "kilted"
 WHEELS: Final = ("ros-rclpy[fastrtps]==9.1.2", "ros-common-interfaces==5.5.1")
-"""Of this distribution, for Python 3.10 to 3.14 on x86-64 Linux."""
+"""Packages of PyPI with this distribution, for Python 3.10 to 3.14 on x86-64 Linux."""
 PYTHONS: Final = ((3, 10), (3, 14))
 _N_WHEELS: Final = 85
 """Lines that pip prints about the collected packages."""

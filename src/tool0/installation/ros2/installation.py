@@ -1,4 +1,4 @@
-"""Which ROS 2 would run: the sourced one, one in /opt/ros, or tool0's own.
+"""Finds the ROS 2 that would run: the sourced one, one in /opt/ros, or tool0's own.
 
 tool0 does not import ROS 2: its node runs under the Python of that ROS 2, with the
 environment that is returned here.
@@ -59,13 +59,13 @@ class Ros2:
     prefix: Path
     """The folder that has rclpy."""
     python: Path
-    """Its Python."""
+    """Path of its Python interpreter."""
     environment: dict[str, str] = field(repr=False)
     """All variables of a process that uses it, except the node's path."""
 
     @property
     def origin(self) -> str:
-        """Where it comes from, for people."""
+        """Origin of this ROS 2, for users."""
         return {"system": "the system's", "own": "tool0's own"}.get(
             self.kind, "sourced"
         )
@@ -250,7 +250,7 @@ def mark_complete(prefix: Path, *, distro: str, size: int) -> None:
 
     Args:
         prefix: The folder.
-        distro: As ``kilted``.
+        distro: Name such as ``kilted``.
         size: Size on disk [bytes].
     """
     marker = {"format": _FORMAT, "distro": distro, "size": size}

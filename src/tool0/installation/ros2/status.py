@@ -34,7 +34,7 @@ OPTIONAL: Final = {
 """Package → the function of the node that requires it."""
 INSTALL: Final = "tool0 ros2 install"
 _TIMEOUT: Final = 30.0
-"""Of the program below [wall s]; it takes about 1 s."""
+"""Timeout of the program below [wall s]; it takes about 1 s."""
 _PROGRAM: Final = """\
 import importlib, json, platform, sys
 
@@ -64,7 +64,7 @@ class Ros2Status:
     rclpy: str | None = None
     """Version of rclpy."""
     rmw: str | None = None
-    """Its middleware, as ``rmw_fastrtps_cpp``."""
+    """Name of the middleware, such as ``rmw_fastrtps_cpp``."""
     size: int | None = None
     """Size on disk of tool0's own ROS 2 [bytes]."""
     missing: dict[str, str] = field(default_factory=dict)

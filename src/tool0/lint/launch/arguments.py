@@ -225,7 +225,7 @@ def _passed(
     *,
     passes_all: bool,
 ) -> Iterator[Passed]:
-    """Yield the ``<arg>`` in an include; add to what it gives."""
+    """Yield the ``<arg>`` in an include; add to the arguments that it passes."""
     names: set[str] = set()
     for at in scope.children():
         if at.tag == "env":

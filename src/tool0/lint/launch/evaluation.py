@@ -19,7 +19,7 @@ MAX_LENGTH: Final = 2000
 MAX_TEXT: Final = 50_000
 """Longest text that an expression may create."""
 MAX_BITS: Final = 4096
-"""Of a whole number."""
+"""Largest size of a whole number [bits]."""
 
 Function = Callable[..., object]
 

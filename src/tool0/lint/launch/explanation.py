@@ -1,4 +1,4 @@
-"""A launch file explained: a tree of what it includes, starts and sets."""
+"""A launch file explained: a tree of its includes, nodes and parameters."""
 
 from __future__ import annotations
 

@@ -18,9 +18,9 @@ MAX_NESTING: Final = 40
 MAX_FILES: Final = 500
 MAX_ELEMENTS: Final = 20_000
 MAX_CHARACTERS: Final = 5_000_000
-"""Of all texts together, after substitution."""
+"""Largest size of all texts together after substitution, in characters."""
 MAX_BYTES: Final = 1_000_000
-"""Of one file."""
+"""Largest size of one file [bytes]."""
 
 _START: Final = re.compile(r"<(?:[^<>'\"]|'[^']*'|\"[^\"]*\")*>")
 """A start tag; what it quotes may hold any bracket."""

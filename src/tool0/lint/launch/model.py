@@ -1,4 +1,4 @@
-"""A launch file as values: what it declares, starts, sets and includes.
+"""A launch file as values: its arguments, nodes, parameters and includes.
 
 Every entry has a ``place`` and names its ``texts``: each attribute that may contain an
 argument, with its display name.
@@ -23,7 +23,7 @@ Origin: TypeAlias = Literal[
     "missing",
     "switched off",
 ]
-"""Where an argument's value comes from; ``value`` is one that cannot be overridden."""
+"""Origin of an argument's value; ``value`` is one that cannot be overridden."""
 
 
 @final
@@ -184,7 +184,7 @@ class Node:
     settings: tuple[NamedText, ...] = ()
     """Every other attribute, as ``output`` and ``respawn``."""
     parameters: tuple[Parameter, ...] = ()
-    """Its own, and private ones before it in the file."""
+    """Parameters of the node, and private ones before it in the file."""
     rosparams: tuple[Rosparam, ...] = ()
     remaps: tuple[Statement, ...] = ()
     """The remaps that apply to the node, its own last."""

@@ -99,7 +99,7 @@ class Scope:
 
     @property
     def location(self) -> SourceLocation:
-        """Where the element stands."""
+        """Location of the element."""
         return getattr(self.element, "location", None) or SourceLocation(self.file)
 
     def text(self, name: str) -> Text | None:

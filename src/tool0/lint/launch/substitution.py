@@ -23,7 +23,7 @@ from tool0.lint.packages import PackageIndex
 
 COMMANDS: Final = ("find", "env", "optenv", "dirname", "anon", "arg", "eval")
 MAX_LENGTH: Final = 100_000
-"""Of a resolved text, in characters: arguments in arguments grow without bound."""
+"""Longest resolved text, in characters: arguments in arguments grow without bound."""
 
 _WORD = re.compile(r"\$\(([^()]+)\)")
 _BROKEN = re.compile(r"\$\([^()]*(\(|$)")

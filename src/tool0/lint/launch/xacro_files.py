@@ -53,9 +53,9 @@ class XacroFile:
     file: Path | None
     """None if its name is unknown."""
     written: str
-    """Its name, as written in the including file."""
+    """Name of the file as written in the including file."""
     location: SourceLocation
-    """Where it is included."""
+    """Location of the element that includes the file."""
     reason: str = ""
     """Why it could not be read."""
     defaults: Mapping[str, str] = field(default_factory=dict)

@@ -52,7 +52,7 @@ _KEYS_OF_INTERFACES: Final = (
     *("command_interfaces", "state_interfaces"),
 )
 _FILLED_IN = "$"
-"""In a text that a launch file, or a program, replaces."""
+"""Character of texts that a launch file, or a program, replaces."""
 
 
 def is_ros2(root: YamlEntry) -> bool:

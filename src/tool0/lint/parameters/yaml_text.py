@@ -165,7 +165,7 @@ def _restored(text: str) -> str:
 
 
 def _flat_keys(text: str) -> Iterator[tuple[int, str, str]]:
-    """Yield row, key and the next one, of keys that lost what is below them."""
+    """Yield row, key and the next one, of keys that lost their contents."""
     empty: tuple[int, str, str] | None = None
     for row, line in enumerate(text.splitlines()):
         if not line.strip() or line.lstrip().startswith("#"):

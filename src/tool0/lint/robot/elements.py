@@ -121,7 +121,7 @@ class Tag:
 
         Args:
             attribute: Its name.
-            default: What is returned if the attribute is missing or empty.
+            default: Value to return if the attribute is missing or empty.
         """
         text = self[attribute]
         return _to_number(text) if text else default

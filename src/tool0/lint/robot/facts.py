@@ -66,7 +66,7 @@ class JointFacts:
 
     @property
     def is_movable(self) -> bool:
-        """Whether its type lets it move."""
+        """Whether a joint of its type can move."""
         return self.type in MOVABLE
 
     @property
@@ -314,7 +314,7 @@ class Robot:
     root: Tag
     facts: RobotFacts
     body: Mapping[str, str]
-    """For each link, the first link of the body that Gazebo makes of it."""
+    """First link of the body that Gazebo makes of each link, by link."""
     packages: PackageIndex
     is_spawned: bool | None
     """Whether it is spawned in Gazebo for control; None if no launch file loads it."""

@@ -12,7 +12,8 @@ from tool0.lint.robot.facts import MOVABLE, JointFacts, Robot, RobotFacts
 _TYPES = (*MOVABLE, "fixed")
 _LIMITED = ("revolute", "prismatic")
 _FASTEST = {"revolute": 100.0, "continuous": 1000.0, "prismatic": 20.0}
-"""[rad/s | m/s]; an arm's joint turns at 3 rad/s, and a gripper's at 2."""
+"""Largest plausible velocity by type of joint [rad/s | m/s]; an arm's joint turns at 3
+rad/s, and a gripper's at 2."""
 _COUNTS: dict[str, dict[str, int]] = {
     "origin": {"xyz": 3, "rpy": 3},
     "axis": {"xyz": 3},
@@ -29,7 +30,7 @@ _COUNTS: dict[str, dict[str, int]] = {
     "sphere": {"radius": 1},
     "mesh": {"scale": 3},
 }
-"""How many numbers each attribute holds."""
+"""Number of values that each attribute holds."""
 
 
 def joint_findings(robot: Robot) -> Iterator[Finding]:

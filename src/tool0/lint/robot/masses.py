@@ -14,18 +14,18 @@ from tool0.lint.robot.facts import JointFacts, Robot
 
 _WORLD = "world"
 _DENSEST = 22600.0
-"""Of osmium [kg/m³]: https://en.wikipedia.org/wiki/Osmium."""
+"""Density of osmium [kg/m³], the densest: https://en.wikipedia.org/wiki/Osmium."""
 _ROUNDING = 1e-3
 """The slack of the triangle inequality, for numbers that a CAD program rounded."""
 _LONGEST = 10.0
 _SIZES = (0.02, 3.0)
-"""How far the radius of gyration may be from the link's own size, as a factor of it."""
+"""Range of the radius of gyration, as a factor of the link's own size."""
 _LIGHT = 0.5
 """Moving mass below which a joint is a finger rather than an arm [kg]."""
 _STRONG = {"revolute": 100.0, "continuous": 100.0, "prismatic": 1000.0}
 """Efforts that no motor of such a finger has [N·m | N]: a 2F-85 has 23 N·m at most."""
 _MOST_LINKS = 100
-"""Of a finger; a longer chain is no finger."""
+"""Largest number of links of a finger."""
 
 
 def inertia_findings(robot: Robot) -> Iterator[Finding]:

@@ -95,7 +95,7 @@ def _type(transmission: TransmissionFacts) -> Iterator[Finding]:
         yield transmission.at.warning(
             "unknown-transmission",
             f"{has_type}, which gazebo_ros_control does not simulate: it drives one "
-            "joint by itself, and skips a transmission of several",
+            "joint alone, and skips a transmission of several",
             f"for Gazebo write <type>{SIMPLE}</type>, once for each joint",
         )
 
@@ -135,7 +135,7 @@ def _joint(
         yield at.warning(
             "driven-mimic",
             f"joint '{short(name)}' mimics '{short(joint.mimic_of)}' and has a "
-            "transmission too: ros_control drives it by itself, against its "
+            "transmission too: ros_control drives it independently, against its "
             "coupling",
             "remove the transmission, or the <mimic>",
         )

@@ -37,7 +37,7 @@ class MacroParameter:
     """One parameter of a macro: ``name`` or ``name:=default``."""
 
     name: str
-    """Without the stars of a block."""
+    """Name of the parameter, without the stars of a block."""
     default: str | None
     is_block: bool
 

@@ -1,4 +1,4 @@
-"""What happened in a recording, as the notices of a page."""
+"""Events of a recording, as the notices of a page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which time of a recording is shown: it plays, pauses, loops, and jumps."""
+"""The time of a recording that is shown: it plays, pauses, loops, and jumps."""
 
 from __future__ import annotations
 

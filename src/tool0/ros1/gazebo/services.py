@@ -33,7 +33,7 @@ _SUCCESS = "got properties"
 
 
 def offer_gazebo_services(ros: RosNamespace, robot: Robot) -> GazeboStatePublisher:
-    """Offer the services under the node's name; return what publishes the topics."""
+    """Offer the services under the node's name; return the publisher of the topics."""
     world = GazeboWorld(robot)
     queries = GazeboQueries(ros, robot, world)
     changes = GazeboChanges(robot, world, ros.node.clock.from_ros)

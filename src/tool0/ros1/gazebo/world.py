@@ -24,7 +24,7 @@ GROUND = "ground_plane"
 _RESERVED = ("collision", "link", "sun", "visual")
 """Names that Gazebo reserves."""
 MAX_NAME_LENGTH = 60
-"""[characters], since the Gazebo engine uses it as a file name."""
+"""Longest name, in characters: the Gazebo engine uses it as a file name."""
 _WORLD = ("", "world", "map", "/map")
 _AT_ORIGIN = FrameMotion()
 

@@ -1,4 +1,4 @@
-"""One arm: who may move it, and what does: power, brakes, stops, and its program.
+"""One arm: its power, brakes and stops, and the program that moves it.
 
 An arm moves if it is powered, its brakes are released, and no stop is on.  A stop
 stops the controllers of that arm only: the brakes hold its joints, and no controller
@@ -65,19 +65,19 @@ class Arm(abc.ABC):
         self.name, self.parts = name, parts
         self.box = box
         self.motion = ArmMotion(name, parts, model, hardware, manager)
-        """For a program that has taken the arm."""
+        """Motion of the arm for a program that has taken it."""
         self.mode = ControllerMode(self.motion.spec, hardware, manager)
         """Freedrive and force mode of a controller."""
         self._hardware, self._manager = hardware, manager
         self._joints = frozenset(joint.name for joint in parts.joints)
-        """Which a program takes."""
+        """Joints that a program takes."""
         self._stopped_with = self._joints.union(moving_with_it)
-        """Which move only if the arm may."""
+        """Joints that move only if the arm may."""
         self._modes = Modes()
         self._stopped: tuple[str, ...] = ()
         """The controllers that play starts."""
         self._stopped_at = 0.0
-        """When the protective stop occurred [s]."""
+        """Simulated time at which the protective stop occurred [s]."""
         self._resumes = False
         """Whether the controllers of a taken arm start when it is released."""
 
@@ -132,7 +132,7 @@ class Arm(abc.ABC):
             self._set(now, robot=RobotMode.RUNNING)
 
     def stop_protectively(self, reason: str, now: JointState) -> None:
-        """Stop the arm until the stop is unlocked; ``reason`` is for people.
+        """Stop the arm until the stop is unlocked; ``reason`` is shown to users.
 
         An arm in a protective stop keeps the first reason.
         """
@@ -156,7 +156,7 @@ class Arm(abc.ABC):
         self._set(now, safety=SafetyMode.NORMAL)
 
     def restart_safety(self, now: JointState) -> None:
-        """Clear what the safety system has stopped; the arm is switched off then.
+        """Clear the stops of the safety system; the arm is switched off then.
 
         Raises:
             ControlError: If the emergency stop is engaged.
@@ -193,7 +193,7 @@ class Arm(abc.ABC):
         self.box.change(program=ProgramState.PAUSED)
 
     def stop(self, now: JointState) -> None:
-        """Stop the program, and with it what moves the arm."""
+        """Stop the program, and with it the motion of the arm."""
         if self.box.state.program is not ProgramState.STOPPED:
             self._stop(now)
 
@@ -232,7 +232,7 @@ class Arm(abc.ABC):
                 self._release(now)
 
     def controller_to_move(self) -> ArmMotionController:
-        """Return what moves a taken arm that may move, and whose motion did not fail.
+        """Return the controller of a taken, ready arm whose motion did not fail.
 
         Raises:
             ControlError: If the arm is not taken, or may not move.
@@ -246,7 +246,7 @@ class Arm(abc.ABC):
         return controller
 
     def controller_to_stop(self) -> ArmMotionController:
-        """Return what moves a taken arm that may move.
+        """Return the controller of a taken, ready arm.
 
         Raises:
             ControlError: If the arm is not taken, or may not move.
@@ -283,7 +283,7 @@ class Arm(abc.ABC):
         It does so in the name of an active controller; without one, it must be taken.
 
         Raises:
-            ControlError: If neither is so, or it may not move.
+            ControlError: If neither holds, or it may not move.
         """
         if controller_name is not None:
             self._require_modes()
@@ -356,7 +356,7 @@ class Arm(abc.ABC):
         after: JointState,
         forces: tuple[Contact, ...],
     ) -> ArmSample:
-        """Return what moves the arm ``now`` [s], and the wrench on its tool.
+        """Return the motion of the arm ``now`` [s], and the wrench on its tool.
 
         The last step was from ``before`` to ``after``, with these external ``forces``.
         """
@@ -370,7 +370,7 @@ class Arm(abc.ABC):
         """
 
     def set_payload(self, payload: Payload | None) -> None:
-        """Take this to be at the flange; None is what the description has."""
+        """Use this payload at the flange; None is that of the description."""
         self.box.set_payload(payload)
 
     @abc.abstractmethod
@@ -393,7 +393,7 @@ class Arm(abc.ABC):
 
     @abc.abstractmethod
     def _stiffen(self, now: JointState) -> None:
-        """End that, if it is so: the arm stops where it is."""
+        """End that, if it is on: the arm stops where it is."""
 
     @abc.abstractmethod
     def _require_modes(self) -> None:
@@ -427,7 +427,7 @@ class Arm(abc.ABC):
         robot: RobotMode | None = None,
         safety: SafetyMode | None = None,
     ) -> None:
-        """Change modes; stop what moves the arm if it may not move any more."""
+        """Change modes; stop the arm's motion if it may not move any more."""
         old = self._modes
         self._modes = new = old.changed(robot, safety)
         self._show()
@@ -450,7 +450,7 @@ class Arm(abc.ABC):
             self._set(now, RobotMode.BACKDRIVE if engaged else RobotMode.RUNNING)
 
     def _stop(self, now: JointState) -> None:
-        """Stop what moves the arm, and its program; then the brakes hold it."""
+        """Stop the arm's motion and its program; then the brakes hold it."""
         stopped = self._stop_controllers(now, self._stopped_with)
         if self.motion.is_taken:
             self.motion.abort(now)

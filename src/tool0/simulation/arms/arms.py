@@ -95,7 +95,7 @@ class Arms:
                 arm.tick(state, period)
 
     def follow(self, report: RobotReport, now: JointState) -> None:
-        """Show what a real robot's controller reports, and stop what it stopped."""
+        """Show the report of a real robot's controller, and stop what it stopped."""
         for arm in self._real:
             arm.follow(report, now)
 
@@ -106,7 +106,7 @@ class Arms:
         after: JointState,
         forces: tuple[Contact, ...],
     ) -> Mapping[str, ArmSample]:
-        """Return what moves each arm ``now`` [s], and the wrench on its tool.
+        """Return the motion of each arm ``now`` [s], and the wrench on its tool.
 
         The last step was from ``before`` to ``after``, with these external ``forces``.
         """

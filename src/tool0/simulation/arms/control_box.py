@@ -33,10 +33,10 @@ REAL_RAMP: Final = (10.0, 1.0)
 """The same for a real robot, down and up [1/s].  It limits its speed at once; it hears
 of an increase a little late, and what it does meanwhile must stay small."""
 MOST_VOLTAGE: Final = 10.0
-"""Of an analogue pin [V]."""
+"""Largest voltage of an analogue pin [V]."""
 _WIRED: Final = "the inputs of a real robot are what their wires say"
 CURRENTS: Final = (0.004, 0.020)
-"""Of an analogue pin [A]."""
+"""Range of the current of an analogue pin [A]."""
 
 
 @final
@@ -126,13 +126,13 @@ class ControlBox:
         self.change(speed_slider=fraction)
 
     def set_payload(self, payload: Payload | None) -> None:
-        """Take this to be at the flange; None is what the description has."""
+        """Use this payload at the flange; None is that of the description."""
         self._hardware.set_payload(self._flange, payload)
         known = payload or modelled_payload(self._model, self._flange)
         self.change(payload=known)
 
     def set_safety_limits(self, is_enabled: bool | None, force: float | None) -> None:
-        """Choose what stops the arm by itself; None does not change."""
+        """Configure the automatic stops of the arm; None does not change."""
         old = self.state.safety_limits
         limits = SafetyLimits(
             is_enabled=old.is_enabled if is_enabled is None else is_enabled,

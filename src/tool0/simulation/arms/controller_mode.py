@@ -42,7 +42,7 @@ class ControllerMode:
         """The controller of the mode, and the one whose joints the law drives."""
         self._compliance: Compliance | None = None
         self._rest: SplineMotion | None = None
-        """What an arm deviates from that no other controller moves."""
+        """Motion that an arm deviates from if no other controller moves it."""
         self._is_ending = False
         """Whether the arm only comes to rest, by springs along all axes."""
 

@@ -1,4 +1,4 @@
-"""Kinematics and dynamics of an arm, in the base frame of UR, for what moves it."""
+"""Kinematics and dynamics of an arm, in the base frame of UR, for its motion laws."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class ArmMechanics:
         """Compute nothing yet: numpy is only needed by some requests."""
         self._model, self._arm, self._hardware = model, arm, hardware
         self._masses: tuple[float, Array] | None = None
-        """When the mass matrix was computed [s], and the matrix."""
+        """Time for which the mass matrix was computed [s], and the matrix."""
 
     @cached_property
     def chain(self) -> ArmChain:

@@ -26,11 +26,11 @@ RETURN_BRAKE: Final = 4.0
 """Change of a path's speed when its arm is released while it moves [1/s²]: a path at
 full speed ends within 0.25 s."""
 RETURN_DECELERATION: Final = 4.0
-"""Of any other motion then, at least [rad/s²]: a stream of velocities ends as soon as
-with its own acceleration."""
+"""Least deceleration of any other motion then [rad/s²]: a stream of velocities ends as
+soon as with its own acceleration."""
 SETTLING: Final = 0.1
-"""From when the setpoint of an arm rests until the arm does [s]: its servos lag by some
-20 ms."""
+"""Time from when the setpoint of an arm rests until the arm does [s]: its servos lag by
+some 20 ms."""
 STIFFENING: Final = 10.0
 """Deceleration when force mode or freedrive ends while the arm moves, or a motion fails
 [rad/s²]."""
@@ -38,7 +38,7 @@ STIFFENING: Final = 10.0
 
 @final
 class ArmMotion:
-    """What moves an arm that a program has taken.
+    """Motion of an arm that a program has taken.
 
     Only the thread of the tick may use it.  It is an ArmMotionController, which exists
     until the arm is released.
@@ -68,15 +68,16 @@ class ArmMotion:
         self.is_protected = False
         """Whether a failed motion is a protective stop."""
         self._rests_at: float | None = None
-        """From when an arm rests that is released then [s]; None for any other."""
+        """Time from which an arm that is then released rests [s]; None for any other
+        arm."""
         self._n_paths = 0
-        """How many paths it was given."""
+        """Number of paths that it was given."""
         self.has_torques = False
         """Whether torques of its program drive the joints."""
 
     @property
     def controller(self) -> ArmMotionController:
-        """What moves the taken arm."""
+        """Controller of the taken arm."""
         running = self._manager.running(self.spec.name)
         assert isinstance(running, ArmMotionController)  # it has this spec
         return running
@@ -194,7 +195,7 @@ class ArmMotion:
         return self.desired(now) or measured
 
     def sample(self, now: float, wrench: Wrench, failure: str) -> ArmSample:
-        """Return what moves the arm ``now`` [s].
+        """Return the motion of the arm ``now`` [s].
 
         ``wrench`` is that on its tool, ``failure`` why its motion failed, if it did.
         """

@@ -43,7 +43,7 @@ _LOST: Final = "check power and network; tool0 tries again"
 
 @final
 class RealArm(Arm):
-    """An arm that follows motions by itself, and reports its power, stops and pins."""
+    """An arm with its own motion control; it reports its power, stops and pins."""
 
     def __init__(
         self,
@@ -66,14 +66,14 @@ class RealArm(Arm):
         )
         self._drives = drives
         self._report: RobotReport | None = None
-        """What the controller reported last."""
+        """Newest report of the controller."""
         self._task: ComplianceTask | None = None
-        """By which the arm pushes with a force, or gives way, by itself."""
+        """Task by which the arm itself pushes with a force, or gives way."""
 
     def follow(self, report: RobotReport, now: JointState) -> None:
-        """Show what the controller of the robot reports, and stop what it stopped.
+        """Show the report of the robot's controller, and stop what it stopped.
 
-        Nothing starts by itself: that takes ``play``.
+        Nothing starts on its own: that takes ``play``.
         """
         if report is self._report:
             return

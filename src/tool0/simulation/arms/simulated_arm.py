@@ -45,7 +45,7 @@ class SimulatedArm(Arm):
         )
         self._model, self._engine = model, engine
         self._tool_wrench: ToolWrench | None = None
-        """On the tool, once it was sampled."""
+        """Wrench on the tool, once it was sampled."""
 
     def tick(self, state: JointState, period: float) -> None:
         super().tick(state, period)

@@ -1,4 +1,4 @@
-"""Where arms are commanded to be, and by which controllers."""
+"""Commanded positions of arms, and the controllers that command them."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def motion_plans(simulation: Simulation) -> MotionPlans:
-    """Return what checks and plans the motions of a simulation."""
+    """Return the checker and planner of the motions of a simulation."""
     from tool0.simulation.motion_plans import MotionPlans  # numpy, and the planner
 
     return simulation.service(MotionPlans)

@@ -55,7 +55,7 @@ _Placing = AddObject | AddModel | PlaceObject
 
 
 def _prepare(simulation: Simulation, request: _Placing, item: SceneObject) -> None:
-    """Do what takes long of the check that the object is outside the robot."""
+    """Do the slow part of the check that the object is outside the robot."""
     if not request.allow_penetration:
         simulation.collisions.prepare(item)
 

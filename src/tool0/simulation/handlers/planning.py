@@ -33,7 +33,7 @@ class StartPlan(Request[tuple[GoalStarted, ...]], frozen=True):
     unchecked = ("motions",)
 
     motions: tuple[tuple[Name, tuple[str, ...], Points], ...]
-    """For each controller: its name, the joints, and the points."""
+    """Motion of each controller: its name, the joints, and the points."""
     may_touch: tuple[str, ...] = ()
     carried: tuple[str, ...] = ()
     """Objects that move with the arms."""

@@ -43,11 +43,11 @@ if TYPE_CHECKING:
     from tool0.simulation.handlers.program_run import ProgramExecution
 
 _LONGEST_RETURN = 2.0
-"""Of an arm that is released while a program is to begin [wall s]."""
+"""Longest wait for an arm that is released while a program is to begin [wall s]."""
 
 
 def _context(simulation: Simulation, program: Program) -> RobotContext:
-    """Return what a program finds; ControlError if its arm or gripper is unknown."""
+    """Return a program's context; ControlError if its arm or gripper is unknown."""
     from tool0.programs.robot_context import RobotContext
 
     require_shallow(program)

@@ -96,7 +96,7 @@ class ProgramSteps:
         """The newest one."""
         self.arm = simulation.core.arms.find(context.arm)
         self._path_number = 0
-        """Of the last path that it sent."""
+        """Number of the last path that it sent."""
 
     def run(self) -> StepCoroutine[None]:
         """Execute all steps; EndedError or a Tool0Error if it ends earlier."""
@@ -352,7 +352,7 @@ class ProgramSteps:
 
     @property
     def _motion(self) -> ArmMotionController:
-        """What moves the arm; EndedError if something else does."""
+        """Controller of the arm; EndedError if something else moves it."""
         motion = self.arm.controller_to_move()
         number, _ = motion.progress(self._simulation.core.time)
         if number != self._path_number or motion.mode not in {"path", "hold", "stop"}:

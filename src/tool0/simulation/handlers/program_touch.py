@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from tool0.programs.robot_context import RobotContext
 
 CONTACT_FORCE: Final = 1.0
-"""Against the direction, above that at the start, which is a contact [N]."""
+"""Least force of a contact against the direction, above that at the start [N]."""
 
 
 @final

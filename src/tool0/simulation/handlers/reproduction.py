@@ -29,7 +29,7 @@ from tool0.simulation.simulation import Simulation
 
 
 def reproduction(simulation: Simulation) -> Reproduction:
-    """Return what repeats this simulation, together with its journal."""
+    """Return the data that repeat this simulation, together with its journal."""
     setup = simulation.setup
     description, options = setup.description, setup.options
     model, choice = description.model, setup.choice
@@ -78,9 +78,9 @@ def restarted(
     """Bring the same robot up again, without real time, and return it.
 
     Args:
-        start: What ``reproduction`` returned.
+        start: Result of ``reproduction``.
         folder: An empty one, for files that the bring-up reads.
-        meshes: Where the files of ``start.meshes`` are now, by their URIs.
+        meshes: Paths of the files of ``start.meshes`` now, by their URIs.
 
     Raises:
         Tool0Error: If that fails, for instance because the engine is missing.

@@ -1,4 +1,4 @@
-"""Ends streams to an arm whose sender has fallen silent: nothing goes on by itself.
+"""Ends streams to an arm whose sender has stopped sending, and stops the arm.
 
 A stream is two or more targets or velocities that follow each other within their
 timeout.  After a longer silence the arm stops, and what comes then, delayed by an
@@ -29,13 +29,13 @@ class _Stream:
     """The commands to one arm since its last stop."""
 
     last: float
-    """When the last one came [wall s]."""
+    """Time at which the last command came [wall s]."""
     timeout: float
-    """[wall s]"""
+    """Wall time after the last command at which the stream has ended [wall s]."""
     is_stream: bool = False
     """Whether there were at least two."""
     silence: float | None = None
-    """How long it was silent when it ended [wall s]; None before that."""
+    """Silence after which it ended [wall s]; None before that."""
 
 
 @final

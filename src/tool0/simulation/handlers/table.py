@@ -1,4 +1,4 @@
-"""The handlers of a simulation: what carries out each request, and when.
+"""The handlers of a simulation: one for each request, and when it is called.
 
 A handler is registered by ``handles`` where it is defined.  Packages above register
 those of their own requests in the same table, by being imported.
@@ -39,8 +39,8 @@ class Entry:
     noted in the journal, from which a session can be repeated.  Others plan, and then
     answer such a request."""
     prepare: Prepare | None
-    """Called before an ``in_tick`` handler, in the caller's thread: what takes long and
-    depends on nothing that moves.  The handler gets its result."""
+    """Called before an ``in_tick`` handler, in the caller's thread, for work that takes
+    long and depends on nothing that moves.  The handler gets its result."""
     publishes: bool
     """Whether a snapshot follows, so that the next reader sees the effect."""
 
@@ -112,7 +112,7 @@ def entries() -> Mapping[str, Entry]:
 
 
 def answer(simulation: Simulation, request: Request[Response]) -> Response:
-    """Carry out ``request`` and return its response, or raise what the handler raises.
+    """Carry out ``request`` and return its response, or raise the handler's error.
 
     The request's values were checked before.
     """
@@ -160,7 +160,7 @@ def _execute(
     request: Request[Any],
     prepared: tuple[Any, ...],
 ) -> Any:
-    """Call a handler between two ticks, and note in the journal what it changes."""
+    """Call a handler between two ticks, and note the request in the journal."""
     if not entry.changes:
         return entry.handler(simulation, request, *prepared)
     note = simulation.journal.begin(request.as_done())

@@ -1,4 +1,4 @@
-"""The backend of a real robot: what it answers, what it refuses, and what it checks."""
+"""The backend of a real robot: the requests it answers, refuses and checks."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ _REASONS: Final[Mapping[type[Request[Any]], str]] = {
     Reset: "a real robot cannot be put into a pose; move it there",
     **dict.fromkeys(
         (ApplyWrench, PullLink, ClearWrenches),
-        "forces act on a real robot by themselves; a program cannot apply them",
+        "a program cannot apply forces to a real robot",
     ),
     **dict.fromkeys(
         (StartForceTorque, StopForceTorque, TareForceTorque, ReadForceTorque),
@@ -104,7 +104,8 @@ class RealRobotBackend:
         self._inner = SimulationBackend(simulation)
         self._enabling = Enabling(simulation, engine)
         self._guard: PathGuard | None = None
-        """From the first enabling on: it loads what the rest does not need."""
+        """Guard of paths, made at the first enabling: it loads what the rest does not
+        need."""
         self._handlers: Mapping[type[Request[Any]], Callable[[Any], None]] = {
             EnableMotion: self._enable,
             DisableMotion: lambda _: self._enabling.disable(),

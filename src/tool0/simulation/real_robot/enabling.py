@@ -1,4 +1,4 @@
-"""Whether tool0 may move a real arm: what must be so, and how it begins."""
+"""Enables motion of a real arm: the conditions, and the start."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _POLL: Final = 0.02
 
 @final
 class Enabling:
-    """Finds what keeps tool0 from moving the arm, and starts its program.
+    """Finds the obstacles to moving the arm, and starts its program.
 
     It asks the robot, and takes time: never in the thread of the tick.
     """
@@ -65,7 +65,7 @@ class Enabling:
         return self._simulation.snapshot.control_boxes[0]
 
     def look(self) -> RobotLink:
-        """Ask the robot who it is, and show that with what would keep it from moving.
+        """Read the robot's identity, and show it with the obstacles to motion.
 
         Raises:
             TransportError: If the dashboard server does not answer.
@@ -90,7 +90,7 @@ class Enabling:
         return link
 
     def _obstacles(self, model: str, *, is_remote: bool | None) -> list[str]:
-        """Return what keeps the arm from moving, a sentence each."""
+        """Return the obstacles to motion, a sentence each."""
         found, box = [], self.box
         if is_remote is False:
             found.append(
@@ -164,7 +164,7 @@ class Enabling:
     # ---- beginning and end ----------------------------------------------------------
 
     def enable(self, request: EnableMotion) -> None:
-        """Start tool0's program on the robot, and let the controllers hold the arm.
+        """Start tool0's program on the robot, and hold the arm by its controllers.
 
         Raises:
             ControlError: If something keeps the arm from moving, with all reasons.
@@ -244,7 +244,7 @@ class Enabling:
         otherwise: str,
         timeout: float = CHANGE_TIMEOUT,
     ) -> None:
-        """Wait until the robot reports what was asked of it.
+        """Wait until the robot reports the requested state.
 
         Raises:
             ControlError: If it does not, with the text ``otherwise``.

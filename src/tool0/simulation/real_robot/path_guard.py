@@ -14,19 +14,20 @@ from tool0.simulation.handlers.motion_checks import motion_plans
 from tool0.simulation.simulation import Simulation
 
 SAMPLING: Final = 0.04
-"""Between two postures at which a motion is looked at, at its start [s]; the ways
+"""Time between two postures at which a motion is looked at, at its start [s]; the ways
 between them are looked at as straight ones."""
 _SAMPLES: Final = 500
-"""After so many, the time between two doubles: the tick waits for this."""
+"""Postures after which the time between two doubles: the tick waits for this."""
 _MOST_SAMPLES: Final = 6 * _SAMPLES
-"""They are 1260 s."""
+"""Largest number of postures: they are 1260 s."""
 AHEAD: Final = 0.3
-"""For how long a stream is assumed to go on as it does [s]."""
+"""Time for which a stream is assumed to continue as it does [s]."""
 JUMP: Final = 0.05
 """Largest distance of a joint from the start of a motion [rad]."""
 _ROUNDING: Final = 1e-6
 _SPEED_ROUNDING: Final = 0.02
-"""Of the speed slider, and of splines that are a little faster between their knots."""
+"""Tolerance of speeds: of the speed slider, and of splines that are a little faster
+between their knots."""
 
 
 @final

@@ -1,1 +1,1 @@
-"""Whether joints follow and arms touch only what they may, and why not."""
+"""Supervises that joints follow and arms touch only what they may; names causes."""

@@ -14,8 +14,8 @@ from tool0.sensing.stalls import LARGEST_LAG, external_contacts
 from tool0.simulation.core import Core
 
 RECENT: Final = 0.1
-"""For how long a contact counts as a cause after it has ended [s]: what hits the ground
-rebounds."""
+"""Time for which a contact counts as a cause after it has ended [s]: what hits the
+ground rebounds."""
 _AT_LIMIT: Final = 0.02
 """Distance from a limit at which a joint is held by it [rad]."""
 _FULL: Final = 0.98
@@ -28,10 +28,10 @@ class TrackedJoint(NamedTuple):
 
     name: str
     number: int
-    """In the engine's order."""
+    """Number of the joint in the engine's order."""
     lower: float
     upper: float
-    """Its limits [rad]."""
+    """Limits of the joint [rad]."""
     error: float
     """Largest distance from the setpoint [rad]."""
     effort: float
@@ -42,7 +42,7 @@ class TrackedJoint(NamedTuple):
 
 @final
 class Causes:
-    """Names what keeps the joints of one arm from where they are sent."""
+    """Finds the causes that keep the joints of one arm from their setpoints."""
 
     def __init__(self, arm: ArmParts, core: Core) -> None:
         self._arm, self._core = arm, core
@@ -66,13 +66,13 @@ class Causes:
         self._touched_at = -math.inf
 
     def watch(self, time: float) -> None:
-        """Note what touches the arm at ``time`` [s]: it may become a cause."""
+        """Note the contacts of the arm at ``time`` [s]: they may become causes."""
         contacts = self._core.engine.world.contacts()
         if external_contacts((joint.links for joint in self.joints), contacts):
             self._touching, self._touched_at = contacts, time
 
     def of(self, joint: TrackedJoint, state: JointState) -> str:
-        """Return what most likely keeps a joint off the path of a tool."""
+        """Return the most likely cause that keeps a joint off the path of a tool."""
         return (
             self._obstacle(joint, (joint,), state)
             or self._singularity(state)
@@ -83,7 +83,7 @@ class Causes:
     def known(
         self, joint: TrackedJoint, moving: Sequence[TrackedJoint], state: JointState
     ) -> str:
-        """Return what keeps a joint from where it is sent, if that is known.
+        """Return the cause that keeps a joint from its setpoint, if it is known.
 
         ``moving`` are the joints that contacts may stop: that one, or others, too.
         """
@@ -92,7 +92,7 @@ class Causes:
     def _obstacle(
         self, joint: TrackedJoint, moving: Sequence[TrackedJoint], state: JointState
     ) -> str:
-        """Return what stops ``moving`` joints, or the limit that the joint is at."""
+        """Return the contacts that stop ``moving`` joints, or the joint's limit."""
         self.watch(state.time)
         if 0.0 <= state.time - self._touched_at <= RECENT:
             touching = external_contacts((j.links for j in moving), self._touching)

@@ -1,4 +1,4 @@
-"""How hard an arm pushes on what it touches: the force that stops a UR.
+"""Force of an arm on what it touches, which stops a UR.
 
 A UR derives it from the currents of its joints; here the engine's contacts have it.
 """
@@ -23,7 +23,7 @@ DETECTION_TIME: Final = 0.1
 25 N above the limit are detected after 0.2 s; a UR's force limit has a trueness of 25 N
 and a detection time of 250 ms (user manual of the UR5/CB3, 5.1)."""
 _NEGLIGIBLE: Final = 0.1
-"""[N]"""
+"""Force below which a filtered force counts as zero [N]."""
 
 
 @final
@@ -34,7 +34,7 @@ class _Body:
     name: str
     links: frozenset[str]
     force: list[float] = field(default_factory=lambda: [0.0] * 3)
-    """Filtered force that it exerts [N]."""
+    """Filtered force that the body exerts [N]."""
 
 
 @final
@@ -58,7 +58,7 @@ class ContactForces:
     def forget(self) -> None:
         """Forget forces, as after a reset."""
         self._last = -math.inf
-        """When forces were filtered [s]."""
+        """Time at which forces were filtered last [s]."""
         self._is_loaded = False
         """Whether a filtered force is not zero."""
         for body in self._bodies:

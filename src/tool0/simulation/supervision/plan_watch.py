@@ -37,7 +37,7 @@ class ContactWatch:
         self._has_looked = False
 
     def unexpected(self, contacts: Collection[Contact]) -> str:
-        """Return what touches and should not, as a sentence; empty if nothing does."""
+        """Return a contact that should not be, as a sentence; empty without one."""
         if not self._has_looked:
             self._has_looked = True
             self._known.update(map(_pair, contacts))

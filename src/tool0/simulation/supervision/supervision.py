@@ -47,7 +47,7 @@ class Failure(NamedTuple):
 
 @final
 class Supervision:
-    """Finds what fails, and explains it.  Only the thread of the tick may use it."""
+    """Finds failures, and explains them.  Only the thread of the tick may use it."""
 
     def __init__(self, core: Core) -> None:
         self._core = core
@@ -86,12 +86,12 @@ class Supervision:
         return replace(result, error_string=f"{result.error_string}; {why}")
 
     def gripper_obstacle(self, joint: str) -> str:
-        """Return what stops the gripper that ``joint`` drives."""
+        """Return the cause that stops the gripper that ``joint`` drives."""
         touching = self._touching((self._core.model.joint(joint).parent,))
         return touching or "no contact: its stop, or the load"
 
     def _with_grip(self, goal: Goal, result: GripperResult) -> GripperResult:
-        """Return the outcome of a stalled gripper, with what stopped it."""
+        """Return the outcome of a stalled gripper, with its cause."""
         (joint,) = self._core.manager.spec(goal.controller).joints
         holds = any(
             gripper.joint == joint and gripper.name in self._core.grip_contacts.gripping
@@ -102,7 +102,7 @@ class Supervision:
         return replace(result, holds=holds, error_string=text)
 
     def _cause(self, names: tuple[str, ...]) -> str:
-        """Return what is known to keep joints off their path."""
+        """Return the known causes that keep joints off their path."""
         core = self._core
         for watch in self._watches:
             joints = [joint for joint in watch.causes.joints if joint.name in names]
@@ -112,7 +112,7 @@ class Supervision:
         return self._touching(core.model.joint(name).child for name in names)
 
     def _touching(self, roots: Iterable[str]) -> str:
-        """Return what the links from ``roots`` on touch; empty for nothing."""
+        """Return the contacts of the links from ``roots`` on; empty for none."""
         core = self._core
         groups = [frozenset(core.model.links_from(root)) for root in roots]
         contacts = core.engine.world.contacts()
@@ -139,7 +139,7 @@ class _Watch:
     def forget(self) -> None:
         """Forget forces, as after a reset."""
         self._checked = -math.inf
-        """When all joints were checked [s]."""
+        """Time at which all joints were checked last [s]."""
         self._forces.forget()
 
     # ---- safety limits --------------------------------------------------------------

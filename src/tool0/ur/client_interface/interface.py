@@ -20,16 +20,16 @@ if TYPE_CHECKING:
 
 PRIMARY, SECONDARY, REALTIME = 30001, 30002, 30003
 READ_ONLY: Final = 10
-"""Added to these numbers for ports that take no programs."""
+"""Number added to these for ports that take no programs."""
 STATE_PERIOD: Final = 0.1
-"""Of the robot's state on the primary and secondary interfaces, and, while time does
-not pass, on all [s]."""
+"""Period of the robot's state on the primary and secondary interfaces, and, while time
+does not pass, on all [s]."""
 MAX_BEHIND: Final = 1 << 16
 """A client that has not read so much gets nothing further until it reads [bytes]: many
 only send programs, and never read."""
 BUILD_DATE: Final = "01-01-2024, 00:00:00"
 _SCRIPT_COST: Final = 5e-3
-"""Of compiling and starting a program [s]."""
+"""Processor time of compiling and starting a program [s]."""
 _CHUNK: Final = 1 << 16
 
 
@@ -79,7 +79,7 @@ class ClientInterface:
 
     @property
     def n_clients(self) -> int:
-        """How many clients there are."""
+        """Number of clients."""
         return sum(len(port.peers) for port in self._ports.values())
 
     # ---- from clients ---------------------------------------------------------------
@@ -194,11 +194,11 @@ def _periods(time: float, period: float) -> int:
 
 
 def readers(peers: Iterable[Peer]) -> list[Peer]:
-    """Return those who have read what was sent before."""
+    """Return the peers that have read what was sent before."""
     return [peer for peer in peers if peer.owed < MAX_BEHIND]
 
 
 def send_to_readers(peers: Iterable[Peer], packet: bytes) -> None:
-    """Send to those who have read what was sent before."""
+    """Send to the peers that have read what was sent before."""
     for peer in readers(peers):
         peer.send(packet)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 N_VALUES: Final = 152
 SIZE: Final = 4 + 8 * N_VALUES
-"""Of the packet, with the number that says so [bytes]."""
+"""Size of the packet, including the number with the size [bytes]."""
 _PACKET: Final = Struct(f">i{N_VALUES}d")
 
 

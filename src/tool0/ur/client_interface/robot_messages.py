@@ -20,7 +20,7 @@ _HEADER: Final = Struct(">iBQbB")
 
 
 class Source(IntEnum):
-    """Who sends a message."""
+    """Sender of a message."""
 
     ROBOT_INTERFACE = -2
     REAL_TIME_MACHINE = -3
@@ -39,7 +39,7 @@ class Kind(IntEnum):
 
 
 class ReportLevel(IntEnum):
-    """How serious an error is; from ``VIOLATION`` on, the program has failed."""
+    """Severity of an error; from ``VIOLATION`` on, the program has failed."""
 
     WARNING = 2
     VIOLATION = 3

@@ -51,7 +51,7 @@ class Package(IntEnum):
 
 
 class ControlMode(IntEnum):
-    """How the arm is controlled."""
+    """Control mode of the arm."""
 
     POSITION = 0
     TEACH = 1
@@ -61,14 +61,14 @@ class ControlMode(IntEnum):
 UNCALIBRATED: Final = 0xFFFFFFFF
 """The checksum of a joint's calibration, if there is none."""
 VOLTAGE_RANGE: Final = 1
-"""Of an analogue input of the box: 0 … 10 V."""
+"""Number of the range of an analogue input of the box: 0 … 10 V."""
 MAX_ACCELERATION: Final = 40.0
-"""Of a joint, in the configuration of a UR [rad/s²]."""
+"""Largest acceleration of a joint, in the configuration of a UR [rad/s²]."""
 DEFAULTS: Final = (math.radians(60.0), math.radians(80.0), 0.25, 1.2)
 """Speed and acceleration of joints [rad/s, rad/s²] and of the tool [m/s, m/s²] in
 programs that name none."""
 EQUIVALENT_RADIUS: Final = 0.25
-"""[m]"""
+"""Equivalent radius, in the configuration of a UR [m]."""
 ROBOT_TYPES: Final = {
     "UR5": 1,
     "UR10": 2,
@@ -80,7 +80,8 @@ ROBOT_TYPES: Final = {
 }
 """UR's numbers of its arms."""
 MASTERBOARD_VERSION, BOX_TYPE, SUB_TYPE = 6, 4, 3
-"""As UR's own simulator reports them for an e-Series."""
+"""Types of the master board and the box, as UR's own simulator reports them for an
+e-Series."""
 
 
 def robot_state(box: UrControlBox, *, is_first: bool = False) -> bytes:

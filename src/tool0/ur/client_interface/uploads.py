@@ -38,7 +38,7 @@ class Uploads:
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._waiting: deque[tuple[Script, int]] = deque()
-        """With the number of stops before each."""
+        """Scripts that wait, with the number of stops before each."""
         self._arrived = asyncio.Event()
         self._is_flooded = False
         self._secondary: set[asyncio.Task[None]] = set()
@@ -57,7 +57,7 @@ class Uploads:
             "power off": self._power_off,
             "stop program": box.programs.stop,
         }
-        """Those that wait for nothing."""
+        """Commands that wait for nothing."""
 
     def put(self, script: Script) -> None:
         """Execute a script after those that wait; a stop at once."""

@@ -10,9 +10,9 @@ from tool0.devices.modbus_frames import ERROR, HEADER, MAX_LENGTH
 from tool0.ur.waiting import within
 
 TIMEOUT: Final = 2.0
-"""For a connection, and for a response [wall s]."""
+"""Timeout of a connection, and of a response [wall s]."""
 DISCONNECTED: Final = -2
-"""As a connection's error: there is none."""
+"""Error of a connection that does not exist."""
 
 
 @final

@@ -26,10 +26,10 @@ from tool0.ur.waiting import within
 
 MAX_SIGNALS: Final = 256
 FREQUENCY: Final = 10.0
-"""Of updates, until a program sets another one [wall Hz]."""
+"""Rate of updates, until a program sets another one [wall Hz]."""
 MAX_FREQUENCY: Final = 500
 WATCHDOG: Final = 2.0
-"""How long a signal may be invalid before programs notice [wall s]."""
+"""Longest time for which a signal may be invalid before programs notice [wall s]."""
 PORT: Final = 502
 
 
@@ -65,7 +65,7 @@ _READ: Final = {
 
 
 class WhenStopped(IntEnum):
-    """What a digital output is while no program runs."""
+    """Level of a digital output while no program runs."""
 
     KEPT = 0
     LOW = 1
@@ -77,7 +77,7 @@ class WhenStopped(IntEnum):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SignalSpec:
-    """Where a signal is."""
+    """Location of a signal."""
 
     host: str
     port: int
@@ -85,10 +85,10 @@ class SignalSpec:
     kind: SignalType
     address: int
     count: int = 1
-    """Of registers or bits that are read, or written if nothing is read."""
+    """Number of registers or bits that are read, or written if nothing is read."""
     write_address: int = 0
     write_count: int = 0
-    """Of ``REGISTERS_READ_AND_WRITTEN``."""
+    """Number of registers that ``REGISTERS_READ_AND_WRITTEN`` writes."""
 
 
 @final
@@ -104,8 +104,8 @@ class Signal:
         """Keep a signal up to date from now on.
 
         Args:
-            spec: Where it is.
-            client: Of its unit's address; None if that must not be reached.
+            spec: Location of the signal.
+            client: Client of its unit's address; None if that must not be reached.
             is_running: Whether a program runs.
         """
         self.spec = spec
@@ -125,7 +125,7 @@ class Signal:
 
     @property
     def invalid_for(self) -> float:
-        """How long the last exchange has been one that failed [wall s]."""
+        """Time for which exchanges have failed [wall s]."""
         is_valid = not (self.device_error or self.connection_error)
         return 0.0 if is_valid else time.monotonic() - self._valid
 
@@ -236,8 +236,8 @@ class Signals:
         """Add a signal; it replaces one of the same name.
 
         Args:
-            name: Of the signal.
-            spec: Where it is.
+            name: Name of the signal.
+            spec: Location of the signal.
             is_allowed: Whether its unit may be reached; the signal is invalid if not.
 
         Raises:

@@ -28,8 +28,8 @@ from tool0.ur.waiting import seen
 R = TypeVar("R")
 
 POLL_PERIOD: Final = 0.02
-"""Between two looks at fingers that move [s], and before the first one at a new goal:
-by then, the state of the simulation knows it."""
+"""Period of looking at fingers that move [s], and pause before the first look at a new
+goal: by then, the state of the simulation knows it."""
 MOVED: Final = 0.0005
 """Change of the opening from which fingers at rest are looked at again [m]: an object
 that is lost lets them close further."""
@@ -82,9 +82,9 @@ class RobotiqGripper:
 
         Args:
             link: The control box.
-            name: As ``Grip`` calls it.
+            name: Name in ``Grip``.
             geometry: Its opening, speed and force.
-            joint_index: Of its driven joint in the updates.
+            joint_index: Index of its driven joint in the updates.
         """
         self.name = name
         self.counts = Counts(geometry)
@@ -94,7 +94,7 @@ class RobotiqGripper:
         self.command = POWER_ON
         """The requests of clients."""
         self.address: tuple[str, int] | None = None
-        """Where the URCap's socket listens, once it does: host and port."""
+        """Host and port of the URCap's socket, once it listens."""
         self._activation = Activation.RESET
         self._object = ObjectStatus.MOVING
         self._fault = Fault.NONE
@@ -429,6 +429,6 @@ class RobotiqGripper:
         return snapshot.position[self._index], snapshot.effort[self._index]
 
     def _tell(self) -> None:
-        """Wake those who wait for the registers."""
+        """Wake all that wait for the registers."""
         self._changed.set()
         self._changed = asyncio.Event()

@@ -18,7 +18,8 @@ COMMAND: Final = 1000
 STATUS: Final = 2000
 """First register of the status, 0x07D0."""
 REGISTERS: Final = BLOCK_BYTES // 2
-"""Of either; the last five are reserved: they read 0, and writing them does nothing."""
+"""Number of registers of either block; the last five are reserved: they read 0, and
+writing them does nothing."""
 MAX_READ: Final = 125
 MAX_WRITTEN: Final = 123
 MAX_WRITTEN_AND_READ: Final = 121
@@ -27,7 +28,7 @@ _FUNCTIONS: Final = {
     *(ModbusFunction.READ_HOLDING, ModbusFunction.READ_INPUT, ModbusFunction.WRITE_ONE),
     *(ModbusFunction.WRITE, ModbusFunction.READ_AND_WRITE),
 }
-"""Those that the gripper has."""
+"""Functions that the gripper has."""
 _RANGE, _RANGES = struct.Struct(">HH"), struct.Struct(">HHHH")
 
 
@@ -46,7 +47,7 @@ def respond(gripper: RobotiqGripper, request: bytes, *, is_tcp: bool = False) ->
 
     Args:
         gripper: The gripper.
-        request: Of at least one byte, its length not checked so far.
+        request: At least one byte; its length is not checked so far.
         is_tcp: Whether command and status are at register 0, too, as in Robotiq's
             grippers that have Modbus TCP themselves.
     """

@@ -25,7 +25,7 @@ SLAVE: Final = 9
 BROADCAST: Final = 0
 MIN_FRAME: Final = 4
 MAX_FRAME: Final = 256
-"""[bytes]"""
+"""Largest frame [bytes]."""
 PAUSE: Final = 0.05
 """Silence that ends a frame of unknown length [wall s]."""
 
@@ -107,7 +107,7 @@ class ModbusRtu:
 
         Args:
             gripper: The gripper.
-            link: What clients open: a symbolic link that exists meanwhile.
+            link: Path that clients open: a symbolic link that exists meanwhile.
         """
         self.link = link
         self._receiver = RtuReceiver(gripper)

@@ -15,7 +15,7 @@ from tool0.ur.robotiq.modbus import refusal, respond
 
 PORT: Final = 502
 UNPRIVILEGED_PORT: Final = 1502
-"""Where users may not listen on ports below 1024."""
+"""Port for users who may not listen on ports below 1024."""
 
 
 @final
@@ -28,7 +28,7 @@ class ModbusTcp:
 
     @property
     def number(self) -> int:
-        """Of the port, once it listens."""
+        """Number of the port, once it listens."""
         return self._port.number
 
     async def start(self, host: str, port_base: int) -> None:

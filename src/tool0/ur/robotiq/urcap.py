@@ -27,7 +27,7 @@ SLAVE: Final = 9
 MAX_LINE: Final = 1024
 """Longest command, and most that is handled before others have a turn [bytes]."""
 NEWLINE_TIMEOUT: Final = 0.03
-"""After which a command without a newline is taken as one [wall s]."""
+"""Time after which a command without a newline is taken as one [wall s]."""
 
 _WRITABLE: Final[dict[str, tuple[str, Callable[[int], int | bool]]]] = {
     "ACT": ("activate", bool),

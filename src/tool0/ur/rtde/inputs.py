@@ -90,7 +90,7 @@ INPUTS: Final[dict[str, str]] = {
 
 @final
 class InputClaims:
-    """Which connection may send which fields."""
+    """Fields that each connection may send."""
 
     def __init__(self) -> None:
         self._owners: dict[str, object] = {}

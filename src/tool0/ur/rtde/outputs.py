@@ -200,7 +200,7 @@ OUTPUTS: Final[dict[str, OutputField]] = {
     **_registers("input"),
     **_registers("output"),
 }
-"""By name."""
+"""Output fields by name."""
 
 
 def output_types(names: Sequence[str]) -> tuple[str, ...]:

@@ -28,12 +28,12 @@ the effort of the drive.
 SUPPLY_VOLTAGE: Final = 48.0
 """Nominal, of the box, the arm and its motors [V]."""
 ROOM_TEMPERATURE: Final = 25.0
-"""Of joints; nothing heats them [°C]."""
+"""Temperature of joints; nothing heats them [°C]."""
 GRAVITY: Final = 9.80665
 """Standard gravity, of an arm that stands upright [m/s²]."""
 
 _STEP: Final = 1e-5
-"""Over which velocities are compared [s]."""
+"""Time over which velocities are compared [s]."""
 
 JOINT_MODES: Final = {
     RobotMode.POWER_OFF: 239,

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 DAMPING: Final = 0.025
 GAIN_SCALING: Final = 0.5
-"""Of force mode, as the program begins."""
+"""Damping and gain of force mode, as the program begins."""
 FORCE_STOP: Final = 10.0
-"""How the program slows the tool down after force mode [m/s²]."""
+"""Deceleration of the tool by the program after force mode [m/s²]."""
 
 
 @final

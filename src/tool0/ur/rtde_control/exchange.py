@@ -45,7 +45,7 @@ class Exchange:
         self._inputs, self._outputs = registers.inputs, registers.outputs
         self._offset = offset
         self.command_name = f"input_int_register_{offset + COMMAND}"
-        """Of the register with the command, in RTDE."""
+        """Name of the register with the command, in RTDE."""
         self.written: Collection[str] = ()
         """The inputs in the packet with the last command, by the names of RTDE."""
         self._writes = 0

@@ -20,15 +20,17 @@ if TYPE_CHECKING:
     from tool0.ur.tool_contact import ToolHistory
 
 JOG_STOP, CONTACT_STOP = 1.2, 3.0
-"""How the program slows the tool down after jogging and at a contact [m/s²]."""
+"""Deceleration of the tool by the program after jogging and at a contact [m/s²]."""
 RETURN_ACCELERATION, RETURN_SPEED = 1.2, 0.25
-"""On the way back to a contact: URScript's defaults [m/s², m/s]."""
+"""Acceleration and speed on the way back to a contact: URScript's defaults [m/s²,
+m/s]."""
 BASE, TOOL, CUSTOM = 0, 1, 2
 """The frames of jogging."""
 ASYNCHRONOUS: Final = 1
-"""In integer register 1: the client does not wait for the end of the motion."""
+"""Value of integer register 1: the client does not wait for the end of the motion."""
 CANCEL_DECELERATION: Final = 2.0
-"""Before a motion that replaces an asynchronous one [rad/s²]: stopj's default."""
+"""Deceleration before a motion that replaces an asynchronous one [rad/s²]: stopj's
+default."""
 
 
 @final
@@ -58,7 +60,7 @@ class Motions:
         self._detection: asyncio.Task[None] | None = None
         self._is_contact_new = False
         self.contact_steps = 0
-        """How many updates before its detection the last contact began; 0 without."""
+        """Updates before its detection at which the last contact began; 0 without."""
         self.waypoint: Six = box.tcp_pose(target=True)
         """The pose that the last move goes to."""
 

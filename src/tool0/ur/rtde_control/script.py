@@ -16,7 +16,7 @@ from tool0.errors import ConfigError
 from tool0.motion.moves import Move, MoveKind
 
 MAX_WAYPOINTS: Final = 10_000
-"""Of one path."""
+"""Largest number of waypoints of one path."""
 
 _MARKS: Final = (
     "global reg_offset_float =",
@@ -56,11 +56,11 @@ class ControlScript:
     revision: str
     """The date that the program shows."""
     offset: int
-    """Of its registers: 0, or 24 for the upper range."""
+    """Offset of its registers: 0, or 24 for the upper range."""
     codes: frozenset[int]
     """The commands that it has."""
     path: tuple[Move, ...]
-    """Of command 45."""
+    """Path of command 45."""
 
 
 def parse(text: str) -> ControlScript | None:

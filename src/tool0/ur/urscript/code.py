@@ -72,7 +72,7 @@ async def evaluated(nodes: Sequence[Node], frame: CallFrame) -> list[Value]:
 
 
 class Jump(Enum):
-    """Where execution continues after a statement that jumps."""
+    """Place where execution continues after a statement that jumps."""
 
     BREAK = "break"
     CONTINUE = "continue"
@@ -96,18 +96,18 @@ class Code:
 
     definition: s.Definition
     n_variables: int
-    """Of its own; those of the program are global."""
+    """Number of its own variables; those of the program are global."""
     defaults: dict[str, Node]
     body: Body
 
     @property
     def name(self) -> str:
-        """Of the definition."""
+        """Name of the definition."""
         return self.definition.name
 
     @property
     def at(self) -> Place:
-        """Where the definition stands."""
+        """Place of the definition."""
         return self.definition.at
 
     async def call(self, thread: Thread, arguments: Mapping[str, Value]) -> Value:
@@ -138,7 +138,7 @@ class Interpreted(NamedTuple):
     """Statements that were compiled while the program runs."""
 
     scope: Scope
-    """That of the next ones."""
+    """Scope of the next statements."""
     body: Body
     own: set[Code]
     """The functions and threads in them."""
@@ -161,7 +161,7 @@ class Codes(Protocol):
 
 @final
 class Site(NamedTuple):
-    """Where a function is called."""
+    """Place where a function is called."""
 
     frame: CallFrame
     scope: Scope

@@ -30,15 +30,16 @@ T = TypeVar("T")
 
 MAX_THREADS: Final = 50
 MAX_VARIABLES: Final = 2_000
-"""Of all calls that are not finished, with those of the program."""
+"""Largest number of variables of all unfinished calls, with those of the program."""
 MAX_DEPTH: Final = 100
-"""Of calls in calls."""
+"""Largest depth of calls in calls."""
 SLICE: Final = 100
 """Statements that a thread executes before others have their turn."""
 PER_PERIOD: Final = 500
 """Statements of a program in one control period; the rest waits for the next one."""
 MAX_UPDATES: Final = 20
-"""Until a change is shown, at most; another client may have changed it back."""
+"""Largest number of updates until a change is shown; another client may have changed it
+back."""
 MAX_SPIN: Final = 1_000_000
 """Statements of a thread without one that takes time, such as sync()."""
 
@@ -91,9 +92,9 @@ class Thread:
         self.left = SLICE
         """Statements until others have their turn."""
         self.depth = 0
-        """Of calls in calls."""
+        """Depth of calls in calls."""
         self.pacer = Pacer(execution.box)
-        """Of the times that it waits."""
+        """Pacer of the times that it waits."""
         self._spun = 0
 
     @property
@@ -178,7 +179,7 @@ class Execution:
         """Prepare to run.
 
         Args:
-            name: Of the program's source, for messages.
+            name: Name of the program's source, for messages.
             box: The control box.
             moves: Its arm's moves.
             is_secondary: Whether it runs beside the program, also while that is paused.
@@ -189,16 +190,16 @@ class Execution:
         self.torques = Torques(box)
         self.sockets = Sockets(box)
         self.servers: set[RemoteServer] = set()
-        """Those whose functions the program calls."""
+        """Servers whose functions the program calls."""
         self.watchdogs = Watchdogs(box, self._finish)
         self.history = ToolHistory(box)
         self._is_secondary = is_secondary
         self.waypoint: Pose | None = None
-        """Where the last move was to go."""
+        """Target of the last move."""
         self.motion_version = 1
-        """Of movej and movel; both versions are the same here."""
+        """Version of movej and movel; both are the same here."""
         self.force_damping = 0.005
-        """Of the next force mode."""
+        """Damping of the next force mode."""
         self.force_gain = 1.0
         """Scales the gain of the next force mode."""
         self.globals: dict[str, Value] = {}
@@ -206,7 +207,7 @@ class Execution:
         self.mover: Thread | None = None
         """The thread that moves the robot."""
         self.interpreter: Interpreting
-        """Of statements that clients send; set before it runs."""
+        """Interpreter of statements that clients send; set before it runs."""
         self._motion: asyncio.Task[None] | None = None
         """The move that can be aborted."""
         self._tasks: dict[asyncio.Task[Value], Runnable] = {}

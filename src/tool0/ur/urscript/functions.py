@@ -1,4 +1,4 @@
-"""How the library describes its functions: names, parameters, implementations."""
+"""Descriptions of the library's functions: names, parameters, implementations."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Parameter:
 
     @property
     def text(self) -> str:
-        """As a signature shows it; in brackets, what may be left out."""
+        """Parameter as a signature shows it; in brackets, if it may be left out."""
         if self.is_required:
             return self.name
         if self.default is None:
@@ -61,11 +61,12 @@ class Function:
     is_physical: bool
     """Whether it takes time of the robot, which secondary programs must not."""
     cost: int = 0
-    """As how many further statements it counts: 4 µs of the processor, each."""
+    """Number of further statements that a call counts as: 4 µs of the processor,
+    each."""
 
     @property
     def signature(self) -> str:
-        """As the manual writes it: ``movej(q, a=1.4, …)``."""
+        """Signature as the manual writes it: ``movej(q, a=1.4, …)``."""
         return f"{self.name}({', '.join(item.text for item in self.parameters)})"
 
 

@@ -52,7 +52,7 @@ def discarded(reason: str, text: str) -> str:
 @final
 @dataclass(slots=True, eq=False)
 class _Session:
-    """What was interpreted in one scope, until it is cleared."""
+    """Statements interpreted in one scope, until it is cleared."""
 
     site: Site
     codes: Codes
@@ -73,7 +73,7 @@ class Interpreter:
         self._is_ready = asyncio.Event()
         self._session: _Session | None = None
         self._kept: dict[int, _Session] = {}
-        """Of calls with clearOnEnd = False, by the definition that called."""
+        """Sessions of calls with clearOnEnd = False, by the definition that called."""
         self._ends = False
         self._is_clearing = False
         self._interpreted = self._executed = self._cleared = 0

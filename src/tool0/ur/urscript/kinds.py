@@ -27,7 +27,7 @@ class Kind:
     convert: Callable[[Value], Any]
     """Raises ValueProblem."""
     sizes: tuple[int, ...] = ()
-    """How many elements a list literal may have; any number if empty."""
+    """Allowed numbers of elements of a list literal; any number if empty."""
 
 
 def _wrong(words: str, value: Value) -> ValueProblem:

@@ -11,14 +11,14 @@ from lark.lark import PostLex
 from tool0.ur.urscript_errors import Place, URScriptError
 
 MAX_NESTING: Final = 100
-"""Of blocks and brackets together, and of signs in a row."""
+"""Largest depth of blocks and brackets together, and of signs in a row."""
 _CLOSERS: Final = {"_CLOSE": "(", "RSQB": "["}
 _OPENERS: Final = {"_OPEN": ")", "LIST_OPEN": "]"}
 _BLOCKS: Final = ("IF", "WHILE", "DEFINE")
 _INFIX: Final = frozenset(
     {"OR", "XOR", "AND", "NOT", "COMPARE", "EQUAL", "SIGN", "FACTOR", "COMMA"}
 )
-"""After these, a statement goes on in the next line."""
+"""Tokens after which a statement continues in the next line."""
 _LAST: Final = frozenset(
     {"NAME", "INTEGER", "FLOAT", "STRING", "TRUE", "FALSE", "_CLOSE", "RSQB"}
 )

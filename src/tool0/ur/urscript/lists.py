@@ -25,12 +25,12 @@ Items: TypeAlias = tuple[Value, ...]
 
 
 class Outcome(NamedTuple):
-    """What a method does."""
+    """Effect of a method."""
 
     items: Sequence[Value]
     """The list after it."""
     value: Value
-    """What it returns."""
+    """Result of a method."""
 
 
 @final

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from lark import Token
 
 MAX_SIZE: Final = 1_000_000
-"""Of a program [characters]."""
+"""Largest size of a program, in characters."""
 _SHOWN: Final = 30
 _NEVER: Final = {
     "for": "URScript has no 'for'; count in a 'while'",
@@ -55,7 +55,7 @@ def parse(text: str, name: str) -> syntax.Block:
 
     Args:
         text: The program; lines end with LF, CRLF or CR.
-        name: Of the program, for messages.
+        name: Name of the program, for messages.
 
     Raises:
         URScriptError: The text is no program, with line and column.

@@ -29,7 +29,7 @@ class URScriptProgram:
 
     @property
     def name(self) -> str:
-        """Of its ``def``; that of the source for bare statements."""
+        """Name of the program's ``def``; that of the source for bare statements."""
         return self._code.name
 
     @property
@@ -69,7 +69,7 @@ def compile_program(text: str, name: str = "program") -> URScriptProgram:
 
     Args:
         text: The program; lines end with LF, CRLF or CR.
-        name: Of the source, for messages.
+        name: Name of the source, for messages.
 
     Raises:
         URScriptError: What is wrong, with line and column.

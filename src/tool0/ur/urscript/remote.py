@@ -20,9 +20,9 @@ from xml.parsers.expat import ExpatError
 from tool0.ur.urscript_errors import ValueProblem
 
 OPEN_TIMEOUT: Final = 2.0
-"""For a connection [wall s]."""
+"""Timeout of a connection [wall s]."""
 MAX_RESPONSE: Final = 1 << 20
-"""Of a server [bytes]."""
+"""Largest response of a server [bytes]."""
 CLOSE: Final = "closeXMLRPCClientConnection"
 """The one method that is the handle's own."""
 _CHUNK: Final = 1 << 16

@@ -1,4 +1,4 @@
-"""Which variables and functions a name means (URScript manual, "Scoping rules").
+"""Scopes of variables and functions (URScript manual, "Scoping rules").
 
 Variables of the program's first level are global.  In a function or a thread a name is
 global if the program has such a global, and local otherwise or after ``local``.
@@ -27,7 +27,7 @@ class Scope:
     """Defined in this body."""
     locals: frozenset[str]
     globals: frozenset[str]
-    """Of the program, the same in each scope."""
+    """Global names of the program, the same in each scope."""
 
     def find(self, name: str) -> tuple[s.Definition, Scope] | None:
         """Return a visible function or thread, with the scope that defines it."""

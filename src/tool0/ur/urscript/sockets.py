@@ -18,11 +18,12 @@ T = TypeVar("T")
 
 MAX_SOCKETS: Final = 16
 OPEN_TIMEOUT: Final = 2.0
-"""For a connection, and for a peer that does not read [wall s]; as on the robot."""
+"""Timeout of a connection, and of a peer that does not read [wall s]; as on the
+robot."""
 MAX_BUFFER: Final = 1 << 16
 """Most data of a peer that is kept unread [bytes]."""
 OWN_GRIPPER: Final = ("127.0.0.1", 63352)
-"""Where a program finds its gripper, which may listen at another address."""
+"""Host and port where a program finds its gripper, which may listen elsewhere."""
 _LOOPBACK: Final = ipaddress.ip_network("127.0.0.0/8")
 
 

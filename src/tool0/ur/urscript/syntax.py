@@ -110,7 +110,7 @@ class Operand:
     """A further operand of a chain, with its operator."""
 
     at: Place
-    """Of the operator."""
+    """Place of the operator."""
     operator: str
     value: Expression
 

@@ -1,4 +1,4 @@
-"""From each rule of the grammar to a node of ``syntax``."""
+"""Converts each rule of the grammar to a node of ``syntax``."""
 
 from __future__ import annotations
 

@@ -185,8 +185,8 @@ def make(
         name: The class, one of ``SIGNATURES``.
         arguments: The positional arguments.
         keywords: The others.
-        location: Where the call stands.
-        places: Where the keywords stand.
+        location: Location of the call.
+        places: Locations of the keywords.
         is_whole: Whether all arguments are known.
     """
     signature = SIGNATURES[name]

@@ -98,7 +98,7 @@ def check_include(
 
     Args:
         include: The include.
-        launch: What was included.
+        launch: The included launch file.
         missing: The arguments that it requires and does not get.
         resolver: The resolver of the including file.
     """

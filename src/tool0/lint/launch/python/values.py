@@ -56,12 +56,12 @@ class Made:
     """An object of launch or launch_ros, as the call that makes it."""
 
     name: str
-    """Its class."""
+    """Class of the object."""
     location: SourceLocation
     arguments: Mapping[str, Value] = field(default_factory=dict)
     """Positional ones, too, by name."""
     places: Mapping[str, SourceLocation] = field(default_factory=dict)
-    """Where each argument stands."""
+    """Location of each argument."""
 
     def get(self, name: str) -> Value:
         """Return an argument; None if it is not given."""

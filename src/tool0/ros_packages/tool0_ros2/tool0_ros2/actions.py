@@ -17,7 +17,8 @@ from tool0_ros2.requests import GoalStarted, Outcome, Request
 
 _SUCCEEDED, _PREEMPTED = "SUCCEEDED", "PREEMPTED"
 _EVERY_REQUEST = QoSProfile(history=HistoryPolicy.KEEP_ALL)
-"""Of the services of an action: many goals may arrive while one is checked."""
+"""Quality of service of an action's services: many goals may arrive while one is
+checked."""
 
 
 @dataclass
@@ -25,7 +26,7 @@ class ActiveGoal:
     """A goal that the simulation executes."""
 
     number: int
-    """In requests."""
+    """Number of the goal in requests."""
     handle: Any
     """The rclpy.action.server.ServerGoalHandle."""
     accepted_at: float = float("nan")

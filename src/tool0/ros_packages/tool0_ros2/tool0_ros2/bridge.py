@@ -1,4 +1,4 @@
-"""What the parts of the node have in common: their context, and the updates."""
+"""Shared by the parts of the node: their context, and the updates."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -46,11 +46,11 @@ class Update:
         self.index = index
         """Position of each movable joint, by its full name, in the lists."""
         self.position: list[float] = message["position"]
-        """Measured [rad | m]."""
+        """Measured positions [rad | m]."""
         self.velocity: list[float] = message["velocity"]
-        """Measured [rad/s | m/s]."""
+        """Measured velocities [rad/s | m/s]."""
         self.effort: list[float] = message["effort"]
-        """Applied [N·m | N]."""
+        """Applied efforts [N·m | N]."""
         self.command: list[float] = message.get("command", [])
         """The last commands, if a part of the node wants a motion."""
         self.motions: dict[str, ControllerMotion] = message.get("motions", {})
@@ -71,7 +71,7 @@ class Part(Protocol):
         """Return the controllers whose motion it needs in the updates now."""
 
     def publish(self, update: Update) -> None:
-        """Publish what is due.  Time may have gone back to zero."""
+        """Publish the messages that are due.  Time may have gone back to zero."""
 
     def close(self) -> None:
         """Destroy publishers, services …; the node of a controller ends afterwards."""
@@ -120,7 +120,7 @@ class Reporter:
 
 @dataclass
 class Context:
-    """What a part of the node is given."""
+    """Context of a part of the node."""
 
     connection: Connection
     """Requests to the simulation."""
@@ -133,7 +133,7 @@ class Context:
     report: Reporter
     """The node's log."""
     refresh: Callable[[], None]
-    """To be called when what a part ``wants`` has changed; others notice it within
+    """Call this when the ``wants`` of a part have changed; other parts notice it within
     half a second."""
     new_node: Callable[[str], Any]
     """Returns another rclpy.Node of this name in the namespace, for services that may
@@ -143,7 +143,7 @@ class Context:
     info: SimulationInfo
     """The response to ``read_info``."""
     options: Any
-    """Those of the command line: ``tf_rate``, ``camera_rate`` [Hz], …"""
+    """Options of the command line: ``tf_rate``, ``camera_rate`` [Hz], …"""
 
     def ask(self, request: Request[T], use: str) -> T | None:
         """Return the response to a request, or None where the robot has no answer.
@@ -161,7 +161,7 @@ class Context:
 
 @dataclass
 class ControllerContext(Context):
-    """What the part of a controller is given."""
+    """Context of the part of a controller."""
 
     name: str
     """The full name of the controller: that in requests."""
@@ -172,4 +172,4 @@ class ControllerContext(Context):
     They change when somebody sets one.
     """
     status: ControllerStatus
-    """Its entry of ``list_controllers`` when it was loaded."""
+    """Entry of the controller in ``list_controllers`` when it was loaded."""

@@ -32,7 +32,7 @@ from tool0_ros2.requests import (
 ANSWER_TIMEOUT = 30.0
 """Longest wait for an answer [wall s]."""
 RETRY_PERIOD = 0.02
-"""Between two attempts to connect [wall s]."""
+"""Pause between two attempts to connect [wall s]."""
 OUTCOMES_KEPT = 1000
 """Ends of goals that are kept for a goal whose number is not known yet."""
 

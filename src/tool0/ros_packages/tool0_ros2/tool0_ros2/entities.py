@@ -17,14 +17,14 @@ from tool0_ros2.messages import fill_frame
 from tool0_ros2.requests import StateMessage
 
 _UNSUPPORTED, _NOT_FOUND, _FAILED = 0, 2, 4
-"""Of simulation_interfaces/Result."""
+"""Result codes of simulation_interfaces/Result."""
 _NAME_NOT_UNIQUE, _NAME_INVALID, _UNSUPPORTED_FORMAT, _NO_RESOURCE = 101, 102, 103, 104
 _NAMESPACE_INVALID, _PARSE_ERROR, _INVALID_POSE = 105, 106, 109
-"""Of SpawnEntity."""
+"""Result codes of SpawnEntity."""
 _INVALID_STATE_POSE = 101
-"""Of SetEntityState."""
+"""Result code of SetEntityState."""
 _MAX_FILE = 1_000_000
-"""[bytes]"""
+"""Largest file that is read [bytes]."""
 _IDENTITY = Transform()
 
 
@@ -41,9 +41,9 @@ class _Object(NamedTuple):
 
     pose: Transform
     linear: list[float]
-    """[m/s]"""
+    """Linear velocity [m/s]."""
     angular: list[float]
-    """[rad/s]"""
+    """Angular velocity [rad/s]."""
 
 
 class Entities:
@@ -106,7 +106,7 @@ class Entities:
         self._spawned.pop(request.entity, None)
 
     def delete_spawned(self) -> None:
-        """Remove what was spawned here and is still there."""
+        """Remove the entities that were spawned here and still exist."""
         present = _objects(self._snapshot())
         for name in self._spawned:
             if name in present:

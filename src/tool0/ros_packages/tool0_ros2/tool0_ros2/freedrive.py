@@ -14,7 +14,7 @@ from tool0_ros2.requests import Request
 
 
 class FreedrivePart:
-    """``~/enable_freedrive_mode``: true, again and again, lets a hand move the arm."""
+    """``~/enable_freedrive_mode``: true, sent again and again, frees the arm."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context

@@ -13,7 +13,7 @@ from tool0_ros2.requests import GoalStarted, Outcome, Request
 
 
 class _Gripper:
-    """What both actions have in common: the joint, and a request."""
+    """Shared by both actions: the joint, and a request."""
 
     def __init__(self, context: ControllerContext) -> None:
         self.context = context

@@ -26,9 +26,9 @@ class Joint:
     parent: str
     child: str
     origin: Pose
-    """Of the child in the parent at 0."""
+    """Pose of the child in the parent with the joint at 0."""
     axis: Vector3
-    """Of unit length, in the child."""
+    """Axis of the joint in the child, of unit length."""
     mimic: Mimic | None
 
     @property

@@ -24,8 +24,8 @@ from tool0_ros2.simulated_node import SimulatedNode
 
 NAME = "controller_manager"
 STRICT = 2
-"""Of controller_manager_msgs/SwitchController; 0 is the manager's default, anything
-else best effort."""
+"""Strictness as in controller_manager_msgs/SwitchController; 0 is the manager's
+default, anything else best effort."""
 _BEST_EFFORT_BY_DEFAULT = ("humble", "iron", "jazzy", "kilted")
 _STATES = {
     "unknown": State.PRIMARY_STATE_UNKNOWN,
@@ -314,7 +314,7 @@ class ControllerManager:
 
 
 class _OfController(Protocol):
-    """Makes a request about one controller."""
+    """Builds a request about one controller."""
 
     def __call__(self, *, name: str) -> Request[None]: ...
 

@@ -14,7 +14,7 @@ from tool0_ros2.copied import Transform, Vector3
 from tool0_ros2.requests import TrajectoryPoint
 
 INVALID_GOAL = -1
-"""Of control_msgs/FollowJointTrajectory."""
+"""Error code as in control_msgs/FollowJointTrajectory."""
 
 
 def fill(item: Any, /, **values: Any) -> Any:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 _COMMAND = re.compile(r"`tool0 controllers (\w+) ([^`]*)` or robot\.\w+\([^)]*\)")
-"""How messages of the simulation say what to do about a controller."""
+"""Command on a controller, as the simulation's messages suggest it."""
 _ROS_COMMANDS = {
     "start": "switch_controllers --activate {}",
     "switch": "switch_controllers {}",

@@ -39,12 +39,12 @@ MAX_RATE = 500.0
 _FIELDS: Final = (
     *("joint_names", "position", "velocity", "effort", "controllers", "control_boxes"),
 )
-"""What every update has."""
+"""Fields that every update has."""
 _MOTION_FIELDS: Final = ("motions", "command")
 _REFRESH_PERIOD = 0.5
-"""Between two looks at what subscribers want [wall s]."""
+"""Period of looking for changes in what subscribers want [wall s]."""
 _WATCH_PERIOD = 1.0
-"""Between two looks at the other nodes [wall s]."""
+"""Period of looking at the other nodes [wall s]."""
 _FOLLOW_TIMEOUT = 10.0
 """Longest wait for the node of a controller [wall s]."""
 
@@ -85,7 +85,7 @@ class _Worker:
 
 
 class _Namespace:
-    """What is in one namespace: the whole robot, or one robot of a cell."""
+    """Contents of one namespace: the whole robot, or one robot of a cell."""
 
     def __init__(
         self,
@@ -157,7 +157,7 @@ class RobotNode:
 
         Args:
             connection: Not started yet.
-            options: Of the command line; ``tf_rate`` and others.
+            options: Options of the command line; ``tf_rate`` and others.
         """
         self._connection = connection
         connection.on_message = self._take
@@ -320,7 +320,7 @@ class RobotNode:
         done.wait(_FOLLOW_TIMEOUT)
 
     def _refresh(self) -> None:
-        """Ask for what the parts want in the updates."""
+        """Subscribe to the fields that the parts need."""
         wanted = [
             name
             for space in self._namespaces

@@ -11,7 +11,7 @@ _OF_LOG = re.compile(rb"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[")
 
 @contextlib.contextmanager
 def only_log_lines() -> Iterator[None]:
-    """Drop what C code writes on standard error, except lines of the log.
+    """Drop the output of C code on standard error, except lines of the log.
 
     While a service or an action is made of messages that were generated without CMake,
     the middleware prints an error that it has handled itself, in tens of lines.

@@ -1,4 +1,4 @@
-"""Which class presents which controller, and what else the node presents.
+"""Classes that present controllers, and the other things that the node presents.
 
 Each entry is ``module:Class`` within this package, imported when it is needed.
 """
@@ -36,7 +36,7 @@ CONTROLLERS = {
     ),
     "pose_broadcaster/PoseBroadcaster": "pose:PosePart",
 }
-"""By the controller's type; its class is made with a ControllerContext."""
+"""Parts by the controller's type; the class is made with a ControllerContext."""
 
 ROBOT = ["dashboard:DashboardPart", "cameras:CamerasPart"]
 """Parts of each namespace that belong to no controller, made with a Context."""

@@ -29,11 +29,11 @@ class SimulatedNode(Node):  # type: ignore[misc]  # rclpy has no types
         """Create it in the namespace ``root``.
 
         Args:
-            name: Of the node.
+            name: Name of the node.
             root: Its namespace; empty for none.
             ros: An rclpy.Context.
-            values: Of parameters.
-            options: Of rclpy's nodes.
+            values: Values of parameters.
+            options: Options of rclpy's nodes.
         """
         super().__init__(
             name,

@@ -13,9 +13,9 @@ from tool0_ros2.messages import optional_module
 from tool0_ros2.requests import Request
 
 _MOST_TICKS = 1_000_000
-"""Of one request."""
+"""Largest number of ticks of one request."""
 _OK, _INCORRECT_STATE, _FAILED, _UNSUPPORTED = 1, 3, 4, 0
-"""Of simulation_interfaces/Result."""
+"""Result codes of simulation_interfaces/Result."""
 
 
 class SimulationPart:

@@ -9,7 +9,7 @@ from tool0_ros2.bridge import ControllerContext, Rate, Update
 from tool0_ros2.control_box import ControlBox
 
 DEFAULT_RATE = 100.0
-"""[Hz]"""
+"""Rate at which the topic is published by default [Hz]."""
 
 
 class SpeedScalingPart:

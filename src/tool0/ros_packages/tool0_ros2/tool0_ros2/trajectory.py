@@ -36,7 +36,8 @@ class FollowTrajectoryPart:
             if kind in _OUTPUT_FIELDS
         ]
         self._has_rate_errors = self._outputs[:1] != ["positions"]
-        """With position commands, ROS computes no errors of velocities."""
+        """Whether errors of velocities are computed: with position commands, ROS has
+        none."""
         self._action = SimulatedAction(
             context,
             action.FollowJointTrajectory,

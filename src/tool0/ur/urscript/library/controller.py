@@ -26,7 +26,7 @@ ENCODER_RANGES: Final = (
     range(2**24),
     range(2**32),
 )
-"""Of ticks, by their numbers in URScript."""
+"""Ranges of ticks by their numbers in URScript."""
 
 Joint: TypeAlias = Annotated[int, address_kind(6)]
 Encoder: TypeAlias = Annotated[int, address_kind(2)]

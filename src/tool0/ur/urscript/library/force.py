@@ -36,7 +36,7 @@ STANDARD_GRAVITY: Final = 9.82
 _TOLERANCE: Final = 0.1
 _ALL: Final = (True,) * 6
 _SCREW: Final = (0.1, 0.1, 0.0, 0.17, 0.17, 0.17)
-"""How far a screw driver's TCP may be off the other axes [m, rad]."""
+"""Tolerance of a screw driver's TCP from the other axes [m, rad]."""
 _BASE: Final = Pose((0.0,) * 6)
 
 

@@ -17,9 +17,9 @@ CONFIGURABLE: Final = 8
 """Number of the first configurable pin among all digital ones."""
 TOOL: Final = 16
 _CURRENT_RANGE: Final = (0.004, 0.020)
-"""[A]"""
+"""Range of a current [A]."""
 _VOLTAGE_RANGE: Final = (0.0, 10.0)
-"""[V]"""
+"""Range of a voltage [V]."""
 
 Standard: TypeAlias = Annotated[int, address_kind(8)]
 OfTool: TypeAlias = Annotated[int, address_kind(2)]

@@ -21,11 +21,11 @@ from tool0.ur.urscript.values import Value
 from tool0.ur.urscript_errors import ValueProblem
 
 MAX_NAME: Final = 20
-"""Of a signal [bytes]."""
+"""Longest name of a signal [bytes]."""
 MAX_COUNT: Final = 123
 """Most registers or bits of a signal."""
 _MAX_DATA: Final = 250
-"""Of a custom command [bytes]."""
+"""Largest data of a custom command [bytes]."""
 
 
 def _range_kind(last: int, first: int = 0) -> Kind:

@@ -19,7 +19,7 @@ from tool0.ur.urscript.values import Pose
 from tool0.ur.urscript_errors import ValueProblem
 
 _LOOKAHEAD: Final = (0.03, 0.2)
-"""[s]"""
+"""Range of a lookahead time [s]."""
 _GAIN: Final = (100.0, 2000.0)
 FASTEST_TOOL: Final = (1.0, 2.5)
 """Largest speed and acceleration of OptiMove's lines [m/s, m/s²]: UR gives the speed as

@@ -22,7 +22,7 @@ MAX_VALUES: Final = 30
 MAX_STRING: Final = 1024
 """Longest string that is read [bytes]."""
 TIMEOUT: Final = 2.0
-"""[wall s]"""
+"""Default timeout [wall s]."""
 _ESCAPES: Final = (("\\n", "\n"), ("\\r", "\r"), ("\\t", "\t"))
 
 

@@ -1,0 +1,83 @@
+"""How often a policy solves a task: many episodes at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+import tool0.gym  # noqa: F401  # registers the tasks
+from tool0.policy.report import wilson
+
+COPIES = 10
+"""Episodes at once: they go on until the last of them ends."""
+
+Act = Callable[[NDArray[np.float64]], NDArray[np.floating]]
+"""From observations (n, m) to actions (n, k)."""
+
+
+@dataclass(frozen=True)
+class Rate:
+    """Successes of n episodes."""
+
+    n: int
+    n_succeeded: int
+    actions: float
+    """Mean number of actions of those that succeeded; NaN if none did."""
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Wilson's interval of the rate, at 95 %."""
+        return wilson(self.n_succeeded, self.n)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as plain values."""
+        return {
+            "evaluated": self.n,
+            "succeeded": self.n_succeeded,
+            "interval": self.interval,
+            "mean_actions": self.actions if self.n_succeeded else None,
+        }
+
+
+def rate(
+    task: str,
+    seeds: range,
+    policy: Callable[[gymnasium.vector.VectorEnv], Act],
+    **options: object,
+) -> Rate:
+    """Return how many episodes of a task succeed, one for each seed.
+
+    Args:
+        task: Such as ``Lift``.
+        seeds: Of the episodes, without gaps.
+        policy: Makes a function of observations for an environment that begins.
+        options: Keywords of the environment.
+    """
+    steps: list[int] = []
+    for first in seeds[::COPIES]:
+        count = min(COPIES, seeds.stop - first)
+        env = gymnasium.make_vec(
+            f"tool0/{task}-v0",
+            num_envs=count,
+            autoreset_mode="Disabled",
+            terminate_on_success=False,
+            **options,
+        )
+        act = policy(env)
+        observed, _ = env.reset(seed=first)
+        ended, step = np.zeros(count, dtype=bool), 0
+        while not ended.all():
+            observed, _, _, truncated, info = env.step(act(observed))
+            step += 1
+            steps += [step] * int((info["is_success"] & ~ended).sum())
+            ended |= info["is_success"] | truncated
+            if truncated.any():
+                env.reset(options={"reset_mask": truncated})
+        env.close()
+    return Rate(len(seeds), len(steps), float(np.mean(steps)) if steps else math.nan)

@@ -1,0 +1,55 @@
+"""Guards a batch against use by two threads at once."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from types import TracebackType
+from typing import final
+
+from tool0.errors import ControlError
+
+
+def _nothing() -> None: ...
+
+
+@final
+class OneThread:
+    """A context that one thread may be in, any number of times.
+
+    A class of its own: ``contextlib.contextmanager`` takes several times as long.
+    """
+
+    def __init__(
+        self,
+        lock: threading.RLock | None = None,
+        begin: Callable[[], None] = _nothing,
+    ) -> None:
+        """Guard what ``lock`` does, and call ``begin`` on entering."""
+        self._lock = threading.RLock() if lock is None else lock
+        self._begin = begin
+
+    def then(self, begin: Callable[[], None]) -> OneThread:
+        """Return the same context, which also calls ``begin`` on entering."""
+        return OneThread(self._lock, begin)
+
+    def __enter__(self) -> None:
+        """Enter it; ControlError if another thread is in it."""
+        if not self._lock.acquire(blocking=False):
+            raise ControlError(
+                "another thread is using this batch; give each thread a batch of its "
+                "own, or guard this one with a lock"
+            )
+        try:
+            self._begin()
+        except BaseException:
+            self._lock.release()
+            raise
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._lock.release()

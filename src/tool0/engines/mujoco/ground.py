@@ -1,0 +1,71 @@
+"""The ground in images.
+
+MuJoCo draws a plane as thousands of triangles, because light is computed at their
+corners; without a graphics card that takes longer than a robot.  This one has a few
+hundred, which are small below the camera.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import mujoco
+import numpy as np
+
+from tool0.description.scene import GROUND
+
+RADII: Final = (0.2, 0.45, 0.75, 1.1, 1.5, 2.0, 2.6, 3.4, 4.5, 6.0, 9.0, 1000.0)
+"""Of the rings of triangles [m].  Beyond the last but one everything is sky in colours
+(``rendering.HAZE``); depth is exact in a triangle of any size."""
+SECTORS: Final = 20
+"""Triangles around the middle."""
+RGBA: Final = (0.85, 0.86, 0.88, 1.0)
+
+
+def add_ground(spec: Any, height: float) -> None:
+    """Add the ground to the world of ``spec``, at a ``height`` in the root [m]."""
+    angles = np.linspace(0.0, 2.0 * np.pi, SECTORS, endpoint=False)
+    ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(SECTORS)], axis=1)
+    vertices = np.vstack([np.zeros((1, 3)), *(radius * ring for radius in RADII)])
+    spec.add_mesh(
+        name=GROUND,
+        uservert=vertices.ravel(),
+        userface=np.array(_faces()).ravel(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+    )
+    spec.worldbody.add_geom(
+        name=GROUND,
+        type=mujoco.mjtGeom.mjGEOM_MESH,
+        meshname=GROUND,
+        pos=[0.0, 0.0, height],
+        contype=0,
+        conaffinity=0,
+        mass=0.0,
+        rgba=RGBA,
+    )
+
+
+def put_ground_below(model: Any, data: Any, camera: Sequence[float]) -> None:
+    """Move the middle of the ground below a ``camera`` at a position in the root [m].
+
+    ``mj_kinematics`` moves it back.
+    """
+    number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, GROUND)
+    if number >= 0:
+        data.geom_xpos[number, :2] = camera[:2]
+
+
+def _faces() -> list[tuple[int, int, int]]:
+    """Return triangles by the numbers of their corners, anticlockwise from above."""
+
+    def corner(ring: int, sector: int) -> int:
+        return 1 + ring * SECTORS + sector % SECTORS
+
+    faces = [(0, corner(0, k), corner(0, k + 1)) for k in range(SECTORS)]
+    for ring in range(len(RADII) - 1):
+        for k in range(SECTORS):
+            near, far = corner(ring, k), corner(ring + 1, k)
+            next_near, next_far = corner(ring, k + 1), corner(ring + 1, k + 1)
+            faces += [(near, far, next_far), (near, next_far, next_near)]
+    return faces

@@ -1,0 +1,134 @@
+"""The arms in n copies of a task: their targets, and what is measured of them."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from tool0.batch.arguments import are_finite
+from tool0.batch.batch import Batch
+from tool0.gym.actions import ArmActions
+from tool0.gym.bounds import columns, finite
+from tool0.gym.options import EnvOptions
+from tool0.gym.task import ArmState, Mask
+from tool0.gym.workspace import Workspace
+from tool0.kinematics.chain import Array
+
+GRIP_FORCE = 60.0
+"""At each pad [N], as far as the gripper can."""
+DEADBAND = 0.02
+"""Change of a gripper's target that moves it, part of its largest opening."""
+
+
+@final
+class ArmCopies:
+    """One arm with its gripper in the copies of a batch."""
+
+    def __init__(
+        self, batch: Batch, space: Workspace, options: EnvOptions, *, has_wrench: bool
+    ) -> None:
+        """Take the arm of a workspace; ``has_wrench`` adds what its tool feels."""
+        self.space, self.actions = space, ArmActions(space, options)
+        self._batch, self._options, self._has_wrench = batch, options, has_wrench
+        names, gripper = batch.joint_names, space.gripper
+        self._joints = columns([names.index(x) for x in space.chain.joint_names])
+        self._drive = names.index(gripper.joint)
+        self.force = min(max(GRIP_FORCE, gripper.force[0]), gripper.force[1])
+        """Of its gripper at each pad [N]."""
+        self.target = np.tile(space.start, (batch.n, 1))
+        """Targets of its joints [rad], shape (n, 6)."""
+        self._opening_target = np.full(batch.n, gripper.max_opening)
+        self._last_opening = self._opening_target.copy()
+
+    def copy_from(self, other: ArmCopies) -> None:
+        """Take the targets of the same arm in other copies."""
+        self.target = other.target.copy()
+        self._opening_target = other._opening_target.copy()
+        self._last_opening = other._last_opening.copy()
+
+    def put(self, position: Array, q: Array) -> None:
+        """Put it at ``q`` [rad], shape (…, 6), in positions of all joints, (…, k)."""
+        position[..., self._joints] = q
+        position[..., self._drive] = self.space.gripper.position(
+            self.space.gripper.max_opening
+        )
+
+    def restart(self, which: Mask, q: Array, is_held: Mask) -> None:
+        """Start episodes of ``which``: targets ``q`` [rad], (n, 6), open grippers.
+
+        Those in ``is_held`` are closed.
+        """
+        self._opening_target[which] = self.space.gripper.max_opening
+        self._opening_target[is_held] = 0.0
+        self.target[which] = q[which]
+
+    def settle(self, which: Mask) -> None:
+        """Take the present openings of ``which`` as those before the first action."""
+        opening = self._batch.opening(self.space.gripper_name)
+        self._last_opening[which] = opening[which]
+
+    def move(self, q: Array, duration: float, which: Mask) -> None:
+        """Move copies to ``q`` [rad], shape (n, 6), to rest there."""
+        self._batch.command(
+            q,
+            velocities=0.0 * q,
+            duration=duration,
+            joints=self.space.chain.joint_names,
+            which=which,
+        )
+
+    def act(self, actions: Array, opening: Array) -> None:
+        """Command one control period: checked ``actions``, shape (n, m).
+
+        ``opening`` is the measured one [m], shape (n,).
+        """
+        batch, options = self._batch, self._options
+        q = batch.position[:, self._joints]
+        which = None
+        if not are_finite(q) or np.count_nonzero(batch.diverged):
+            which = np.isfinite(q).all(axis=1) & ~batch.diverged
+        self._last_opening = opening
+        moved = self.actions.positions(actions, self.target, q)
+        if which is not None:
+            moved = np.where(which[:, None], moved, self.target)
+        self.target = moved
+        batch.command(
+            self.target,
+            duration=options.period,
+            joints=self.space.chain.joint_names,
+            which=which,
+        )
+        widest = self.space.gripper.max_opening
+        openings = self.actions.openings(actions)
+        is_new = np.abs(openings - self._opening_target) > DEADBAND * widest
+        if np.count_nonzero(is_new):
+            self._opening_target = np.where(is_new, openings, self._opening_target)
+            batch.move_gripper(
+                self._opening_target,
+                force=self.force,
+                gripper=self.space.gripper_name,
+                which=is_new,
+            )
+
+    def measure(self) -> ArmState:
+        """Return what is measured now."""
+        batch = self._batch
+        q = finite(batch.position[:, self._joints])
+        pose = self.space.tool.pose(q)
+        opening = finite(batch.opening(self.space.gripper_name))
+        return ArmState(
+            q=q,
+            qd=finite(batch.velocity[:, self._joints]),
+            tcp_position=pose.position,
+            tcp_rotation=pose.rotation,
+            opening=opening,
+            opening_rate=(opening - self._last_opening) / self._options.period,
+            opening_target=self._opening_target.copy(),
+            wrench=self._wrench(),
+        )
+
+    def _wrench(self) -> Array:
+        if not self._has_wrench:
+            return np.empty((self._batch.n, 0))
+        return finite(self._batch.tool_wrench(self.space.arm))

@@ -1,0 +1,29 @@
+"""Bounds and columns of what is observed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tool0.batch.arguments import are_finite
+from tool0.kinematics.chain import Array
+
+FARTHEST = 10.0
+"""Of coordinates [m]."""
+FASTEST_OBJECT = 20.0
+"""Of velocities of objects [m/s]."""
+STRONGEST, MOST_TORQUE = 1000.0, 100.0
+"""Of wrenches [N], [N·m]."""
+
+
+def finite(values: Array) -> Array:
+    """Return a copy in which what diverged is a number, too."""
+    if are_finite(values):
+        return values.copy()
+    return np.nan_to_num(values, nan=0.0, posinf=FARTHEST, neginf=-FARTHEST)
+
+
+def columns(numbers: list[int]) -> slice | list[int]:
+    """Return an index for columns: a slice, which is quicker, if they are in a row."""
+    first = numbers[0] if numbers else 0
+    row = slice(first, first + len(numbers))
+    return row if numbers == list(range(row.start, row.stop)) else numbers

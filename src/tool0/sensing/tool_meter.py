@@ -1,0 +1,89 @@
+"""The wrench of a tool on its flange in a step, by the kernel if there is one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import final
+
+import numpy as np
+
+from tool0.description.model import RobotModel
+from tool0.description.payload import Payload
+from tool0.description.payload_bodies import payload_inertia
+from tool0.description.scene_state import Contact, Wrench
+from tool0.hardware.engine import Engine, JointState
+from tool0.hardware.tool_dynamics import ToolDynamics, ToolForces
+from tool0.kernel import library
+from tool0.kernel.memory import Addresses
+from tool0.kernel.tool_forces import ToolForcesKernel, ToolWrenches
+
+
+@final
+class ToolMeter:
+    """Measures the wrench on a link of what it carries, and of the link itself.
+
+    ``ToolDynamics`` is the reference; the kernel's results are identical.
+    """
+
+    def __init__(self, model: RobotModel, link: str, engine: Engine) -> None:
+        self._dynamics = ToolDynamics(model, link, engine.world.gravity)
+        names = engine.joint_names
+        self._joints = [names.index(joint.name) for joint in model.movable_joints]
+        self._dt = engine.dt
+        self._step = np.zeros((3, len(names)))
+        """Of a step: positions and velocities before it, and velocities after it."""
+        at = [row.ctypes.data for row in self._step]
+        self._step_at: Addresses = np.array([at], dtype=np.uintp)
+        self._compiled = library.load()
+        self._load()
+
+    @property
+    def links(self) -> frozenset[str]:
+        """The links whose contacts count."""
+        return self._dynamics.links
+
+    def subtract(self, payloads: Mapping[str, Payload]) -> None:
+        """Subtract payloads, by flange, from now on."""
+        inertias = {link: payload_inertia(item) for link, item in payloads.items()}
+        self._dynamics.subtract(inertias)
+        self._load()
+
+    def _load(self) -> None:
+        self._kernel = None
+        if self._compiled is not None:
+            table, joints = self._dynamics.table, self._joints
+            self._kernel = ToolForcesKernel(self._compiled, table, joints, self._dt)
+
+    def wrench(
+        self, before: JointState, after: JointState, contacts: tuple[Contact, ...]
+    ) -> Wrench:
+        """Return force [N] and torque [N·m] in the step between two states.
+
+        They act at the flange, in its axes; ``contacts`` are all of that step.
+        """
+        was, velocity = before.velocity, after.velocity
+        if self._kernel is None:
+            order, dt = self._joints, self._dt
+            return self._dynamics.wrench(
+                [before.position[i] for i in order],
+                [was[i] for i in order],
+                [(velocity[i] - was[i]) / dt for i in order],
+                contacts,
+            )
+        self._step[:] = before.position, was, velocity
+        found = self._kernel.of_steps(self._step_at)
+        if contacts:
+            return self._dynamics.with_contacts(found.forces(0), contacts)
+        fx, fy, fz, tx, ty, tz = found.wrench[0].tolist()
+        return fx, fy, fz, tx, ty, tz
+
+    def wrenches(self, steps: Addresses) -> ToolWrenches:
+        """Return the wrenches without contacts in steps that the kernel executed."""
+        assert self._kernel is not None
+        return self._kernel.of_steps(steps)
+
+    def with_contacts(
+        self, forces: ToolForces, contacts: tuple[Contact, ...]
+    ) -> Wrench:
+        """Return a wrench with all contacts of the step, at the flange."""
+        return self._dynamics.with_contacts(forces, contacts)
