@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shlex
-import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -43,8 +42,8 @@ class Block:
 def blocks(page: Path) -> list[Block]:
     found = _BLOCK.findall(page.read_text(encoding="utf-8"))
     return [
-        Block(*info.partition(" ")[::2], textwrap.dedent(text))
-        for _, info, text in found
+        Block(*info.partition(" ")[::2], re.sub(f"^{indent}", "", text, flags=re.M))
+        for indent, info, text in found
     ]
 
 
