@@ -61,27 +61,6 @@ def test_every_command_line_is_understood(
     assert "no bringup named 'readme-test'" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    "page",
-    [
-        "README.md",
-        "docs/reference/conventions.md",
-        "docs/reference/motion.md",
-        "docs/reference/gripper.md",
-        "docs/reference/files.md",
-        "docs/reference/cli.md",
-        "docs/how-to/gazebo.md",
-        "docs/how-to/ros1.md",
-        "CHANGELOG.md",
-    ],
-)
-def test_links_lead_somewhere(page: str) -> None:
-    text = (ROOT / page).read_text(encoding="utf-8")
-    for target in re.findall(r"\]\(([^)#]+)\)", text):
-        if "://" not in target:
-            assert ((ROOT / page).parent / target).exists(), target
-
-
 def test_the_formula_of_the_page_is_the_gripper_s() -> None:
     """docs/reference/gripper.md writes numbers that live in the gripper's YAML."""
     from tool0.description.loading import assemble

@@ -7,7 +7,7 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
-_BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+_BLOCK = re.compile(r"^( *)```([^\n]*)\n(.*?)^\1```$", re.DOTALL | re.MULTILINE)
 _GAP = "…"
 """Stands for anything, in what a page says is printed."""
 
@@ -19,15 +19,32 @@ class Block:
     """What follows the language: a file's name, or where its commands run."""
     text: str
 
+    @property
+    def is_output(self) -> bool:
+        """Whether it is what the block before it prints."""
+        return self.language == "text" and not self.title
+
     def commands(self) -> list[str]:
-        """Return its lines without comments, those continued joined."""
-        lines = self.text.replace("\\\n", " ").splitlines()
-        return [line for line in lines if shlex.split(line, comments=True)]
+        """Return its commands; one that goes on in the next line is one text."""
+        found, text = [], ""
+        for line in self.text.replace("\\\n", " ").splitlines():
+            text = f"{text}\n{line}" if text else line
+            try:
+                words = shlex.split(text, comments=True)
+            except ValueError:  # within quotation marks
+                continue
+            found += [text] if words else []
+            text = ""
+        assert not text, f"a quotation without an end: {text}"
+        return found
 
 
 def blocks(page: Path) -> list[Block]:
     found = _BLOCK.findall(page.read_text(encoding="utf-8"))
-    return [Block(*info.partition(" ")[::2], text) for info, text in found]
+    return [
+        Block(*info.partition(" ")[::2], re.sub(f"^{indent}", "", text, flags=re.M))
+        for indent, info, text in found
+    ]
 
 
 def says(output: str, expected: str) -> bool:

@@ -24,7 +24,7 @@ OTHER_MACHINE = "noetic"
 """A terminal there does not see the bring-ups of the other ones."""
 _LASTING = re.compile(r"(cd|eval|export|source) ")
 """Commands that change the shell: they hold for what is typed after them."""
-_SERVER = re.compile(r"tool0 (bringup|replay)\b(?!.* --(json|simulate))")
+_SERVER = re.compile(r"tool0 (bringup|replay|view)\b(?!.* --(json|simulate))")
 """Commands that go on until Ctrl-C."""
 _UP = "Ctrl-C"
 """In the last line of what they print at the start."""

@@ -12,7 +12,12 @@ import pytest
 from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
-SINGLE: Final = ("tests/test_examples.py", "tests/documentation/test_tutorials.py")
+SINGLE: Final = (
+    "tests/test_examples.py",
+    "tests/documentation/test_python_blocks.py",
+    "tests/documentation/test_shell_blocks.py",
+    "tests/documentation/test_tutorials.py",
+)
 """Here nothing that is costly is shared by the tests of a file: each goes anywhere."""
 BY_ENGINE: Final = "tests/conformance/"
 """Here the tests of a file with one engine share a robot."""

@@ -5,9 +5,11 @@ from __future__ import annotations
 import asyncio
 import socket
 from collections.abc import Callable, Coroutine
+from pathlib import Path
 from typing import Any, cast
 
 import pytest
+from document import blocks
 from urscript_rig import Run, TimeBox, run_on
 
 from tool0.ur.interpreter_port import PORT, InterpreterPort
@@ -91,6 +93,20 @@ def test_statements_are_acknowledged_and_executed_in_order() -> None:
 
     run = run_with(MODE, talk)
     assert (run.error, run.texts) == (None, ["4", "45", "ended"])
+
+
+def test_the_dialogue_of_the_page_takes_place() -> None:
+    page = Path(__file__).parents[4] / "docs/how-to/urscript.md"
+    (text,) = (b.text for b in blocks(page) if b.title == "interpreter")
+    lines = text.splitlines()
+
+    async def talk(client: Client, box: TimeBox) -> None:
+        for asked, told in zip(lines[::2], lines[1::2], strict=True):
+            if "statelastexecuted" in asked:
+                await client.until_executed(2)
+            assert f"< {await client.ask(asked.removeprefix('> '))}" == told
+
+    assert run_with(MODE, talk).texts == ["8", "ended"]
 
 
 def test_statements_see_the_scope_that_called() -> None:
