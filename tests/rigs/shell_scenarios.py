@@ -168,7 +168,7 @@ SCENARIOS: dict[str, Scenario] = {
         during={0: "tool0 bringup"},
         files={"my_policy.py": saved("how-to/collect.md", "my_policy.py")},
         instead={
-            "--episodes 100": "--episodes 1 --env max_episode_steps=20",
+            "--episodes 100": "--episodes 2 --env max_episode_steps=20",
             "--episodes 200": "--episodes 1",
             "--duration 20": "--duration 0.2",
         },
