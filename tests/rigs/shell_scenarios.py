@@ -41,7 +41,7 @@ _NOETIC = "it needs Noetic, or RoboStack"
 _PIP = "it makes the environment that runs this test"
 _ELSEWHERE = "it installs, or removes, what other tests use"
 _REAL_ROBOT = "a late link ends the motions of a real robot: its tests run alone"
-_DEMOS = "it takes long; tests/unit/cli/demos run it"
+_DEMOS = "it takes long; tests/unit/cli/test_demo_command.py runs it"
 _MOVEIT = "it takes long; tests of the workspace write the packages of all robots"
 _MACHINE = "it names another machine"
 
