@@ -167,22 +167,6 @@ def test_only_commands_for_noetic_are_marked_so() -> None:
                 assert (block.title == OTHER_MACHINE) == bool(used), block.text
 
 
-READMES = [ROOT / "README.md", ROOT / "README.zh-CN.md"]
-
-
-def test_both_readmes_name_the_same_commands() -> None:
-    ours, theirs = (
-        [
-            re.findall("`([^`]+)`", row.split(" | ")[0])
-            for row in page.read_text(encoding="utf-8").splitlines()
-            if row.startswith("| `tool0")
-        ]
-        for page in READMES
-    )
-    assert ours
-    assert ours == theirs
-
-
 @pytest.mark.parametrize("page", ENGLISH, ids=lambda page: page.stem)
 def test_every_block_of_a_tutorial_is_known(page: Path) -> None:
     found = blocks(page)
