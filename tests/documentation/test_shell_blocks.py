@@ -57,6 +57,7 @@ class Follower:
 
     def __init__(self, scenario: Scenario, host: str) -> None:
         self._scenario, self._host = scenario, host
+        self._brought_up: set[str] = set()
         self.left_out: list[str] = []
         self.is_used = False
         """Whether the next command is a bring-up that later commands use."""
@@ -65,6 +66,10 @@ class Follower:
         """Return whether this machine cannot run it, or the test does not."""
         if command.startswith((*NOT_RUN,)):
             return True
+        if command.startswith("tool0 bringup") and not self.is_used:
+            if words_of(command) in self._brought_up:
+                return True
+            self._brought_up.add(words_of(command))
         try:
             if "--engine gazebo" in command:
                 require_engine("gazebo")

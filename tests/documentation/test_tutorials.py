@@ -167,9 +167,6 @@ def test_only_commands_for_noetic_are_marked_so() -> None:
                 assert (block.title == OTHER_MACHINE) == bool(used), block.text
 
 
-READMES = [ROOT / "README.md", ROOT / "README.zh-CN.md"]
-
-
 @pytest.mark.parametrize("page", ENGLISH, ids=lambda page: page.stem)
 def test_every_block_of_a_tutorial_is_known(page: Path) -> None:
     found = blocks(page)

@@ -42,8 +42,9 @@ class Block:
 def blocks(page: Path) -> list[Block]:
     found = _BLOCK.findall(page.read_text(encoding="utf-8"))
     return [
-        Block(*info.partition(" ")[::2], re.sub(f"^{indent}", "", text, flags=re.M))
+        Block(language, title, re.sub(f"^{indent}", "", text, flags=re.MULTILINE))
         for indent, info, text in found
+        for language, _, title in [info.partition(" ")]
     ]
 
 

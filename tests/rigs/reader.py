@@ -22,7 +22,7 @@ SAVED = ("xml", "yaml", "python")
 FIRST = "first-terminal"
 OTHER_MACHINE = "noetic"
 """A terminal there does not see the bring-ups of the other ones."""
-_LASTING = re.compile(r"(cd|eval|export|source) ")
+_LASTING = re.compile(r"(cd|eval|export|source) |[a-z_]+=")
 """Commands that change the shell: they hold for what is typed after them."""
 _SERVER = re.compile(r"tool0 (bringup|replay|view)\b(?!.* --(json|simulate))")
 """Commands that go on until Ctrl-C."""

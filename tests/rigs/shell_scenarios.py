@@ -22,7 +22,7 @@ class Scenario:
     files: Mapping[str, str] = field(default_factory=dict)
     instead: Mapping[str, str] = field(default_factory=dict)
     """What the page says → what is run, such as fewer episodes."""
-    speed: int = 10
+    speed: int = 4
     """Of bring-ups that other commands use, in simulated seconds per second."""
     fails: tuple[str, ...] = ()
     """Commands that end with a status other than 0."""
@@ -41,6 +41,8 @@ _NOETIC = "it needs Noetic, or RoboStack"
 _PIP = "it makes the environment that runs this test"
 _ELSEWHERE = "it installs, or removes, what other tests use"
 _REAL_ROBOT = "a late link ends the motions of a real robot: its tests run alone"
+_DEMOS = "it takes long; tests/unit/cli/test_demo_command.py runs it"
+_MOVEIT = "it takes long; tests of the workspace write the packages of all robots"
 _MACHINE = "it names another machine"
 
 NOT_RUN: dict[str, str] = {
@@ -67,7 +69,15 @@ NOT_RUN: dict[str, str] = {
     "tool0 hardware speed 50": _REAL_ROBOT,
     "tool0 hardware disable": _REAL_ROBOT,
     "tool0 bringup --ros1 --engine gazebo": "tests/ros1 bring it up",
+    "tool0 bringup --ros1 --name left  --ns left": "tests/ros1 bring such robots up",
+    "tool0 bringup --ros1 --name right --ns right": "tests/ros1 bring such robots up",
+    "tool0 bringup --ros1 --robots left=": "tests/ros1 bring such a cell up",
     "tool0 demo pick --engine gazebo": "tests/gazebo pick the cube",
+    "tool0 demo handover": _DEMOS,
+    "tool0 demo shelf": _DEMOS,
+    "tool0 workspace ~/catkin_ur10e --moveit": _MOVEIT,
+    "tool0 workspace ~/catkin_cell --moveit": _MOVEIT,
+    "tool0 bringup --ros1 --roscore": "tests/ros1 bring it up",
     "tool0 collect --task Lift --episodes 10000 --ray 10.0.0.1:6379": (
         "it needs a cluster; tests/unit/collect have a Ray of their own"
     ),
@@ -126,7 +136,7 @@ UR_BOX = "tool0 bringup --ur --arm ur5e --ur-active-gripper --dt 0.002 --name ro
 CELL = "--robots left=ur5e+2f85@0,0.4,0 right=ur10e+hande@0,-0.4,0"
 
 SCENARIOS: dict[str, Scenario] = {
-    "cameras": Scenario(during={0: "tool0 bringup --scene table_and_cubes"}),
+    "cameras": Scenario(during={0: "tool0 bringup --scene table_and_cubes"}, speed=1),
     "cells": Scenario(during={1: f"tool0 bringup {CELL}"}),
     "check": Scenario(
         files={"src/robot/config/ur5_controllers.yaml": MISPLACED},
