@@ -69,8 +69,6 @@ NOT_RUN: dict[str, str] = {
     "tool0 hardware speed 50": _REAL_ROBOT,
     "tool0 hardware disable": _REAL_ROBOT,
     "tool0 bringup --ros1 --engine gazebo": "tests/ros1 bring it up",
-    "tool0 bringup --ros1 --name left  --ns left": "tests/ros1 bring such robots up",
-    "tool0 bringup --ros1 --name right --ns right": "tests/ros1 bring such robots up",
     "tool0 demo pick --engine gazebo": "tests/gazebo pick the cube",
     "tool0 demo handover": _DEMOS,
     "tool0 demo shelf": _DEMOS,
