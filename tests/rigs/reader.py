@@ -111,8 +111,9 @@ class Reader:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        for terminal in reversed(self._terminals.values()):
-            terminal.interrupts()
+        with ExitStack() as ended:  # all of them, also if one ends badly
+            for terminal in self._terminals.values():
+                ended.callback(terminal.interrupts)
 
 
 class Terminal:
