@@ -93,7 +93,7 @@ export const zh: Texts = {
   "connection.malformed": "收到了此页面无法识别的服务器消息。",
 
   "shortcuts.space": "空格",
-  "replay.cutOff": "文件在写入时中断：缺少最后一段记录。",
+  "replay.cutOff": "文件在写入时中断：缺少最后一段录制。",
   "timeline.title": "时间轴",
   "timeline.position": "显示的时刻",
   "timeline.play": "播放",
@@ -222,8 +222,8 @@ export const zh: Texts = {
   "tool.way.joint": "关节",
   "tool.way.linear": "直线",
   "tool.go": "前往",
-  "tool.posture": "手臂的构型",
-  "tool.nearest": "{count} 种构型中最近的",
+  "tool.posture": "机械臂的位形",
+  "tool.nearest": "{count} 种位形中最近的",
   "tool.shoulder.left": "肩左",
   "tool.shoulder.right": "肩右",
   "tool.elbow.up": "肘上",
@@ -241,7 +241,7 @@ export const zh: Texts = {
   "plan.discard": "放弃",
   "plan.none": "没有找到绕行路径：{problem}",
   "plan.anyway": "仍然前往",
-  "plan.armMoved": "规划绕行路径之后手臂移动过。请再按“前往”。",
+  "plan.armMoved": "规划绕行路径之后机械臂移动过。请再按“前往”。",
   "plan.sceneChanged": "规划绕行路径之后场景发生了变化。请再按“前往”。",
 
   "jog.title": "点动",
