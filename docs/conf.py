@@ -1,6 +1,7 @@
 """Sphinx builds the site of these pages and of the docstrings: ``make docs``."""
 
 from importlib.metadata import version as version_of
+from typing import Any
 
 project = "tool0"
 author = "The tool0 developers"
@@ -30,3 +31,14 @@ autodoc_preserve_defaults = True
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 88
 napoleon_use_rtype = False
+
+
+def _keep_colons(_app: object, what: str, *others: Any) -> None:
+    """Keep napoleon from taking the words before a colon for the type of a field."""
+    if what in ("attribute", "data", "property"):
+        others[-1].insert(0, "")
+
+
+def setup(app: Any) -> None:
+    """Connect before napoleon, whose priority is 500."""
+    app.connect("autodoc-process-docstring", _keep_colons, priority=400)
