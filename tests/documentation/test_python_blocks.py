@@ -56,7 +56,15 @@ LOCAL = {'"127.0.0.1"': f'"{HOST}"'}
 WORLD = """<sdf version="1.6"><world name="default">
 <include><uri>model://ground_plane</uri></include></world></sdf>"""
 
+MY_GRIPPER = """\
+import shutil, tool0
+config = f"{tool0.__path__[0]}/ros_packages/tool0_description/config"
+shutil.copytree(f"{config}/grippers/hande", "my_gripper")
+"""
+"""What the reader of the page has typed before."""
+
 SETTINGS: dict[str, Setting] = {
+    "own-robot": Setting(before=MY_GRIPPER),
     "batch": Setting(instead={"Batch(256": "Batch(4", "(256, 6)": "(4, 6)"}),
     "cameras": Setting(needs=(require_gl,)),
     "collect": Setting(instead={'"Lift", 1000': '"Lift", 2', "workers=4": "workers=1"}),
