@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -126,8 +127,7 @@ def test_a_page_can_be_followed_from_its_start_to_its_end(
     page: Path, runtime_folder: Path
 ) -> None:
     follower = Follower(page)
-    folder = runtime_folder / page.stem
-    folder.mkdir()
+    folder = Path(tempfile.mkdtemp(prefix=f"{page.stem}-", dir=runtime_folder))
     with ExitStack() as stack:
         variables = {}
         if "rtde_" in follower.text:

@@ -70,6 +70,8 @@ NOT_RUN: dict[str, str] = {
     "tool0 hardware disable": _REAL_ROBOT,
     "tool0 bringup --ros1 --engine gazebo": "tests/ros1 bring it up",
     "tool0 demo pick --engine gazebo": "tests/gazebo pick the cube",
+    "tool0 demo pick --arm ur20 --gripper 2f140": "tests/conformance pick with it",
+    "tool0 demo pick --headless --n 20": "tests/unit/cli pick with these options",
     "tool0 demo handover": _DEMOS,
     "tool0 demo shelf": _DEMOS,
     "tool0 workspace ~/catkin_ur10e --moveit": _MOVEIT,
