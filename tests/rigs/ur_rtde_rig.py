@@ -34,6 +34,10 @@ class Station:
         self.control = RTDEControlInterface(host, 500.0, flags)
 
     def home(self) -> None:
+        """Go to the start of a test, with a new program if the last one has ended."""
+        if not self.control.isProgramRunning():
+            assert self.control.reuploadScript()
+            until(self.control.isProgramRunning, "program")
         assert self.control.moveJ(HOME, 3.0, 20.0)
         until(lambda: np.allclose(self.receive.getTargetQ(), HOME, atol=1e-9), "home")
 
