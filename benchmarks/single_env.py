@@ -25,11 +25,12 @@ from subprocess import PIPE, Popen
 import numpy as np
 
 ACTIONS = 50
-"""Of one measurement, an episode."""
+"""Number of actions in a measurement, an episode."""
 COPIES = 8
-"""Of the batch whose images are measured."""
+"""Number of copies whose images are measured."""
 DT = "0.002"
 """Step of FetchPickAndPlace and of robosuite's Lift [s]."""
+LIFT = "tool0.gym:tool0/Lift-v0"
 OURS = {
     "ours, 1 ms": ["tool0"],
     "ours, 2 ms": ["tool0", f"dt={DT}"],
@@ -65,8 +66,8 @@ def images_ratio(rounds: int = 15) -> float:
     import gymnasium
 
     options = {"num_envs": COPIES, "threads": 1}
-    many = gymnasium.make_vec("tool0/Lift-v0", observation="image", **options)
-    plain = gymnasium.make_vec("tool0/Lift-v0", **options)
+    many = gymnasium.make_vec(LIFT, observation="image", **options)
+    plain = gymnasium.make_vec(LIFT, **options)
     rng, found = np.random.default_rng(0), []
     for environments in (many, plain):
         environments.reset(seed=0)
@@ -149,12 +150,10 @@ Environment = tuple[Callable[[np.ndarray], bool], Callable[[int], object], int]
 
 def _ours(*words: str) -> Environment:
     sys.path.insert(0, str(Path(__file__).parent.parent / "src"))
-    import tool0.gym  # noqa: F401  # registers the tasks
-
     options: dict[str, object] = dict(word.split("=") for word in words)
     if "dt" in options:
         options["dt"] = float(str(options["dt"]))
-    return _gymnasium("tool0/Lift-v0", options)
+    return _gymnasium(LIFT, options)
 
 
 def _fetch() -> Environment:
