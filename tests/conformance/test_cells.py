@@ -12,6 +12,8 @@ from tool0.description.parts import joints_of
 
 TWINS = ("left=ur5+2f85@0,0.45,0", "right=ur5@0,-0.45,0,0,0,90deg")
 CLOSE = 0.02  # [rad]
+ARRIVAL = 1.0
+"""Time after the last point within which a goal succeeds, the default [s]."""
 
 
 @pytest.fixture
@@ -59,6 +61,26 @@ def test_both_move_at_once_to_their_own_goals(cell: tool0.Robot) -> None:
     position = cell.joint_state.position
     for joint, target in targets.items():
         assert position[joint] == pytest.approx(target, abs=5e-3)
+
+
+def test_both_arrive_after_the_same_time_or_none_moves(cell: tool0.Robot) -> None:
+    targets = {"left_elbow_joint": 1.2, "right_elbow_joint": 1.3}
+    begin = cell.time
+    goals = cell.move_joints(targets, duration=1.0)
+    assert len(goals) == 2
+    for goal in goals:
+        assert goal.wait(5.0).status is tool0.GoalStatus.SUCCEEDED
+    assert cell.time - begin < 1.0 + ARRIVAL
+    for joint, target in targets.items():
+        assert cell.joint_state.position[joint] == pytest.approx(target, abs=CLOSE)
+
+    desired = cell.joint_state.position["left_elbow_joint"]
+    too_far = {"left_elbow_joint": 1.0, "right_elbow_joint": -1.5}
+    with pytest.raises(tool0.Tool0Error, match="'right_elbow_joint' needs"):
+        cell.move_joints(too_far, duration=0.2, collision="ignore")
+    cell.run(0.3)
+    held = cell.joint_state.position["left_elbow_joint"]
+    assert held == pytest.approx(desired, abs=1e-3)
 
 
 def test_a_gripper_moves_alone(cell: tool0.Robot) -> None:

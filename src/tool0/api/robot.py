@@ -501,8 +501,8 @@ class Robot(AbstractContextManager["Robot"]):
         Args:
             positions: Joint → target [rad | m].
             speed: Fraction of each joint's largest velocity, 0.01 … 1.
-            duration: Instead of a speed: duration of the motion [simulated s].  All
-                joints must belong to one controller then.
+            duration: Instead of a speed: duration of the motion [simulated s], the same
+                for all controllers.
             collision: ``refuse`` to move if an arm would collide on the straight way in
                 joint space, with the bodies and the place; or ``ignore``.
 

@@ -35,8 +35,8 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
     positions: JointPositions
     speed: SpeedScale = 0.5
     duration: Annotated[float, Meta(gt=0.0)] | None = None
-    """Instead of a speed: duration of the motion of one controller [s].  It is a
-    cubic, and the controller's other joints keep their setpoints."""
+    """Instead of a speed: duration of the motions [s].  They are cubics, and the
+    controllers' other joints keep their setpoints."""
     controller: Name | None = None
     """The controller whose joints they are; those that claim them, if left out."""
     collision: CollisionRule = "ignore"

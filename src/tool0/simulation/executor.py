@@ -137,11 +137,7 @@ class Executor:
 
         Without a ``controller``, the joints are moved by those that claim them.
         """
-        moves: Mapping[str, Mapping[str, float]]
-        if controller is None:
-            moves = self._joints_by_controller(positions)
-        else:
-            moves = {controller: positions}
+        moves = self._moves(positions, controller)
         planned = []
         for name, targets in moves.items():
             trajectory = self._follower(name)
@@ -157,37 +153,29 @@ class Executor:
 
     def move_joints_within(
         self, positions: Mapping[str, float], duration: float, controller: str | None
-    ) -> Goal:
-        """Start a motion of one controller that takes ``duration`` simulated seconds.
+    ) -> tuple[Goal, ...]:
+        """Start motions that take ``duration`` simulated seconds, all or none.
 
-        It is a cubic that ends at rest; the controller's other joints keep their
-        setpoints.
+        They are cubics that end at rest; the controllers' other joints keep their
+        setpoints.  Controllers are those of ``move_joints``.
         """
-        if controller is None:
-            moves = self._joints_by_controller(positions)
-            if len(moves) != 1:
-                raise ControlError(
-                    f"no single controller claims {', '.join(positions)}; "
-                    "move them one after another"
-                )
-            controller = next(iter(moves))
-        trajectory = self._follower(controller)
-        check_targets(trajectory.spec, positions, "the motion")
-        start = trajectory.query_state(self.core.time)
-        targets = [
-            positions.get(joint.name, q)
-            for joint, q in zip(
-                trajectory.spec.joint_models, start.positions, strict=True
+        goals = {}
+        for name, targets in self._moves(positions, controller).items():
+            trajectory = self._follower(name)
+            models = trajectory.spec.joint_models
+            check_targets(trajectory.spec, targets, "the motion")
+            start = trajectory.query_state(self.core.time)
+            ends = [
+                targets.get(joint.name, q)
+                for joint, q in zip(models, start.positions, strict=True)
+            ]
+            path = plan_cubic(
+                models, start, ends, max(duration, self.core.control_period)
             )
-        ]
-        period = self.core.control_period
-        path = plan_cubic(
-            trajectory.spec.joint_models, start, targets, max(duration, period)
-        )
-        goal = TrajectoryGoal(
-            points=trajectory_points(path), joint_names=path.joint_names
-        )
-        return self.follow(controller, goal)
+            goals[name] = TrajectoryGoal(
+                points=trajectory_points(path), joint_names=path.joint_names
+            )
+        return tuple(self.follow(name, goal) for name, goal in goals.items())
 
     def steer(
         self, controller: str, positions: Mapping[str, float], speed: float
@@ -432,6 +420,14 @@ class Executor:
         controller = found.controller_to_move()
         found.end_torques(self.core.state)
         return controller
+
+    def _moves(
+        self, positions: Mapping[str, float], controller: str | None
+    ) -> Mapping[str, Mapping[str, float]]:
+        """Return what each controller is to move; those that claim the joints."""
+        if controller is not None:
+            return {controller: positions}
+        return self._joints_by_controller(positions)
 
     def _joints_by_controller(
         self, positions: Mapping[str, float]

@@ -132,11 +132,10 @@ def _move(
 ) -> tuple[GoalStarted, ...]:
     executor, positions = simulation.executor, request.positions
     controller = request.controller
-    goals: tuple[Goal, ...]
     if request.duration is None:
         goals = executor.move_joints(positions, request.speed, controller)
     else:
-        goals = (executor.move_joints_within(positions, request.duration, controller),)
+        goals = executor.move_joints_within(positions, request.duration, controller)
     return tuple(started(simulation, goal) for goal in goals)
 
 
