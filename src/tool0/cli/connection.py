@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
@@ -105,35 +105,56 @@ class Outcome:
 def wait_for_goal(
     robot: Robot, start: Callable[[], GoalHandle], timeout: float | None
 ) -> Outcome:
-    """Start a goal, wait for it, and return its outcome.
+    """Start a goal, wait for it, and return its outcome, as ``wait_for_goals``."""
+    return wait_for_goals(robot, lambda: (start(),), timeout)
 
-    Ctrl-C and SIGTERM cancel the goal: the robot stops as it does for a ROS client.
-    The handlers are installed before the goal starts, so that no signal is missed.
+
+def wait_for_goals(
+    robot: Robot, start: Callable[[], Sequence[GoalHandle]], timeout: float | None
+) -> Outcome:
+    """Start goals, wait for all, and return the outcome of the first that failed.
+
+    If none failed, it is that of the last one.  Ctrl-C and SIGTERM cancel the goals:
+    the robot stops as it does for a ROS client.  The handlers are installed before the
+    goals start, so that no signal is missed.
     """
     from tool0.cli import GOAL_FAILED, INTERRUPTED, OK
     from tool0.cli.stop_signal import StopSignal
     from tool0.errors import GoalTimeoutError
-    from tool0.protocol.goals import GoalStatus
 
     end = math.inf if timeout is None else time.monotonic() + timeout
     with StopSignal() as stop:
-        goal = start()
+        goals = start()
         if robot.snapshot.is_paused:
             hint = "the simulation is paused; continue with `tool0 resume`"
             print(hint, file=sys.stderr, flush=True)
-        while True:
-            try:
-                result = goal.wait(_POLL_PERIOD)
-                break
-            except GoalTimeoutError:
-                if not stop.is_set and time.monotonic() < end:
-                    continue
-            goal.cancel()
-            result = goal.wait(_CANCEL_TIMEOUT)
-            status = INTERRUPTED if stop.is_set else GOAL_FAILED
-            return Outcome(status=status, result=result, was_canceled=True)
-    has_succeeded = result.status is GoalStatus.SUCCEEDED
-    return Outcome(status=OK if has_succeeded else GOAL_FAILED, result=result)
+        for goal in goals:
+            while goal.result is None:
+                try:
+                    goal.wait(_POLL_PERIOD)
+                except GoalTimeoutError:
+                    if not stop.is_set and time.monotonic() < end:
+                        continue
+                    for each in goals:
+                        each.cancel()
+                    result = _decisive([each.wait(_CANCEL_TIMEOUT) for each in goals])
+                    status = INTERRUPTED if stop.is_set else GOAL_FAILED
+                    return Outcome(status=status, result=result, was_canceled=True)
+    result = _decisive([goal.wait(_POLL_PERIOD) for goal in goals])
+    status = OK if _has_succeeded(result) else GOAL_FAILED
+    return Outcome(status=status, result=result)
+
+
+def _decisive(results: Sequence[Result]) -> Result:
+    """Return the first result that is no success, else the last one."""
+    failed = (result for result in results if not _has_succeeded(result))
+    return next(failed, results[-1])
+
+
+def _has_succeeded(result: Result) -> bool:
+    from tool0.protocol.goals import GoalStatus
+
+    return result.status is GoalStatus.SUCCEEDED
 
 
 def _described(result: Result) -> str:

@@ -17,6 +17,7 @@ from tool0.cli.connection import (
     chosen_gripper,
     chosen_robot,
     wait_for_goal,
+    wait_for_goals,
 )
 from tool0.cli.parameters import AsJson, Option, joint_values
 from tool0.cli.text import counted, grasp_text, print_json
@@ -147,9 +148,10 @@ def move(
             move = arm.move_linear if linear else arm.move_to
             options = _given(speed=speed, **of_pose)
             start = partial(move, target, collision=rule, **options)
+            outcome = wait_for_goal(connected, start, timeout)
         else:
-            start = _joint_motion(connected, target, duration, controller, rule)
-        outcome = wait_for_goal(connected, start, timeout)
+            joints_start = _joint_motion(connected, target, duration, controller, rule)
+            outcome = wait_for_goals(connected, joints_start, timeout)
     return _finish(outcome, as_json=as_json)
 
 
@@ -193,19 +195,17 @@ def _joint_motion(
     duration: float | None,
     controller: str | None,
     collision: CollisionRule,
-) -> Callable[[], GoalHandle]:
+) -> Callable[[], tuple[GoalHandle, ...]]:
     """Return what starts a motion of joints."""
     duration = 2.0 if duration is None else duration
     if not 0.0 < duration < math.inf:
         raise ConfigError(f"--duration must be above 0 s, got {duration}")
 
-    def start() -> GoalHandle:
+    def start() -> tuple[GoalHandle, ...]:
         if controller is not None:
             handle = connected.controller(controller)
-            return handle.move(positions, duration=duration, collision=collision)
-        return connected.move_joints(positions, duration=duration, collision=collision)[
-            0
-        ]
+            return (handle.move(positions, duration=duration, collision=collision),)
+        return connected.move_joints(positions, duration=duration, collision=collision)
 
     return start
 

@@ -11,7 +11,7 @@ from promised import require_gl
 from served import serving
 
 import tool0
-from tool0.cli import FAILED, OK, main
+from tool0.cli import FAILED, GOAL_FAILED, OK, main
 
 Capture = pytest.CaptureFixture[str]
 TWINS = ["left=ur5+2f85@0,0.45,0", "right=ur5@0,-0.45,0"]
@@ -36,6 +36,22 @@ def test_joints_of_a_robot_need_no_prefix(cell: tool0.Robot) -> None:
     assert run("move --joints left_wrist_3_joint=0.4") == OK
     position = cell.joint_state.position
     assert position["left_wrist_3_joint"] == pytest.approx(0.4, abs=0.03)
+
+
+def test_joints_of_both_robots_move_at_once(
+    cell: tool0.Robot, capsys: Capture
+) -> None:
+    joints = "left_wrist_3_joint=0.2 right_wrist_3_joint=-0.3"
+    assert run(f"move --joints {joints} --duration 1") == OK
+    position = cell.joint_state.position
+    assert position["left_wrist_3_joint"] == pytest.approx(0.2, abs=0.03)
+    assert position["right_wrist_3_joint"] == pytest.approx(-0.3, abs=0.03)
+    capsys.readouterr()
+    joints = "left_wrist_3_joint=0.0 right_wrist_3_joint=2.0"
+    assert run(f"move --joints {joints} --duration 600 --timeout 0.3") == GOAL_FAILED
+    assert "canceled: PREEMPTED" in capsys.readouterr().out
+    cell.run(1.0)
+    assert max(abs(v) for v in cell.joint_state.velocity.values()) < 1e-2
 
 
 def test_the_tool_of_a_robot_moves_to_a_pose(cell: tool0.Robot) -> None:
