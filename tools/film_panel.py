@@ -12,26 +12,23 @@ import argparse
 import base64
 import io
 import math
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
 import av
-from playwright.sync_api import CDPSession, Locator, Page, sync_playwright
+from panel_page import panel_page
+from playwright.sync_api import CDPSession, Locator, Page
 
 import tool0
 from tool0.panel.server import Panel
 from tool0.scene import Box
 
-ROOT = Path(__file__).resolve().parent.parent
 WIDTH, HEIGHT = 1280, 800
 SCALE = 0.625
 """Size of the film, as a part of that of the page."""
 FRAME_RATE = 6  # [Hz]
 ENCODER = {"quality": "45", "compression_level": "6"}
-_SLOW = 40_000
-"""Longest wait for software GL [ms]."""
 _POINTER = """() => {
     const dot = document.createElement("div");
     dot.style.cssText = "position:fixed;z-index:9999;width:18px;height:18px;" +
@@ -203,33 +200,24 @@ FILMS: Final[dict[str, tuple[Callable[[], tool0.Robot], Callable[[Person], None]
 
 def main() -> None:
     """Make the film that the arguments name."""
-    sys.path.insert(0, str(ROOT / "tests/rigs"))
-    from browser import find_chromium, launch  # noqa: PLC0415  # beside the tests
-
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("film", choices=FILMS)
     parser.add_argument("output", type=Path)
     parser.add_argument("--quality", choices=("low", "high"), default="low")
     options = parser.parse_args()
-    chromium = find_chromium()
-    if chromium is None:
-        sys.exit("there is no Chromium here; run tools/setup-browser")
     bring_up, act = FILMS[options.film]
-    with bring_up() as robot, Panel(robot) as panel, sync_playwright() as playwright:
-        browser = launch(playwright, chromium)
-        context = browser.new_context(
-            viewport={"width": WIDTH, "height": HEIGHT}, locale="en-US"
-        )
-        context.set_default_timeout(_SLOW)
-        page = context.new_page()
-        page.goto(f"{panel.url}?quality={options.quality}")
-        page.locator("[data-testid=scene][data-ready=true]").wait_for()
+    with (
+        bring_up() as robot,
+        Panel(robot) as panel,
+        panel_page(
+            panel.url, width=WIDTH, height=HEIGHT, quality=options.quality
+        ) as page,
+    ):
         page.evaluate(_POINTER)
         film = Film(page)
         film.start()
         act(Person(page, robot))
         film.stop()
-        browser.close()
     film.write(options.output)
 
 

@@ -16,13 +16,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 from unittest.mock import patch
 
-import av
 from document import blocks
 from panel_page import panel_page, picture, wait_for_frames
 from playwright.sync_api import Page
+from webp import encode_webp
 
 import tool0
 from tool0.description.camera import Camera, looking
@@ -75,17 +74,7 @@ def drawn(page: Page) -> bytes:
 
 def rendered(robot: tool0.Robot, camera: str) -> bytes:
     """Return the image of a camera as WebP, in half of its size: smooth edges."""
-    image = robot.camera(camera).image().rgb
-    height, width = image.shape[0] // 2, image.shape[1] // 2
-    with tempfile.NamedTemporaryFile(suffix=".webp") as file:
-        with av.open(file.name, "w", format="webp") as container:
-            stream: Any = container.add_stream("libwebp", 1, options={"quality": "85"})
-            stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
-            frame = av.VideoFrame.from_ndarray(image, format="rgb24")
-            small = frame.reformat(width, height, "yuv420p", interpolation="AREA")
-            container.mux(stream.encode(small))
-            container.mux(stream.encode(None))
-        return Path(file.name).read_bytes()
+    return encode_webp(robot.camera(camera).image().rgb, reduction=2)
 
 
 def files_of(page: str) -> dict[str, str]:

@@ -12,14 +12,21 @@ from numpy.typing import NDArray
 QUALITY = 85
 
 
-def encode_webp(rgb: NDArray[np.uint8]) -> bytes:
-    """Return a picture of shape (height, width, 3), even numbers of pixels, as WebP."""
+def encode_webp(rgb: NDArray[np.uint8], reduction: int = 1) -> bytes:
+    """Return a picture as WebP.
+
+    Args:
+        rgb: The picture, shape (height, width, 3).
+        reduction: How many times smaller it becomes, for smooth edges; height and
+            width must then be even.
+    """
+    height, width = (side // reduction for side in rgb.shape[:2])
     file = io.BytesIO()
     with av.open(file, "w", format="webp") as container:
         stream: Any = container.add_stream("libwebp", options={"quality": str(QUALITY)})
-        stream.height, stream.width = rgb.shape[:2]
-        stream.pix_fmt = "yuv420p"
+        stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
         frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(rgb), format="rgb24")
-        container.mux(stream.encode(frame))
+        small = frame.reformat(width, height, "yuv420p", interpolation="AREA")
+        container.mux(stream.encode(small))
         container.mux(stream.encode(None))
     return file.getvalue()
