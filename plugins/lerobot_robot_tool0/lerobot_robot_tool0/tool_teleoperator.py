@@ -5,10 +5,8 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import Any, final
 
-from lerobot.teleoperators import Teleoperator
 from lerobot.teleoperators.utils import TeleopEvents
 
-import tool0
 from lerobot_robot_tool0.config import (
     Tool0GamepadConfig,
     Tool0SpaceMouseConfig,
@@ -17,24 +15,22 @@ from lerobot_robot_tool0.config import (
 from lerobot_robot_tool0.device import Command, Device, Grip
 from lerobot_robot_tool0.jogging import ArmJog
 from lerobot_robot_tool0.joints import named
+from lerobot_robot_tool0.observer import Observer
 from tool0.description.grasp_frames import flange_of
 from tool0.errors import ControlError
-from tool0.policy import RobotEnvironment
 
 
-class ToolTeleoperator(Teleoperator):  # type: ignore[misc]  # LeRobot may not be installed
-    """Actions are the positions of all driven joints: those of ``Tool0Robot``.
+class ToolTeleoperator(Observer):
+    """Moves the tool of an arm by a device.
 
-    It observes the bring-up of the robot and commands nothing by itself.  Joints that
-    are of another arm stay where they are at the first action.
+    Joints of another arm stay where they are at the first action.
     """
+
+    config: ToolTeleopConfig
 
     def __init__(self, config: ToolTeleopConfig) -> None:
         """Note which bring-up it is; it need not run yet."""
         super().__init__(config)
-        self.config = config
-        self._robot: tool0.Robot | None = None
-        self._environment: RobotEnvironment | None = None
         self._device: Device | None = None
         self._jog: ArmJog | None = None
         self._targets: dict[str, float] = {}
@@ -48,28 +44,9 @@ class ToolTeleoperator(Teleoperator):  # type: ignore[misc]  # LeRobot may not b
         """Return the device, or raise ControlError."""
 
     @property
-    def action_features(self) -> dict[str, type]:
-        """Positions by ``joint.pos`` [rad | m].
-
-        Raises:
-            TransportError: If the bring-up does not run.
-        """
-        return dict.fromkeys(named(self._opened().action_names, "pos"), float)
-
-    @property
-    def feedback_features(self) -> dict[str, type]:
-        """Nothing is fed back."""
-        return {}
-
-    @property
     def is_connected(self) -> bool:
         """Whether the device is open."""
         return self._device is not None
-
-    @property
-    def is_calibrated(self) -> bool:
-        """Whether it is calibrated: always."""
-        return True
 
     def connect(self, calibrate: bool = True) -> None:
         """Open the device, and connect to the bring-up; nothing moves.
@@ -96,12 +73,6 @@ class ToolTeleoperator(Teleoperator):  # type: ignore[misc]  # LeRobot may not b
             if flange_of(model, item) == jog.arm.tip
         }
         self._device, self._jog = self._opened_device(), jog
-
-    def calibrate(self) -> None:
-        """Do nothing: the devices report deflections of a known range."""
-
-    def configure(self) -> None:
-        """Do nothing: there are no settings in the device."""
 
     def get_action(self) -> dict[str, Any]:
         """Return target positions of the driven joints [rad | m].
@@ -139,16 +110,12 @@ class ToolTeleoperator(Teleoperator):  # type: ignore[misc]  # LeRobot may not b
         moves = command is not None and bool(command.shares.any())
         return {**chosen, TeleopEvents.IS_INTERVENTION: moves}
 
-    def send_feedback(self, feedback: dict[str, Any]) -> None:
-        """Do nothing."""
-
     def disconnect(self) -> None:
         """Let go of the device, and end the connection."""
         if self._device is not None:
             self._device.close()
-        if self._robot is not None:
-            self._robot.close()
-        self._robot = self._environment = self._device = self._jog = None
+        super().disconnect()
+        self._device = self._jog = None
         self._targets, self._events = {}, set()
 
     def _read(self) -> Command | None:
@@ -159,12 +126,6 @@ class ToolTeleoperator(Teleoperator):  # type: ignore[misc]  # LeRobot may not b
             self._grip = command.grip or self._grip
             self._events |= command.events
         return command
-
-    def _opened(self) -> RobotEnvironment:
-        if self._environment is None:
-            self._robot = tool0.connect(self.config.bringup)
-            self._environment = RobotEnvironment(self._robot)
-        return self._environment
 
 
 @final
