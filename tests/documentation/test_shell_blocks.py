@@ -10,14 +10,13 @@ from __future__ import annotations
 import os
 import re
 import shlex
-import shutil
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 from document import Block, blocks, says
-from promised import absent, require_engine, require_gl, require_ros
+from promised import require_ros, why_lacking
 from reader import FIRST, SAVED, Reader
 from ros import Ros
 from ros2_domain import Domain
@@ -70,17 +69,8 @@ class Follower:
             if words_of(command) in self._brought_up:
                 return True
             self._brought_up.add(words_of(command))
-        try:
-            if "--engine gazebo" in command:
-                require_engine("gazebo")
-            if re.search(r"--(camera|video|format mp4|out|depth|cameras)\b", command):
-                require_gl()
-            if "image" in command and command.startswith("tool0 collect"):
-                require_gl()
-            if command.startswith("roslaunch ") and shutil.which("roslaunch") is None:
-                absent("ros1", "there is no roslaunch here")
-        except pytest.skip.Exception as skipped:
-            self.left_out.append(f"{command}: {skipped}")
+        if (lacking := why_lacking(command)) is not None:
+            self.left_out.append(lacking)
             return True
         return False
 

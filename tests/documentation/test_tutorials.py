@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -11,14 +10,7 @@ from pathlib import Path
 
 import pytest
 from document import Block, blocks, says
-from promised import (
-    ROS2,
-    absent,
-    require_engine,
-    require_gl,
-    require_ros,
-    require_ur_rtde,
-)
+from promised import ROS2, require_ur_rtde, why_lacking
 from reader import OTHER_MACHINE, SAVED, Reader
 from ros2_domain import Domain
 from ur_address import free_host
@@ -78,17 +70,8 @@ class Follower:
         """Return whether this machine cannot run it, or the test does not."""
         if command in NOT_RUN:
             return True
-        try:
-            if "--engine gazebo" in command:
-                require_engine("gazebo")
-            if "--ros1" in command:
-                require_ros()
-            if command.startswith("tool0 camera ") and "--out" in command:
-                require_gl()
-            if command.startswith("roslaunch ") and shutil.which("roslaunch") is None:
-                absent("ros1", "there is no roslaunch here")
-        except pytest.skip.Exception as skipped:
-            self.left_out.append(f"{command}: {skipped}")
+        if (lacking := why_lacking(command)) is not None:
+            self.left_out.append(lacking)
             return True
         return False
 

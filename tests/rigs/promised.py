@@ -6,6 +6,8 @@ import ctypes
 import functools
 import importlib.util
 import os
+import re
+import shutil
 from typing import NoReturn
 
 import pytest
@@ -44,6 +46,27 @@ def require_gl() -> None:
         make_context(8, 8).free()
     except RenderError as error:
         absent("gl", str(error))
+
+
+def why_lacking(command: str) -> str | None:
+    """Return what a command of a page needs and this machine lacks, if anything.
+
+    Fail if this run promised it.
+    """
+    is_drawn = re.search(r"--(camera|video|format mp4|out|depth|cameras)\b", command)
+    has_images = command.startswith("tool0 collect") and "image" in command
+    try:
+        if "--engine gazebo" in command:
+            require_engine("gazebo")
+        if "--ros1" in command:
+            require_ros()
+        if is_drawn or has_images:
+            require_gl()
+        if command.startswith("roslaunch ") and shutil.which("roslaunch") is None:
+            absent("ros1", "there is no roslaunch here")
+    except pytest.skip.Exception as skipped:
+        return f"{command}: {skipped}"
+    return None
 
 
 def require_kernel() -> ctypes.CDLL:

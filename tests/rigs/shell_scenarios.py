@@ -100,13 +100,13 @@ with socket.create_connection((sys.argv[1], int(sys.argv[2]))) as peer:
 """
 """Stands in for nc, which not every machine has."""
 DEMONSTRATE = """
-import subprocess, time, tool0
+import subprocess, tool0
 words = ["tool0", "record", "--episodes", "lift", "--task", "lift the cube"]
 with subprocess.Popen(words, stdin=subprocess.PIPE, bufsize=0) as recorder:
     recorder.stdin.write(b" ")
     with tool0.connect() as robot:
         while not ((status := robot.episodes.status) and status.is_recording):
-            time.sleep(0.05)
+            robot.run(0.02)
         robot.gripper.move(opening=0.02).wait()
     recorder.stdin.write(b"yq")
 """
