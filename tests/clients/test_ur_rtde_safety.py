@@ -18,6 +18,10 @@ BLOCK = SceneObject(
 )
 """Fixed, a few centimetres below the gripper at home."""
 NOT_READY = r"(?i)in use"
+DONE = 2
+"""What ur_rtde reads in the first register when its command was executed."""
+PROTECTIVE_STOP = 1 << 2
+"""Bit of RTDE's ``safety_status_bits``."""
 
 
 @pytest.fixture(scope="module")
@@ -29,9 +33,6 @@ def station() -> Iterator[Station]:
 
 @pytest.fixture
 def ur(station: Station) -> Station:
-    if not station.control.isProgramRunning():
-        assert station.control.reuploadScript()
-        until(station.control.isProgramRunning, "program")
     station.home()
     return station
 
@@ -101,29 +102,48 @@ def test_freedrive_is_a_mode_of_the_robot(ur: Station) -> None:
 # ---- stops ---------------------------------------------------------------------------
 
 
-def test_a_protective_stop_and_the_way_out_of_it(ur: Station) -> None:
+def recover(ur: Station) -> None:
+    """Wait until the stop may be unlocked, and unlock it."""
     from dashboard_client import DashboardClient
 
+    dashboard = DashboardClient(ur.host)
+    dashboard.connect()
+    began = ur.receive.getTimestamp()
+    ur.robot.set_speed(4.0)
+    try:
+        until(lambda: ur.receive.getTimestamp() > began + 5.1, "5 s of simulated time")
+    finally:
+        ur.robot.set_speed(1.0)
+    dashboard.unlockProtectiveStop()
+    until(lambda: not ur.receive.isProtectiveStopped(), "unlocked arm")
+    dashboard.disconnect()
+
+
+def test_a_protective_stop_and_the_way_out_of_it(ur: Station) -> None:
     control, receive = ur.control, ur.receive
     control.triggerProtectiveStop()
     until(receive.isProtectiveStopped, "protective stop")
     until(lambda: not control.isProgramRunning(), "end of the program")
     assert receive.getSafetyMode() == 3
     assert not control.moveJ(HOME)
-    dashboard = DashboardClient(ur.host)
-    dashboard.connect()
-    began = receive.getTimestamp()
-    ur.robot.set_speed(4.0)
-    try:
-        until(lambda: receive.getTimestamp() > began + 5.1, "5 s of simulated time")
-    finally:
-        ur.robot.set_speed(1.0)
-    dashboard.unlockProtectiveStop()
-    until(lambda: not receive.isProtectiveStopped(), "unlocked arm")
+    recover(ur)
     assert control.reuploadScript()
     until(control.isProgramRunning, "program")
     assert control.moveJ([0.1, *HOME[1:]], 1.0, 4.0)
-    dashboard.disconnect()
+
+
+def test_a_move_that_a_stop_ends_is_never_reported_as_done(ur: Station) -> None:
+    x, y, z, *rotation = ur.receive.getActualTCPPose()
+    with ur.record("output_int_register_0", "safety_status_bits") as record:
+        assert not ur.control.moveL([x, y, z - 0.15, *rotation], 0.25, 1.2)
+        until(lambda: not ur.control.isProgramRunning(), "end of the program")
+    is_stopped = (record["safety_status_bits"].astype(int) & PROTECTIVE_STOP) > 0
+    assert is_stopped.any()
+    assert not (record["output_int_register_0"][is_stopped] == DONE).any()
+    ur.robot.scene.remove(BLOCK.name)  # a pressed arm would stop again
+    recover(ur)
+    ur.home()
+    ur.robot.scene.add(BLOCK)
 
 
 def test_an_emergency_stop_is_seen_and_survived(ur: Station) -> None:

@@ -104,6 +104,15 @@ class Moves:
             lead = self._lead if plan.tail else 0.0
             await self._until(running, plan.zones[-1] - lead)
 
+    async def finish(self) -> None:
+        """Wait until the last moves have ended.
+
+        Raises:
+            ControlError: If the arm has stopped.
+        """
+        if self._running is not None:
+            await self._until(self._running, self._running.plan.duration)
+
     @property
     def progress(self) -> int:
         """The index of the move that is executed, of the last ones; -1 without."""

@@ -109,7 +109,12 @@ class Motions:
             await self._follow(moves)
 
     async def _follow(self, moves: Sequence[Move]) -> None:
-        """Execute moves, and show which one is executed."""
+        """Execute moves, and show which one is executed.
+
+        Raises:
+            ControlError: If the arm has stopped: the client is then not told that its
+                command was executed.
+        """
         await self._moves.move(moves, wait=False)
         shown = 0
         while (current := self._moves.progress) >= 0:
@@ -117,6 +122,7 @@ class Motions:
                 shown = current
                 self._exchange.show_progress(current)
             await self._box.next_update()
+        await self._moves.finish()
         self._exchange.show_progress(None)
 
     # ---- streams --------------------------------------------------------------------
