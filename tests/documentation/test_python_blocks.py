@@ -65,15 +65,18 @@ shutil.copytree(f"{config}/grippers/hande", "my_gripper")
 
 SETTINGS: dict[str, Setting] = {
     "own-robot": Setting(before=MY_GRIPPER),
-    "batch": Setting(instead={"Batch(256": "Batch(4", "(256, 6)": "(4, 6)"}),
+    "batch": Setting(
+        instead={
+            "Batch(256": "Batch(4",
+            "(256, 6)": "(4, 6)",
+            '4096, device="cuda"': '4, device="cpu"',
+        },
+        not_run={4: "PyTorch is not among the packages for tests"},
+    ),
     "cameras": Setting(needs=(require_gl,)),
     "collect": Setting(instead={'"Lift", 1000': '"Lift", 2', "workers=4": "workers=1"}),
     "gazebo": Setting(
         files={"my.world": WORLD}, needs=(lambda: require_engine("gazebo"),)
-    ),
-    "gpu": Setting(
-        instead={'4096, device="cuda"': '4, device="cpu"'},
-        not_run={1: "PyTorch is not among the packages for tests"},
     ),
     "gym": Setting(instead={"num_envs=64": "num_envs=4"}),
     "hardware": Setting(
