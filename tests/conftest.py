@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from tool0.panel.server import Panel
 
 
-pytest_plugins = ["side_by_side"]
+pytest_plugins = ["side_by_side", "standstill"]
 
 # In a shell's background and under nohup, signals are ignored, also by all children.
 # A handler is not inherited: children of a process that has one hear the signal.
