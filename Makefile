@@ -47,6 +47,9 @@ AGAIN := --reruns=1 -rR
 # Programs that the tests start load compiled modules.
 unexport PYTHONDONTWRITEBYTECODE
 
+# NumPy's threads of several processes would wait for each other.
+unit-python test: export OPENBLAS_NUM_THREADS := 1
+
 .DEFAULT_GOAL := help
 .PHONY: help run setup dev check lint lint-python lint-web format unit unit-python unit-web
 .PHONY: test test-lerobot bench docs web web-dev clean
