@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import ParamSpec, TypeVar, final
 
@@ -21,7 +22,7 @@ from tool0.lint.package_file import (
 )
 from tool0.lint.packages import PackageIndex, Packages
 from tool0.lint.parameters.yaml_text import YamlText, syntax_findings, yaml_findings
-from tool0.lint.resource_limits import run_limited
+from tool0.lint.resource_limits import ResourceLimitError, run_limited
 from tool0.lint.robot.facts import RobotFacts
 from tool0.lint.robot_file import (
     ParsedRobot,
@@ -169,21 +170,31 @@ class _Check:
             self._findings += () if read is None else read.findings
 
     def _yaml_files(self) -> None:
-        for source in self._sources.of(FileKind.PARAMETERS):
-            if source.path.resolve() in self._loaded:
-                continue
-            text = self._try(source.path, read_text, source.path)
-            if text is None:
-                continue
-            yaml = YamlText(text, SourceLocation(source.path, 1))
-            if not yaml.is_about_controllers:
-                self._apply(source.path, syntax_findings, yaml)
-                if source.was_named:
-                    self._notes.append(f"{source.path}: holds no controllers")
-                continue
-            robot = self._robot_of(source, yaml)
-            rules = yaml_findings if source.was_named else _yaml_alone
-            self._apply(source.path, rules, (yaml,), robot, self._packages)
+        sources = {
+            source.path: source
+            for source in self._sources.of(FileKind.PARAMETERS)
+            if source.path.resolve() not in self._loaded
+        }
+        texts = self._try_each({path: partial(read_text, path) for path in sources})
+        rules = {
+            path: self._rules_of_yaml(sources[path], text)
+            for path, text in texts.items()
+        }
+        for found in self._try_each(rules).values():
+            self._findings += found
+
+    def _rules_of_yaml(
+        self, source: Source, text: str
+    ) -> Callable[[], Sequence[Finding]]:
+        """Return a function that checks a YAML file that no launch file loads."""
+        yaml = YamlText(text, SourceLocation(source.path, 1))
+        if not yaml.is_about_controllers:
+            if source.was_named:
+                self._notes.append(f"{source.path}: holds no controllers")
+            return lambda: tuple(syntax_findings(yaml))
+        robot = self._robot_of(source, yaml)
+        rules = yaml_findings if source.was_named else _yaml_alone
+        return lambda: tuple(rules((yaml,), robot, self._packages))
 
     def _robot_of(self, yaml: Source, text: YamlText) -> RobotFacts | None:
         """Return the robot for a YAML that no launch file loads, if only one fits.
@@ -218,9 +229,12 @@ class _Check:
         self, kind: FileKind, reader: Callable[[Path, Packages], R]
     ) -> dict[Path, R]:
         """Return the results of ``reader`` for the files that it can read."""
-        paths = [source.path for source in self._sources.of(kind)]
-        read = {path: self._try(path, reader, path, self._packages) for path in paths}
-        return {path: item for path, item in read.items() if item is not None}
+        return self._try_each(
+            {
+                source.path: partial(reader, source.path, self._packages)
+                for source in self._sources.of(kind)
+            }
+        )
 
     def _read_robot(
         self,
@@ -246,14 +260,30 @@ class _Check:
         **keywords: P.kwargs,
     ) -> R | None:
         """Return the result of ``work``; if it fails, add a finding and return None."""
+        outcome = _limited(lambda: work(*arguments, **keywords))
+        if isinstance(outcome, Exception):
+            self._findings.append(finding_of(outcome, "unreadable", file))
+            return None
+        return outcome
+
+    def _try_each(self, works: Mapping[Path, Callable[[], R]]) -> dict[Path, R]:
+        """Return the results of work on files; where it fails, add a finding.
+
+        One process does all of it, as starting one takes longer than most files; if
+        that exceeds a limit, each file has a process of its own.
+        """
+        outcomes: Mapping[Path, R | Exception]
         try:
-            return run_limited(work, *arguments, **keywords)
-        except RecursionError:
-            error: Exception = ValueError("its elements are nested too deep to be read")
-        except (Tool0Error, OSError, ValueError) as raised:
-            error = raised
-        self._findings.append(finding_of(error, "unreadable", file))
-        return None
+            outcomes = run_limited(_outcomes, works)
+        except ResourceLimitError:
+            outcomes = {path: _limited(work) for path, work in works.items()}
+        results = {}
+        for path, outcome in outcomes.items():
+            if isinstance(outcome, Exception):
+                self._findings.append(finding_of(outcome, "unreadable", path))
+            else:
+                results[path] = outcome
+        return results
 
     def _apply(
         self,
@@ -268,6 +298,27 @@ class _Check:
             return list(rules(*arguments, **keywords))
 
         self._findings += self._try(file, found) or ()
+
+
+def _limited(work: Callable[[], R]) -> R | Exception:
+    """Return the result of ``work`` in a process with limits, or why it failed."""
+    try:
+        return run_limited(_outcome, work)
+    except ResourceLimitError as error:
+        return error
+
+
+def _outcome(work: Callable[[], R]) -> R | Exception:
+    try:
+        return work()
+    except RecursionError:
+        return ValueError("its elements are nested too deep to be read")
+    except (Tool0Error, OSError, ValueError) as error:
+        return error
+
+
+def _outcomes(works: Mapping[Path, Callable[[], R]]) -> dict[Path, R | Exception]:
+    return {path: _outcome(work) for path, work in works.items()}
 
 
 def _yaml_alone(
