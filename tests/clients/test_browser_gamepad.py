@@ -41,7 +41,10 @@ class Person:
         self.does(f"window.pad.axes[0] = {share}")
 
     def holds_the_shoulder_button(self, is_held: bool = True) -> None:
-        self.does(f"window.pad.buttons[4].value = {int(is_held)}")
+        self.holds(4, is_held)
+
+    def holds(self, button: int, is_held: bool = True) -> None:
+        self.does(f"window.pad.buttons[{button}].value = {int(is_held)}")
 
     def is_looked_at(self) -> None:
         """Wait until the page has read the gamepad as it is now."""
@@ -115,3 +118,21 @@ def test_after_an_interruption_only_a_fresh_push_of_a_gamepad_moves(
     person.pushes_anew()
     person.holds_the_shoulder_button(False)
     person.sees_it_rest()
+
+
+def test_buttons_of_a_gamepad_close_and_open_the_gripper(
+    tab: Tab, robot: tool0.Robot
+) -> None:
+    close, open_ = 0, 1
+    person = Person(tab, robot)
+    person.holds(close)
+    person.is_looked_at()
+    person.holds(close, False)
+    person.is_looked_at()
+    person.holds_the_shoulder_button()
+    person.is_looked_at()
+    assert robot.gripper.opening > 0.08
+    person.holds(close)
+    eventually(lambda: robot.gripper.opening < 0.005, "it closes")
+    person.holds(open_)
+    eventually(lambda: robot.gripper.opening > 0.08, "it opens")

@@ -2,6 +2,7 @@
 import type { Frame } from "../src/messages";
 import type {
   ControllerInfo,
+  GripperInfo,
   ViewInfo,
   JointInfo,
   RobotPartsInfo,
@@ -65,14 +66,32 @@ export function view(changes: Partial<ViewInfo> = {}): ViewInfo {
 function part(name: string): RobotPartsInfo {
   const prefix = `${name}_`;
   const tip = `${prefix}tool0`;
-  return { name, title: null, prefix, base: "world", joints: [], gripper: null, tip };
+  const gripper = `${prefix}gripper`;
+  return { name, title: null, prefix, base: "world", joints: [], gripper, tip };
+}
+
+function gripper(name: string): GripperInfo {
+  return {
+    name: `${name}_gripper`,
+    joint: `${name}_finger_joint`,
+    max_opening: 0.085,
+    min_speed: 0.02,
+    max_speed: 0.15,
+    min_force: 20,
+    max_force: 235,
+    pad_offset: 0.0425,
+    pad_cos: 0,
+    pad_sin: 0,
+    pad_slope: -0.05,
+  };
 }
 
 /** Let the server of this page have two robots, `left` and `right`. */
 export function sayTwoArms(server: FakeSocket): void {
   const now = view();
   const robots = [part("left"), part("right")];
-  server.say({ ...now, robot: { ...now.robot, robots } });
+  const grippers = [gripper("left"), gripper("right")];
+  server.say({ ...now, robot: { ...now.robot, robots, grippers } });
   server.say(status());
   server.say(frame());
 }

@@ -138,6 +138,40 @@ describe("a device that jogs", () => {
       await needsAFreshPush();
     });
 
+    it("grips by a fresh press while its shoulder button is held", async () => {
+      const grips = () => server().sentOf("grip");
+      const [CLOSE, OPEN, SHOULDER] = [0, 1, 4];
+      press(SHOULDER);
+      press(CLOSE); // before it was found
+      await goOn();
+      expect(grips()).toEqual([]);
+      press(CLOSE, false);
+      await goOn();
+      press(CLOSE);
+      await goOn(200);
+      expect(grips()).toMatchObject([{ gripper: "left_gripper", opening: 0 }]);
+      press(OPEN);
+      await goOn();
+      expect(grips().slice(1)).toMatchObject([{ opening: 0.085 }]);
+      press(OPEN, false);
+      press(SHOULDER, false);
+      await goOn();
+      press(OPEN);
+      await goOn();
+      expect(grips()).toHaveLength(2);
+    });
+
+    it("does not grip by a button that was pressed on a hidden page", async () => {
+      press(4);
+      await goOn();
+      hide(true);
+      press(0);
+      await goOn();
+      hide(false);
+      await goOn();
+      expect(server().sentOf("grip")).toEqual([]);
+    });
+
     it("is not used if the browser does not know its layout", async () => {
       pads[0] = { ...pads[0], mapping: "" };
       await goOn();

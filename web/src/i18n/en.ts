@@ -274,7 +274,7 @@ export const en = {
   "jog.gamepadNone": "No gamepad. Press one of its buttons.",
   "jog.gamepadUnknown": "{name}: the browser does not know its layout. It is not used.",
   "jog.gamepadHint":
-    "{name}: hold the left shoulder button. Left stick: x and y; triggers: z; right stick and D-pad: rotation.",
+    "{name}: hold the left shoulder button. Left stick: x and y; triggers: z; right stick and D-pad: rotation; A and B (✕ and ○): close and open the gripper.",
   "jog.active": "The panel moves the tool. The sliders return after it.",
 
   "view.joints": "Joints",

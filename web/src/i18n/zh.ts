@@ -263,7 +263,7 @@ export const zh: Texts = {
   "jog.gamepadNone": "没有手柄。请按一下手柄的按钮。",
   "jog.gamepadUnknown": "{name}：浏览器不认识它的布局，不使用它。",
   "jog.gamepadHint":
-    "{name}：按住左肩键。左摇杆：x 和 y；扳机：z；右摇杆和方向键：旋转。",
+    "{name}：按住左肩键。左摇杆：x 和 y；扳机：z；右摇杆和方向键：旋转；A 和 B（✕ 和 ○）：闭合和张开夹爪。",
   "jog.active": "面板正在移动工具，之后滑块恢复。",
 
   "view.joints": "关节",
