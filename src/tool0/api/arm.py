@@ -53,11 +53,11 @@ class PlanOptions(TypedDict, total=False):
     clearance: float
     """Smallest distance between bodies [m]; 0.005, if left out."""
     may_touch: tuple[str, ...]
-    """Links and objects that the motion may touch, such as what is to be gripped."""
+    """Links and objects that the motion may touch, such as the object to grip."""
     keep_out: tuple[KeepOut, ...]
     """Boxes and planes that the robot does not enter."""
     upright: Upright
-    """Keep an axis of the tool within an angle from where it points at the start."""
+    """Keep an axis of the tool within an angle of its initial direction."""
     joint_ranges: dict[str, tuple[float, float]]
     """Joint → narrower limits for this motion [rad]."""
     timeout: float

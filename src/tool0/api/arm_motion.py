@@ -1,4 +1,4 @@
-"""The handle that moves an arm in place of its controllers: paths, streams, forces."""
+"""The handle that moves an arm instead of its controllers: paths, streams, forces."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _ALL = (True,) * 6
 
 @final
 class ArmMotion:
-    """Moves an arm in place of its controllers: executes planned paths and streams.
+    """Moves an arm instead of its controllers: executes planned paths and streams.
 
     Take the arm first; its controllers stop, and start again when you release it.
     Joints are in the order from base to flange.  Poses are UR's: position and rotation

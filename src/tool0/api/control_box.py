@@ -36,7 +36,7 @@ class ControlBox:
 
     Pins are only stored: a client reads and sets outputs, and you set what the inputs
     measure.  The rest acts as on a UR.  A stopped or powered-off arm is braked; the
-    other arms of a cell go on.
+    other arms of a cell continue to run.
     """
 
     def __init__(self, arm: str, channel: Channel) -> None:

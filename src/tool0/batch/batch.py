@@ -73,10 +73,10 @@ class Batch:
 
     Each copy behaves as a single ``bringup`` with ``realtime=False`` that gets the same
     commands at the same ticks, bit for bit.  Every array has one row per copy, shape
-    (n, …), and is in SI units; a value without that axis counts for all copies alike.
+    (n, …), and is in SI units; a value without that axis applies to all copies.
     ``which`` chooses copies, by a mask of shape (n,) or by number; the rows of the
-    others are not read.  Arrays that are returned cannot be written to, and stay as
-    they are when time passes.
+    others are not read.  Returned arrays are read-only, and do not
+    change when time passes.
     """
 
     def __init__(
