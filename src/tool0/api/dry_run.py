@@ -88,7 +88,7 @@ def dry_run(
     timeout: float,
     when_passed: Callable[[ProgramRun], None],
 ) -> DryRun:
-    """Run a program in a simulation of its own: see ``Programs.dry_run``."""
+    """Run a program in a separate simulation: see ``Programs.dry_run``."""
     snapshot, model = channel.snapshot, channel.description.model
     start = replace(
         channel.call(ReadReproduction()),
