@@ -53,11 +53,11 @@ class PlanOptions(TypedDict, total=False):
     clearance: float
     """Smallest distance between bodies [m]; 0.005, if left out."""
     may_touch: tuple[str, ...]
-    """Links and objects that the motion may touch, such as what is to be gripped."""
+    """Links and objects that the motion may touch, such as the object to grip."""
     keep_out: tuple[KeepOut, ...]
     """Boxes and planes that the robot does not enter."""
     upright: Upright
-    """Keep an axis of the tool within an angle from where it points at the start."""
+    """Keep an axis of the tool within an angle of its initial direction."""
     joint_ranges: dict[str, tuple[float, float]]
     """Joint → narrower limits for this motion [rad]."""
     timeout: float
@@ -84,17 +84,17 @@ class Arm:
 
     @property
     def name(self) -> str:
-        """The prefix of its links, ``arm`` without one; in a cell, the robot's name."""
+        """Prefix of the arm's links, or ``arm``; in a cell, the robot's name."""
         return self._info.name
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Its six joints, from base to tip."""
+        """Names of the six joints, from base to tip."""
         return self._info.joint_names
 
     @property
     def tip(self) -> str:
-        """The link at its end: poses are those of this link if you name no other."""
+        """The link at the end of the arm, whose pose is meant if you name no other."""
         return self._info.tip
 
     @property
@@ -105,7 +105,7 @@ class Arm:
 
     @property
     def chain(self) -> ArmChain:
-        """Its joints and links, for your own computations."""
+        """The arm's joints and links, for your own computations."""
         return self._chain
 
     @cached_property
@@ -116,7 +116,7 @@ class Arm:
 
     @property
     def kinematics(self) -> InverseKinematics:
-        """Its inverse kinematics, or ControlError if it is not built like a UR."""
+        """Inverse kinematics; ControlError if the arm is not built like a UR."""
         return self._kinematics
 
     @cached_property
@@ -127,17 +127,17 @@ class Arm:
 
     @property
     def force_torque(self) -> ForceTorque:
-        """The force-torque sensor at its end."""
+        """The force-torque sensor at the end of the arm."""
         return ForceTorque(self.tip, self._channel)
 
     @property
     def control_box(self) -> ControlBox:
-        """Its pins, speed slider, payload and program."""
+        """The arm's pins, speed slider, payload and program."""
         return ControlBox(self.name, self._channel)
 
     @property
     def motion(self) -> ArmMotion:
-        """Motion by paths and streams, in place of the arm's controllers."""
+        """Motion by paths and streams, instead of by the arm's controllers."""
         return ArmMotion(self.name, self._channel)
 
     def go_to_pose(
@@ -350,10 +350,10 @@ class Arm:
     ) -> Plan:
         """Return a collision-free motion to a target; nothing moves.
 
-        The motion starts at the commanded posture, and ends at rest.  What a gripper
-        holds is carried along.  Robots, objects, held objects and the ground keep the
-        clearance; links that touch by construction, and what is nearer at the start,
-        may stay so.
+        The motion starts at the commanded posture, and ends at rest.  An object in a
+        gripper moves along.  Robots, objects, held objects and the ground keep the
+        clearance, except links that touch by construction; bodies that are closer at
+        the start may stay as close.
 
         Args:
             target: A pose of the tool, or joint → position [rad].  All postures that
@@ -361,7 +361,7 @@ class Arm:
             tip: As for ``inverse_kinematics``.
             tool: As for ``inverse_kinematics``.
             relative_to: As for ``inverse_kinematics``; with ``tip`` itself, the target
-                is relative to where the tool is.
+                is relative to the present pose of the tool.
             free_axis: An axis of the tool about which it may be turned at the target.
             **options: Options of the search: see ``PlanOptions``.
 
@@ -407,7 +407,7 @@ class Arm:
         tool: AnyPose | None = None,
         relative_to: str | None = None,
     ) -> Checked:
-        """Return whether a motion as of ``move_to`` or ``move_linear`` would be free.
+        """Return whether a motion by ``move_to`` or ``move_linear`` would be free.
 
         Args:
             target: As for ``plan``.

@@ -1,4 +1,4 @@
-"""The handle that moves an arm in place of its controllers: paths, streams, forces."""
+"""The handle that moves an arm instead of its controllers: paths, streams, forces."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _ALL = (True,) * 6
 
 @final
 class ArmMotion:
-    """Moves an arm in place of its controllers: executes planned paths and streams.
+    """Moves an arm instead of its controllers: executes planned paths and streams.
 
     Take the arm first; its controllers stop, and start again when you release it.
     Joints are in the order from base to flange.  Poses are UR's: position and rotation
@@ -66,7 +66,7 @@ class ArmMotion:
             self.release()
 
     def take(self, by: str = "Python") -> None:
-        """Stop the arm's controllers and hold still; ``by`` is shown to people.
+        """Stop the arm's controllers and hold still; ``by`` is shown to users.
 
         Raises:
             ControlError: If the arm is switched off or stopped.
@@ -146,7 +146,7 @@ class ArmMotion:
         Args:
             deceleration: Deceleration of the leading joint [rad/s²]; of the path's
                 speed [1/s] if the arm is to stay on its path.
-            along_path: Whether it does.
+            along_path: Whether the arm stays on its path.
         """
         self._channel.call(
             StopArm(arm=self._arm, deceleration=deceleration, along_path=along_path)
@@ -188,8 +188,8 @@ class ArmMotion:
             duration: Simulated time until which the next ones must come [s].
 
         Raises:
-            ControlError: If a drive has not that torque, or the engine has no torque
-                control.
+            ControlError: If a torque exceeds that of its drive, or the engine has no
+                torque control.
         """
         self._channel.call(
             DriveTorques(

@@ -36,7 +36,7 @@ class ControlBox:
 
     Pins are only stored: a client reads and sets outputs, and you set what the inputs
     measure.  The rest acts as on a UR.  A stopped or powered-off arm is braked; the
-    other arms of a cell go on.
+    other arms of a cell continue to run.
     """
 
     def __init__(self, arm: str, channel: Channel) -> None:
@@ -54,7 +54,7 @@ class ControlBox:
         self._channel.call(SetIO(arm=self._arm, digital_outputs={number: value}))
 
     def set_digital_input(self, pin: int, value: bool) -> None:
-        """Set what an input measures, in place of a wire; pins as for the outputs."""
+        """Set the level of an input, as a wire would; pins as for the outputs."""
         number: int = checked_value("set_digital_input", "pin", pin, int)
         self._channel.call(SetIO(arm=self._arm, digital_inputs={number: value}))
 
@@ -74,7 +74,7 @@ class ControlBox:
         *,
         tool: bool = False,
     ) -> None:
-        """Set what input 0 or 1 of the box, or of the tool, measures [V | A]."""
+        """Set the value at input 0 or 1 of the box, or of the tool [V | A]."""
         self._channel.call(
             SetAnalogInput(
                 arm=self._arm, pin=pin, value=value, domain=domain, tool=tool
@@ -94,7 +94,7 @@ class ControlBox:
     def set_payload(
         self, mass: float, center_of_gravity: Sequence[float] = (0.0, 0.0, 0.0)
     ) -> None:
-        """Set what the drives expect at the flange, with the gripper and its load.
+        """Set the payload that the drives expect at the flange, gripper included.
 
         Args:
             mass: Mass [kg]
@@ -131,7 +131,7 @@ class ControlBox:
         self._channel.call(PowerOn(arm=self._arm))
 
     def release_brakes(self) -> None:
-        """Release the brakes, and switch the arm on before, if it is off.
+        """Release the brakes; the arm is switched on first, if it is off.
 
         Nothing moves until ``play`` starts the controllers again.
         """

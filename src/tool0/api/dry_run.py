@@ -1,4 +1,4 @@
-"""A program in a simulation of its own, from where the robot is: nothing else moves."""
+"""Runs a program in a separate simulation, from the robot's present state."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ class TouchReport:
     first: str
     """A link or an object."""
     second: str
-    """The touched body."""
+    """The link or object that it touched."""
     time: float
     """Time of the first touch, since the start of the program [s]."""
     force: float
-    """The largest one [N]."""
+    """Largest contact force [N]."""
     is_of_arm: bool
     """Whether a link of an arm touched; otherwise only its gripper did."""
 
@@ -88,7 +88,7 @@ def dry_run(
     timeout: float,
     when_passed: Callable[[ProgramRun], None],
 ) -> DryRun:
-    """Run a program in a simulation of its own: see ``Programs.dry_run``."""
+    """Run a program in a separate simulation: see ``Programs.dry_run``."""
     snapshot, model = channel.snapshot, channel.description.model
     start = replace(
         channel.call(ReadReproduction()),

@@ -27,7 +27,7 @@ class Grasp:
     """A pose of the gripper in which it can grasp an object."""
 
     pose: Transform
-    """Pose of the frame between the pads when they touch it, in the root."""
+    """Pose of the frame between the pads, in the root, when they touch the object."""
     width: float
     """Width of the object between the pads [m]."""
 
@@ -157,12 +157,12 @@ def _from_above(frame: Transform, turn: float) -> Transform:
 @final
 @dataclass(frozen=True, slots=True)
 class Bin:
-    """A box that is open above, its sides along the root's axes."""
+    """A box that is open at the top, with its sides along the root's axes."""
 
     lower: Vector3
-    """Lower corner of the box, outside, in the root [m]."""
+    """Lower outer corner of the box, in the root [m]."""
     upper: Vector3
-    """The opposite corner, outside, in the root [m]."""
+    """Opposite outer corner of the box, in the root [m]."""
 
     @property
     def center(self) -> Vector3:

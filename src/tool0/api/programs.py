@@ -96,10 +96,10 @@ class Programs:
         timeout: float = 3600.0,
         when_passed: Callable[[ProgramRun], None] = lambda run: None,
     ) -> DryRun:
-        """Run a program in a simulation that starts as the robot is now.
+        """Run a program in a simulation that starts in the robot's present state.
 
-        The simulated robot has the posture, the objects and the speed sliders of now;
-        what a gripper holds, it may lose.  Nothing is sent to the robot.
+        The simulated robot has the present posture, objects and speed sliders; it may
+        lose an object in a gripper.  Nothing is sent to the robot.
 
         Args:
             program: The program, its file (``.yaml``), or the name of a saved one.

@@ -160,7 +160,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def simulation(self) -> Simulation:
-        """The simulation behind it, for code that works inside the process.
+        """The simulation of the robot, for code inside the process.
 
         Raises:
             ControlError: If the simulation runs in another process.
@@ -310,16 +310,16 @@ class Robot(AbstractContextManager["Robot"]):
 
         There is one item for each pair of links or objects that touch, with force [N],
         torque [N·m] and point [m] in the axes of the root.  The engine computes them
-        only when asked.  Gazebo reports none the first time.
+        only on request.  Gazebo reports none the first time.
         """
         return self.channel.call(ReadContacts())
 
     def find_collisions(self, positions: Mapping[str, float]) -> tuple[Collision, ...]:
         """Return the collisions that the robot would have in a pose, and on the way.
 
-        On the way, all joints move in proportion from where they are now, and what a
-        gripper holds is carried along.  Pairs that are as deep in each other now are
-        left out.  Shapes are those of MuJoCo, with either engine.
+        On the way, all joints move in proportion from their present positions, and an
+        object in a gripper moves along.  Pairs that already overlap as deeply are left
+        out.  Shapes are those of MuJoCo, with either engine.
 
         For example::
 
@@ -802,7 +802,7 @@ class Robot(AbstractContextManager["Robot"]):
     def emergency_stop(self, engaged: bool = True) -> None:
         """Brake every joint at once, or release the brakes.
 
-        Goals are PREEMPTED; after the release the controllers hold where they are.
+        Goals are PREEMPTED; after the release, the controllers hold the positions.
         """
         self.channel.call(EmergencyStop(engaged=engaged))
 

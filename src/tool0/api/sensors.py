@@ -128,7 +128,7 @@ class CameraHandle:
     """One camera of a robot: ``robot.camera(name)``."""
 
     camera: Camera
-    """Pose of the camera, size of its picture, and field of view."""
+    """Pose of the camera, size of its image, and field of view."""
     _channel: Channel
 
     def image(self, snapshot: Snapshot | None = None) -> CameraImage:

@@ -1,4 +1,4 @@
-"""The table of the picks, as large as an arm needs it."""
+"""A table for picks, scaled to the reach of an arm."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ class DeviceArrays(NamedTuple):
     object_angular: Any
     """Angular velocities of the objects in their own axes [rad/s], shape (n, m, 3)."""
     diverged: Any
-    """1 for copies that stand still since their physics failed, shape (n,): int32."""
+    """1 for copies that stopped because their physics failed, shape (n,): int32."""
 
 
 class BatchBackend(Protocol):

@@ -73,10 +73,10 @@ class Batch:
 
     Each copy behaves as a single ``bringup`` with ``realtime=False`` that gets the same
     commands at the same ticks, bit for bit.  Every array has one row per copy, shape
-    (n, …), and is in SI units; a value without that axis counts for all copies alike.
+    (n, …), and is in SI units; a value without that axis applies to all copies.
     ``which`` chooses copies, by a mask of shape (n,) or by number; the rows of the
-    others are not read.  Arrays that are returned cannot be written to, and stay as
-    they are when time passes.
+    others are not read.  Returned arrays are read-only, and do not
+    change when time passes.
     """
 
     def __init__(
@@ -339,17 +339,17 @@ class Batch:
 
     @property
     def object_quat(self) -> Array:
-        """Their orientations, w, x, y, z, shape (n, n_objects, 4)."""
+        """Orientations of the objects, w, x, y, z, shape (n, n_objects, 4)."""
         return self._objects().quat
 
     @property
     def object_linear(self) -> Array:
-        """Their velocities in the root's axes [m/s], shape (n, n_objects, 3)."""
+        """Velocities of the objects [m/s], in the root's axes, (n, n_objects, 3)."""
         return self._objects().linear
 
     @property
     def object_angular(self) -> Array:
-        """Their angular velocities in these axes [rad/s], shape (n, n_objects, 3)."""
+        """Angular velocities of the objects [rad/s], in the same axes and shape."""
         return _frozen(self._objects().angular)
 
     def pad_forces(self, gripper: str | None = None) -> Array:
@@ -378,9 +378,9 @@ class Batch:
         """Return force [N] and torque [N·m] of contacts on the tool, shape (n, 6).
 
         They act at the origin of tool0, in its axes: the sum over the contacts, in the
-        last step, of the links beyond tool0 with anything else.  What the gripper holds
-        is something else, so that the wrench has its weight and what it touches.  The
-        weight and the inertia of the gripper are not part of it.
+        last step, of the links beyond tool0 with anything else.  That includes a held
+        object, so that its weight and its contacts act on the tool.  The weight and the
+        inertia of the gripper are not part of the wrench.
 
         Args:
             robot: The arm, by name; the only one, if left out.
@@ -403,13 +403,13 @@ class Batch:
     ) -> Contacts:
         """Return the contacts in the last step, one row per pair that touches.
 
-        They are computed when asked, as those of ``Robot.contacts``, whose words these
-        are.  A contact has a normal force: what only is near is none.
+        They are computed on request, and have the same fields as those of
+        ``Robot.contacts``.  Only pairs with a normal force count as contacts.
 
         Args:
             first: A link, an object, or ``ground``, by name, or several of them: it is
-                ``first`` in each row; anything, if left out.
-            second: The thing that it touches; any, if left out.
+                ``first`` in each row; any, if left out.
+            second: The link or object that it touches; any, if left out.
             which: The copies.
 
         Raises:
@@ -687,9 +687,10 @@ class Batch:
     def save(self) -> BatchState:
         """Return the state of all copies; it does not change.
 
-        It has all that their future depends on: joints, objects with their sizes,
-        masses and frictions, warm start and contacts of the physics, motions, integrals
-        of the controllers, grippers, and time; and how the copies look in images.
+        It contains everything that determines their future: joints, objects with their
+        sizes, masses and frictions, warm start and contacts of the physics, motions,
+        integrals of the controllers, grippers, and time; and how the copies look in
+        images.
 
         Raises:
             ControlError: If a goal of a GripperActionController is active in a copy, or

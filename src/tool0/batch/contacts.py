@@ -32,13 +32,13 @@ class Contacts:
     first: NDArray[np.str_]
     """Name of a link, an object or ``ground``, shape (m,)."""
     second: NDArray[np.str_]
-    """Name of the touched one, shape (m,)."""
+    """Name of the touched link or object, shape (m,)."""
     point: Array
     """Mean of the contact points, weighted by their normal forces [m], (m, 3)."""
     normal: Array
-    """Mean normal of the contact points from ``first`` to ``second``, weighted alike,
-    of length 1, or 0 where one body has the other between two of its sides, shape (m,
-    3)."""
+    """Mean normal of the contact points from ``first`` to ``second``, with the same
+    weights.  Its length is 1, or 0 where one body has the other between two of its
+    sides, shape (m, 3)."""
     distance: Array
     """Least distance of the surfaces, below 0 if they overlap [m], shape (m,)."""
     force: Array

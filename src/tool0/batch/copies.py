@@ -53,7 +53,8 @@ class Copies:
     """Cores of one robot, with their state in the kernel's memory.
 
     While a copy is loaded there, its core is out of date; ``executor`` brings it up to
-    date.  Python runs the copies that the kernel cannot, and what it leaves to Python.
+    date.  Python runs the copies that the kernel cannot run, and the ticks that it
+    leaves to Python.
     """
 
     def __init__(self, cores: Sequence[Core], threads: int) -> None:

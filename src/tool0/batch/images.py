@@ -26,7 +26,7 @@ from tool0.sensing.cameras import Cameras, View
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CopyLook:
-    """Appearance of one copy, where it differs from the usual."""
+    """Appearance of one copy, where it differs from the default."""
 
     cameras: Mapping[str, Camera] = field(default_factory=dict)
     """Cameras that were moved."""

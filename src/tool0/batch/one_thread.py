@@ -17,7 +17,7 @@ def _nothing() -> None: ...
 class OneThread:
     """A context that one thread may be in, any number of times.
 
-    A class of its own: ``contextlib.contextmanager`` takes several times as long.
+    A class, because ``contextlib.contextmanager`` takes several times as long.
     """
 
     def __init__(

@@ -34,7 +34,7 @@ def collect(
     summary: bool = True,
     as_json: AsJson = False,
 ) -> None:
-    """Collect episodes of a task into a folder; the same command again continues.
+    """Collect episodes of a task into a folder; run it again to continue.
 
     An episode depends only on task, policy, seed and its number, not on the number of
     workers, on machines or on interruptions.

@@ -118,7 +118,7 @@ def handover(
 ) -> int:
     """Pick a cube with one arm, hand it to another, and place it in a bin.
 
-    Friction alone holds the cube.  All else is as in `demo pick`.
+    Friction alone holds the cube.  Everything else is as in `demo pick`.
 
     Args:
         giver: The arm that picks, with its gripper: ARM+GRIPPER.
@@ -140,12 +140,12 @@ def shelf(
 ) -> int:
     """Pick a cube from a shelf, and place it in a bin behind a wall.
 
-    All motions are planned around the obstacles, also while the gripper holds the cube.
-    Friction alone holds it.  The arm needs at least the reach of a UR5.  All else is as
-    in `demo pick`.
+    All motions are planned around the obstacles, even while the gripper holds the cube.
+    Friction alone holds it.  The arm needs at least the reach of a UR5.  Everything
+    else is as in `demo pick`.
 
     Args:
-        second: A second robot, which stands in the way over the bin: ARM or
+        second: A second robot, which is in the way above the bin: ARM or
             ARM+GRIPPER.  It makes room while the cube is carried; both motions are
             planned together.
     """

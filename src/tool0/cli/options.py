@@ -95,8 +95,8 @@ class RunOptions:
     """Duration, output and access."""
 
     duration: float | None = None
-    """End after this simulated time [s], counted from when all interfaces are up;
-    without it, run until Ctrl-C."""
+    """End after this simulated time [s], counted from the moment all interfaces are
+    up; without it, run until Ctrl-C."""
     headless: bool = False
     """Run without the panel, and open no window."""
     summary: bool = True

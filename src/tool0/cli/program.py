@@ -37,15 +37,15 @@ def run(
 ) -> int:
     """Run a program to its end, and print its steps.
 
-    It is checked first: if a step cannot be executed, nothing moves.  Ctrl-C stops it;
-    the exit status is 0 if it succeeded.
+    The program is checked first: if a step cannot be executed, nothing moves.  Ctrl-C
+    stops it; the exit status is 0 if it succeeded.
 
     Args:
         program: Program file (.yaml), or the name of a saved program.
-        check: Only check it.
-        dry_run: Only simulate it, from the robot's present state, and print contacts,
-            duration, and the largest speed and effort.  Nothing is sent to the robot.
-            The exit status is 0 if it succeeded and no arm collided.
+        check: Only check the program.
+        dry_run: Only simulate the program, from the robot's present state, and print
+            contacts, duration, and the largest speed and effort.  Nothing is sent to
+            the robot.  The exit status is 0 if it succeeded and no arm collided.
         as_json: Print one JSON object at the end instead of the steps.
     """
     if check and dry_run:
@@ -219,7 +219,7 @@ def delete(
     """Delete saved programs.
 
     Args:
-        programs: Their names.
+        programs: Names of the programs.
     """
     with bringup.connect() as robot:
         for name in programs:

@@ -8,11 +8,12 @@ from tool0.cli.text import ProgressBar
 
 
 def _install_ros2(*, own: bool = False) -> int:
-    """Prepare ROS 2 for `tool0 bringup --ros2`: an installed one, or wheels of PyPI.
+    """Prepare ROS 2 for `tool0 bringup --ros2`: an installed one, or PyPI's wheels.
 
     A ROS 2 that is sourced in this terminal or in /opt/ros is used as it is; missing
     packages are listed.  Without one, tool0 installs rclpy and the messages of Kilted
-    in your data folder.  That needs no root, takes about a minute, and 300 MB.
+    in your data folder.  This needs no root access, takes about a minute, and
+    uses 300 MB.
 
     Args:
         own: Install tool0's own ROS 2 even if there is another one.

@@ -34,7 +34,7 @@ class ControllerParameters(NamedTuple):
 class ControllerConfig:
     """The controllers that YAML files describe; each is checked when it is loaded.
 
-    The layout decides on the version: with ``ros__parameters`` it is ROS 2.
+    The layout determines the version: with ``ros__parameters`` it is ROS 2.
     """
 
     def __init__(self, tree: Tree, dialect: Dialect | None = None) -> None:

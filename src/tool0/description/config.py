@@ -57,7 +57,7 @@ class DescriptionConfig:
     ``relax_inertia`` and ``srdf`` is the argument of the same name in
     ``tool0_description/urdf/ur_robotiq.urdf.xacro``.
     A field that is not given (None) leaves the argument at its default.  Relative paths
-    count from the working directory.
+    start at the working directory.
 
     Raises:
         ConfigError: If two of ``robot``, ``cell`` and ``robots`` are given, one of
@@ -198,8 +198,8 @@ class CellRobot:
     """A named pose, or positions by joint without the prefix [rad | m]; ``home`` if not
     given."""
     controllers_file: File | None = None
-    """ros_control YAML instead of its built-in controllers.  It is written for the
-    robot alone: the names of joints and controllers get the prefix."""
+    """ros_control YAML instead of its built-in controllers.  It is written for a
+    single robot: the names of joints and controllers get the prefix."""
     location: SourceLocation | None = None
     """Source of the robot's entry, for messages."""
 
@@ -233,7 +233,7 @@ class Cell:
     """
 
     name: str = ""
-    """Name of the whole model; made of the robots if empty."""
+    """Name of the whole model; composed from the robots' names if empty."""
     robots: tuple[CellRobot, ...]
     """The robots, in the order of their joints."""
     scene: Scene | File | None = None

@@ -1,4 +1,4 @@
-"""The arms in n copies of a task: their targets, and what is measured of them."""
+"""The arms in n copies of a task: their targets and measurements."""
 
 from __future__ import annotations
 

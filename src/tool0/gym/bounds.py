@@ -1,4 +1,4 @@
-"""Bounds and columns of what is observed."""
+"""Bounds and columns of observations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks of a task of one's own: what its functions return, once, before it is used."""
+"""Checks the functions of a user's task once, before the task is used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tasks with cubes: what is on the table, where it starts, and when it is done."""
+"""Tasks with cubes: their scenes, starts and conditions of success."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Scripted experts: they solve a task from what the simulation knows.
+"""Scripted experts: they solve a task with the full state of the simulation.
 
-A task tells where the tool and the gripper go next (``Task.expert``); here, that
-becomes an action.
+A task returns the next target of tool and gripper (``Task.expert``); here, it becomes
+an action.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ _NAMES = {"arm": "ur5", "gripper": "2f85"}
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Randomisation:
-    """Variation from episode to episode, beside the poses of objects and goals.
+    """Variation between episodes, in addition to the poses of objects and goals.
 
     Factors are drawn uniformly, for each movable object; a range whose ends are equal
     is constant.
@@ -116,7 +116,7 @@ class EnvOptions:
     depth: bool = False
     """Whether observations have depth images, too."""
     segmentation: bool = False
-    """Whether observations tell what each pixel shows, too."""
+    """Whether observations have segmentation images, too."""
     image_size: tuple[int, int] = (96, 96)
     """Width and height of images in observations and of ``render`` [pixels]."""
     dt: float = 0.001
@@ -124,7 +124,7 @@ class EnvOptions:
     threads: int | None = None
     """Threads that step the copies; those of ``tool0.Batch`` if not given."""
     device: str = "cpu"
-    """The device that computes the physics, as that of ``tool0.Batch``."""
+    """The device that computes the physics, as in ``tool0.Batch``."""
 
     def __post_init__(self) -> None:
         for name, choices in _CHOICES.items():

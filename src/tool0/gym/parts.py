@@ -1,4 +1,4 @@
-"""The parts of the observed state: what they are called, their bounds and values."""
+"""The parts of the observed state: their names, bounds and values."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class ObservationPart(NamedTuple):
     high: Array
     """Shape (m,)."""
     of_robot: bool = True
-    """Whether a robot measures it on itself; otherwise it is of its surroundings."""
+    """Whether a robot measures it on itself; otherwise, it is of the surroundings."""
 
 
 def values(copies: Copies) -> list[Array]:

@@ -1,4 +1,4 @@
-"""Registration of tasks with Gymnasium: those of tool0, and those of one's own."""
+"""Registration of tasks with Gymnasium: those of tool0 and those of users."""
 
 from __future__ import annotations
 

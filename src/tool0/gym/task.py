@@ -37,7 +37,7 @@ class ArmState(NamedTuple):
     tcp_position: Array
     """Position of the tcp [m], shape (n, 3)."""
     tcp_rotation: Array
-    """Rotation matrices, shape (n, 3, 3)."""
+    """Rotation matrices of the tcp, shape (n, 3, 3)."""
     opening: Array
     """Distance between the pads [m], shape (n,)."""
     opening_rate: Array
@@ -52,8 +52,8 @@ class ArmState(NamedTuple):
 class State(NamedTuple):
     """Measured state of n copies with k objects.  Poses are in the root.
 
-    The properties are those of the arm of a task with one; ``of`` chooses one of
-    several.
+    The properties are those of the arm, if the task has one arm; ``of`` chooses one of
+    several arms.
     """
 
     arms: Mapping[str, ArmState]
@@ -143,10 +143,10 @@ class Start(NamedTuple):
     yaws: Array
     """Turns of the objects about z [rad], shape (k,)."""
     goal: Array
-    """Shape (g,), or any other if ``Task.desired`` does not return it as it is."""
+    """Goal, shape (g,); any other shape if ``Task.desired`` converts it."""
     is_held: bool = False
-    """Whether the closed gripper holds the first object, as ``Task.hold`` says: that of
-    the first arm.  Its place and yaw do not count then."""
+    """Whether the closed gripper of the first arm holds the first object, as given by
+    ``Task.hold``.  The object's place and yaw are then ignored."""
 
 
 class Target(NamedTuple):
@@ -186,7 +186,7 @@ class Task(abc.ABC):
     resizable: tuple[str, ...] = ()
     """Objects whose size ``Randomisation.size`` may change: boxes, cylinders or spheres
     with a mass.  Starts are drawn for the size in the scene; an object of another size
-    has its bottom where that one would.  The functions find it in the state."""
+    has its bottom where that one would.  The functions find the size in the state."""
     needs_wrench: bool = False
     """Whether ``State`` and observations have the wrench on the tool."""
     worst_reward: float = -1.0

@@ -1,7 +1,7 @@
 """Next targets of experts: to a grasp, up, to a place, behind a pushed object.
 
-They have no memory, and tell from the state how far they are: they go on after a
-disturbance, too.
+The functions have no memory: they infer the progress from the state, so that they also
+continue after a disturbance.
 """
 
 from __future__ import annotations

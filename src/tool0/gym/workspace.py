@@ -1,4 +1,4 @@
-"""The table in front of an arm with a gripper: its places, and what the arm reaches."""
+"""The table in front of an arm with a gripper: its places, and the arm's reach."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ class SimulationConfig:
     """Attach a gripped object to the gripper until it opens, regardless of friction
     and force."""
     allow_penetration: bool = False
-    """Start although the initial pose puts a link into the ground, an object or another
+    """Start even if the initial pose puts a link into the ground, an object or another
     link; the physics then throws them apart."""
     realtime: bool = True
     """Keep pace with the wall clock.  Otherwise, simulate as fast as possible; in
