@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from raises_naming import raises_naming
-from tools.urscript_docs import PAGE, page
+from tools.urscript_docs import GUIDES, PAGES, page
 
 from tool0.errors import Tool0Error
 from tool0.ur.urscript.library.table import library
@@ -113,5 +113,7 @@ def test_errors_are_errors_of_tool0() -> None:
     assert issubclass(URScriptError, Tool0Error)
 
 
-def test_the_documentation_lists_every_function() -> None:
-    assert PAGE.read_text() == page(), "run: .venv/bin/python tools/urscript_docs.py"
+@pytest.mark.parametrize("name", PAGES)
+def test_the_documentation_lists_every_function(name: str) -> None:
+    found = (GUIDES / name).read_text("utf-8")
+    assert found == page(name), "run: .venv/bin/python tools/urscript_docs.py"
