@@ -100,9 +100,11 @@ class Setup:
         for name in (*started, *stopped):
             manager.load(name)
         manager.switch(started, (), Strictness.STRICT, core.state)
-        if is_real:
+        if isinstance(engine, OwnDrives):
             for arm in core.arms:
                 arm.stop(core.state)
+            # Time may be held before the first tick, and the robot's state is needed.
+            core.arms.follow(engine.report, core.state)
         return core
 
     def _control_period(self, dt: float) -> float | None:
