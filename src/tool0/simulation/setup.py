@@ -162,6 +162,8 @@ def _hardware(
     hardware = RobotHardware(
         model, engine.joint_names, engine.dt, overrides, engine.world.gravity
     )
+    if isinstance(engine, OwnDrives):
+        hardware.gripper_delay = engine.gripper_delay
     joints = {
         name: replace(joint, limits=hardware.limits.get(name, joint.limits))
         for name, joint in model.joint_by_name.items()
