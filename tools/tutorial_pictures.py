@@ -9,11 +9,12 @@ Each picture is a function below; without names, all are made.  Needs Chromium
 from __future__ import annotations
 
 import math
+import os
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from unittest.mock import patch
@@ -21,6 +22,7 @@ from unittest.mock import patch
 from document import blocks
 from panel_page import panel_page, picture, wait_for_frames
 from playwright.sync_api import Page
+from ros import Bringup
 from webp import encode_webp
 
 import tool0
@@ -304,6 +306,24 @@ def plan_panel() -> bytes:
         page.get_by_test_id("tool-go").click()
         page.get_by_test_id("plan-figures").wait_for()
         return drawn(page)
+
+
+# --- real-arm.md ---
+
+
+@named("real-arm")
+def real_arm() -> bytes:
+    """Return a picture of the panel of a real robot that tool0 only reads."""
+    words = ("--ur", "--ur-active-gripper", "--arm", "ur5e", "--dt", "0.002")
+    with closing(Bringup(os.environ, *words)) as stand_in:
+        stand_in.wait()
+        with (
+            tool0.bringup(arm="ur5e", hardware="127.0.0.1") as robot,
+            Panel(robot) as panel,
+            panel_page(panel.url, width=WIDTH, height=HEIGHT) as page,
+        ):
+            page.get_by_test_id("real-robot-enable").wait_for()
+            return drawn(page)
 
 
 def main(names: list[str]) -> None:

@@ -330,8 +330,12 @@ def read_gripper_action(
     action_monitor_rate: float,
     state_interfaces: tuple[str, ...] = (),
     settings: DriveSettings | None = None,
+    delay: float = 0.0,
 ) -> GripperActionSpec:
-    """Return the parameters of a gripper's controller; gains and stall are read."""
+    """Return the parameters of a gripper's controller; gains and stall are read.
+
+    ``delay`` [s] is added to the stall's time: the state is that late.
+    """
     gains: tuple[Gains, ...] = ()
     if interface is Interface.EFFORT:
         path = f"gains/{joint.name}"
@@ -347,7 +351,7 @@ def read_gripper_action(
         stall_velocity_threshold=parameters.not_negative(
             "stall_velocity_threshold", 0.001
         ),
-        stall_timeout=parameters.not_negative("stall_timeout", 1.0),
+        stall_timeout=parameters.not_negative("stall_timeout", 1.0) + delay,
         allow_stalling=parameters.boolean("allow_stalling", default=False),
         action_monitor_rate=action_monitor_rate,
         state_interfaces=state_interfaces,

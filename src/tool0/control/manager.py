@@ -88,6 +88,7 @@ class ControllerManager:
             grippers=() if model is None else model.grippers,
             speed_scaling=hardware.speed_scaling,
             arms={} if model is None else arm_joints(model),
+            gripper_delay=hardware.gripper_delay,
         )
         self.when_switched: Callable[[JointState], None] = lambda state: None
         """Called with the state after controllers were started or stopped."""

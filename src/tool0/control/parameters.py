@@ -144,6 +144,8 @@ class RobotJoints:
     arms: Mapping[str, tuple[str, ...]] | None = field(default_factory=dict)
     """Prefix of each arm → its joints, from base to flange; None if any prefix may be
     one."""
+    gripper_delay: float = 0.0
+    """Longest time until a command to a gripper shows in its state [s]."""
 
     @property
     def joint_states(self) -> tuple[str, ...]:

@@ -106,6 +106,11 @@ class OwnDrives(abc.ABC):
 
     @property
     @abc.abstractmethod
+    def gripper_delay(self) -> float:
+        """Longest time until a command to a gripper shows in its state [s]."""
+
+    @property
+    @abc.abstractmethod
     def report(self) -> RobotReport:
         """The newest report: the same object until something changes."""
 

@@ -171,6 +171,8 @@ class RobotHardware:
         }
         """Prefix of each arm → the factor by which scaled trajectories slow down; a
         controller reads it once per tick."""
+        self.gripper_delay = 0.0
+        """Longest time until a command to a gripper shows in its state [s]."""
         # Joints that others mimic are left to ROS's rule, as the recordings have it.
         masters = {joint.mimic.joint for joint in model.movable_joints if joint.mimic}
         self._drives = {

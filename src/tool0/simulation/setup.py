@@ -100,9 +100,11 @@ class Setup:
         for name in (*started, *stopped):
             manager.load(name)
         manager.switch(started, (), Strictness.STRICT, core.state)
-        if is_real:
+        if isinstance(engine, OwnDrives):
             for arm in core.arms:
                 arm.stop(core.state)
+            # Time may be held before the first tick, and the robot's state is needed.
+            core.arms.follow(engine.report, core.state)
         return core
 
     def _control_period(self, dt: float) -> float | None:
@@ -160,6 +162,8 @@ def _hardware(
     hardware = RobotHardware(
         model, engine.joint_names, engine.dt, overrides, engine.world.gravity
     )
+    if isinstance(engine, OwnDrives):
+        hardware.gripper_delay = engine.gripper_delay
     joints = {
         name: replace(joint, limits=hardware.limits.get(name, joint.limits))
         for name, joint in model.joint_by_name.items()

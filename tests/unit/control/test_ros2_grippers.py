@@ -118,6 +118,24 @@ def test_a_stall_ends_a_goal_in_success_if_it_is_allowed(allowed: bool) -> None:
     assert not result(goal).reached_goal
 
 
+def test_a_gripper_whose_state_is_late_does_not_stall_before_it_moves() -> None:
+    text = yaml(stall_timeout=0.05, allow_stalling="true")
+    robot = ToyRobot(text, Interface.POSITION, gripper_delay=0.3)
+    controller = robot.start("c")
+    assert isinstance(controller, GripperActionController)
+    robot.blocked.add("slide")
+    goal = controller.drive(0.05, None, robot.time)
+    robot.run(0.345)
+    assert goal.status is GoalStatus.ACTIVE
+    robot.blocked.clear()
+    robot.run(0.2)
+    assert result(goal).reached_goal
+    robot.blocked.add("slide")
+    goal = controller.drive(0.0, None, robot.time)
+    robot.run(0.36)
+    assert result(goal).stalled
+
+
 def test_the_result_is_what_is_measured_at_the_end() -> None:
     controller = with_hardware(goal_tolerance=0.01)
     goal = controller.drive(0.05, None, 0.0)

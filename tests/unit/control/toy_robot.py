@@ -32,13 +32,14 @@ JOINTS = {
 
 
 class ToyHardware:
-    def __init__(self, interface: Interface) -> None:
+    def __init__(self, interface: Interface, gripper_delay: float = 0.0) -> None:
         self.joint_names = tuple(JOINTS)
         self.index = {name: i for i, name in enumerate(JOINTS)}
         self.interfaces = {name: (interface,) for name in JOINTS if name != "idle"}
         self.command = [0.0] * len(JOINTS)
         self.claimed: list[str] = []
         self.speed_scaling = {"": 1.0}
+        self.gripper_delay = gripper_delay
 
     def claim(
         self, joints: Sequence[str], interface: Interface, state: JointState
@@ -53,8 +54,13 @@ class ToyHardware:
 class ToyRobot:
     """A loop: update, step.  ``blocked`` joints do not move."""
 
-    def __init__(self, yaml: str, interface: Interface = Interface.EFFORT) -> None:
-        self.hardware = ToyHardware(interface)
+    def __init__(
+        self,
+        yaml: str,
+        interface: Interface = Interface.EFFORT,
+        gripper_delay: float = 0.0,
+    ) -> None:
+        self.hardware = ToyHardware(interface, gripper_delay)
         self.manager = ControllerManager(
             self.hardware, ControllerConfig.from_text(yaml), JOINTS
         )

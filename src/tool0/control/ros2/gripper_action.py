@@ -55,6 +55,7 @@ def parse(
         action_monitor_rate=read_at_least(parameters, "action_monitor_rate", 20.0, 0.1),
         state_interfaces=tuple(f"{joint.name}/{state}" for state in states),
         settings=settings,
+        delay=robot.gripper_delay,
     )
     if spec.gains:
         adjustable = (f"gains/{joint.name}/{gain}" for gain in _GAINS)

@@ -59,6 +59,9 @@ AT_REST: Final = "the arm stopped on its own"
 RESTART_TIME: Final = 0.1
 """Longest time until the program shows that it follows again [s]."""
 ENDED: Final = "tool0's program on the robot has ended"
+GRIPPER_DELAY: Final = 0.3
+"""Longest time until a command to the gripper shows in its readings [s]: several
+exchanges with the URCap, and the start of the motor; an estimate."""
 
 
 class _Fingers(NamedTuple):
@@ -290,6 +293,10 @@ class RealRobotEngine(OwnDrives):
     @property
     def start_delay(self) -> float:
         return self.reader.lateness.start_delay
+
+    @property
+    def gripper_delay(self) -> float:
+        return GRIPPER_DELAY
 
     @property
     def report(self) -> RobotReport:

@@ -85,9 +85,7 @@ class Enabling:
             *self._wrong_calibration(),
         )
         loop.call(lambda: self._engine.show(obstacles=obstacles))
-        link = self.box.link
-        assert link is not None  # a real robot has one
-        return link
+        return self._engine.report.link
 
     def _obstacles(self, model: str, *, is_remote: bool | None) -> list[str]:
         """Return the obstacles to motion, a sentence each."""
