@@ -89,6 +89,12 @@ def without_comments(block: Block) -> object:
     return block.text
 
 
+def test_tutorials_and_guides_have_both_languages() -> None:
+    pages = {*DOCS.glob("tutorials/*.md"), *DOCS.glob("how-to/*.md")}
+    assert {english_of(page) for page in pages} == pages - {*CHINESE}
+    assert all(page.with_suffix(".zh-CN.md") in pages for page in pages - {*CHINESE})
+
+
 @pytest.mark.parametrize("page", [*CHINESE, READMES[1]], ids=lambda page: page.name)
 def test_both_languages_have_the_same_blocks(page: Path) -> None:
     ours, theirs = blocks(english_of(page)), blocks(page)

@@ -16,12 +16,6 @@ FOLLOWED = [page for page in ENGLISH if page.stem != "real-arm"]
 LANGUAGES = {"sh", "text", *SAVED}
 
 
-def test_every_tutorial_has_both_languages() -> None:
-    pages = set(FOLDER.glob("*.md"))
-    assert ENGLISH
-    assert pages == {*ENGLISH, *CHINESE}
-
-
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("page", FOLLOWED, ids=lambda page: page.stem)
 def test_a_page_can_be_followed_from_its_start_to_its_end(

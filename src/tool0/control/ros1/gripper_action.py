@@ -25,4 +25,5 @@ def parse(
         goal_tolerance=abs(parameters.number("goal_tolerance", 0.01)),
         max_effort=max_effort,
         action_monitor_rate=parameters.not_negative("action_monitor_rate", 20.0),
+        delay=robot.gripper_delay,
     )
