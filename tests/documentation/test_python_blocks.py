@@ -78,7 +78,7 @@ SETTINGS: dict[str, Setting] = {
     "gazebo": Setting(
         files={"my.world": WORLD}, needs=(lambda: require_engine("gazebo"),)
     ),
-    "gym": Setting(instead={"num_envs=64": "num_envs=4"}),
+    "gym": Setting(instead={"num_envs=64": "num_envs=4", ">= 64": ">= 4"}),
     "hardware": Setting(
         bringup=(*UR[:-2], "--dt", "0.002"),
         instead={

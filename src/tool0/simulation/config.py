@@ -33,7 +33,7 @@ class ControlConfig:
     of the driven joint, instead of a JointTrajectoryController."""
     initial_pose: str | Mapping[str, float] | None = None
     """A named pose (built-in or saved), or positions by joint [rad | m]; the other
-    joints start as in the pose home."""
+    joints start as in the pose home, or near zero in a file without one."""
     control_period: float | None = None
     """Simulated time between controller updates [s]; if not given, from the
     `update_rate` of ROS 2's controllers, otherwise dt."""
