@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final, final
 
 from tool0.control.config import ControllerConfig
 from tool0.control.controller_parts import (
+    CATALOGUE_JOINTS,
     LIMITS,
     OwnArm,
     Row,
@@ -30,7 +31,6 @@ from tool0.control.controller_parts import (
     read_part,
     renamed,
 )
-from tool0.control.parameters import joint_entries
 from tool0.control.ros2 import built_in
 from tool0.control.ros2.dialect import ROS2
 from tool0.description.catalogue import CataloguePart
@@ -51,11 +51,11 @@ PERIOD: Final = 0.001
 _FILE: Final = "controllers.yaml"
 _ACTION_FILE: Final = "controllers_gripper_action.yaml"
 _BY_PREFERENCE: Final = (Interface.EFFORT, Interface.POSITION)
-_OWN_FILES: Final = {
+_FILES: Final = {
     Interface.EFFORT: _FILE,
     Interface.POSITION: "controllers_position.yaml",
 }
-"""The shared files for your own robot, by the interface of its joints."""
+"""The files of the controllers, by the interface of the joints."""
 _GAINS: Final = "$gains"
 _STATE_CONTROLLER: Final = "joint_state_controller"
 """There is one for all robots, or one for each robot with a namespace."""
@@ -241,15 +241,19 @@ class _Composer:
         if own is not None:
             yield self._own_piece(own)
             return
-        path = part_file("arm", robot.arm, _FILE)
-        text = renamed(self.description, robot, read_part(path))
-        arm = _joints_of(text, path)
+        arm = [robot.prefix + joint for joint in CATALOGUE_JOINTS]
+        kind = common_interface(model, arm, _BY_PREFERENCE) or Interface.EFFORT
+        path = part_file("arm", robot.arm, _FILES[kind])
         gains, limits = self._arm_rows(arm)
-        location = SourceLocation(path, 1)
-        yield _Piece(text=text, location=location, gains=gains, limits=limits)
+        yield _Piece(
+            text=renamed(self.description, robot, read_part(path)),
+            location=SourceLocation(path, 1),
+            gains=gains if kind is Interface.EFFORT else (),
+            limits=limits,
+        )
         hand = joints_beyond(model, arm[-1])
         if robot.gripper and hand:
-            yield self._gripper(hand)
+            yield self._gripper(hand, kind)
 
     def own_pieces(self, arm: OwnArm) -> Iterator[_Piece]:
         """Yield the parts of an arm of your own file, and of a gripper on it.
@@ -260,7 +264,7 @@ class _Composer:
         kind = common_interface(model, arm.joints, _BY_PREFERENCE)
         if kind is None:
             return
-        path = part_file("arm", None, _OWN_FILES[kind])
+        path = part_file("arm", None, _FILES[kind])
         gains, limits = self._arm_rows(arm.joints)
         yield _Piece(
             text=arm.written(read_part(path)),
@@ -345,11 +349,17 @@ class _Composer:
         self, joints: Sequence[str], kind: Interface = Interface.EFFORT
     ) -> _Piece:
         """Return the part of a gripper with these driven joints."""
+        if self.gripper_action and kind is not Interface.EFFORT:
+            raise ConfigError(
+                "gripper_action: the built-in GripperActionController commands "
+                f"efforts, and '{joints[0]}' has {kind.value}; leave it out, or "
+                "give controllers of your own"
+            )
         part = self.robot.gripper if self.robot else None
         model = self.description.model
         by_effort = _ACTION_FILE if self.gripper_action else _FILE
         path = part_file(
-            "gripper", part, by_effort if kind is Interface.EFFORT else _OWN_FILES[kind]
+            "gripper", part, by_effort if kind is Interface.EFFORT else _FILES[kind]
         )
         stated = self._stated(part, joints)
         rows = []
@@ -424,18 +434,6 @@ def _without(text: str, tree: Tree, key: str) -> str:
     end = min((line for line in starts if line > first), default=len(lines) + 1)
     lines[first - 1 : end - 1] = ["\n"] * (end - first)
     return "".join(lines)
-
-
-def _joints_of(text: str, path: Path) -> list[str]:
-    """Return the joints of the controllers whose gains are to be inserted."""
-    tree = Tree()
-    tree.load(text, SourceLocation(path, 1))
-    return [
-        str(item.scalar)
-        for controller in tree.root.children.values()
-        if controller.find("gains")
-        for item in joint_entries(controller)
-    ]
 
 
 def _flow(entry: YamlEntry) -> str:

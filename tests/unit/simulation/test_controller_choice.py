@@ -57,6 +57,30 @@ def test_a_robot_with_the_joints_of_a_built_in_one_gets_its_controllers(
         assert goal.wait(timeout=3.0).status is tool0.GoalStatus.SUCCEEDED
 
 
+@pytest.mark.parametrize("gripper", ["2f85", "hande"])
+def test_a_built_in_robot_gets_controllers_for_its_interface(gripper: str) -> None:
+    position = "hardware_interface/PositionJointInterface"
+    description = tool0.DescriptionConfig(
+        gripper=gripper, transmission_hw_interface=position
+    )
+    with tool0.bringup(description=description, realtime=False) as robot:
+        assert running(robot) == [
+            "joint_state_controller",
+            "pos_joint_traj_controller",
+            "gripper_controller",
+        ]
+        (goal,) = robot.move_joints({"elbow_joint": 1.2}, duration=1.0)
+        assert goal.wait(timeout=3.0).status is tool0.GoalStatus.SUCCEEDED
+        robot.gripper.move(opening=0.03)
+        assert robot.gripper.wait(timeout=3.0).motion == "at_target"
+        assert robot.gripper.opening == pytest.approx(0.03, abs=1e-3)
+    with pytest.raises(tool0.ConfigError, match="has hardware_interface/PositionJointInterface"):
+        tool0.bringup(
+            description=description,
+            control=tool0.ControlConfig(gripper_action=True),
+        )
+
+
 @pytest.mark.parametrize("prefix", ["", "my_"])
 def test_an_arm_of_your_own_gets_controllers_for_its_interface(
     tmp_path: Path, prefix: str
