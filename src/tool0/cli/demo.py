@@ -96,9 +96,9 @@ def pick(
 ) -> int:
     """Pick a cube from a table, and place it in a bin.
 
-    Friction alone holds the cube.  Table and bin are placed to suit the arm's reach.
-    The demo starts in real time when a browser shows the robot; then Enter repeats it
-    and Ctrl-C ends it.  Headless, it runs as fast as possible and ends.
+    Friction alone holds the cube.  The table and the bin are placed to suit the arm's
+    reach.  The demo starts in real time when a browser shows the robot; then Enter
+    repeats it and Ctrl-C ends it.  Headless, it runs as fast as possible and ends.
 
     Exit status: 1 if a cube is not in the bin.
     """
