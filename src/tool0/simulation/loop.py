@@ -7,10 +7,8 @@ otherwise it is the caller's thread while it advances time.
 
 from __future__ import annotations
 
-import contextlib
 import logging
 import math
-import queue
 import threading
 import time
 from collections import deque
@@ -27,6 +25,7 @@ from tool0.protocol.goals import Goal
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot, ticks_between_snapshots
 from tool0.simulation.clock import FollowedClock, Pacer
 from tool0.simulation.executor import Executor
+from tool0.simulation.mailbox import Mailbox
 from tool0.simulation.publisher import Publisher
 
 logger = logging.getLogger(__name__)
@@ -62,7 +61,7 @@ class Loop:
         """
         self._executor = executor
         self._core = core = executor.core
-        self._mailbox: queue.SimpleQueue[_Operation | None] = queue.SimpleQueue()
+        self._mailbox: Mailbox[_Operation | None] = Mailbox()
         """None wakes the thread of the tick for what is urgent."""
         self._urgent: deque[_Operation] = deque()
         """Overtakes the mailbox."""
@@ -319,7 +318,7 @@ class Loop:
 
     def _cycle(self, most: float) -> None:
         """Drain; then tick up to ``most`` times, unless an operation pauses that."""
-        if not self._mailbox.empty():
+        if self._mailbox:
             self._drain()
             if not self._is_running:
                 return
@@ -375,15 +374,16 @@ class Loop:
         self._publish()
 
     def _answer_next(self, timeout: float) -> None:
-        with contextlib.suppress(queue.Empty):
-            self._answer(self._mailbox.get(timeout=timeout))
+        self._mailbox.wait(timeout)
+        for operation in self._mailbox.take():
+            self._answer(operation)
 
     def _drain(self) -> None:
         """Carry out the waiting operations; later ones come after a tick."""
-        for _ in range(self._mailbox.qsize()):
+        for _ in range(len(self._mailbox)):
             # An operation may drain the rest itself.
-            with contextlib.suppress(queue.Empty):
-                self._answer(self._mailbox.get_nowait())
+            for operation in self._mailbox.take():
+                self._answer(operation)
 
     def _answer(self, operation: _Operation | None) -> None:
         """Carry out urgent operations, then ``operation``."""

@@ -74,7 +74,7 @@ def test_a_built_in_robot_gets_controllers_for_its_interface(gripper: str) -> No
         robot.gripper.move(opening=0.03)
         assert robot.gripper.wait(timeout=3.0).motion == "at_target"
         assert robot.gripper.opening == pytest.approx(0.03, abs=1e-3)
-    with pytest.raises(tool0.ConfigError, match="has hardware_interface/PositionJointInterface"):
+    with pytest.raises(tool0.ConfigError, match="has hardware_interface/Position"):
         tool0.bringup(
             description=description,
             control=tool0.ControlConfig(gripper_action=True),
