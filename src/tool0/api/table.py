@@ -60,8 +60,7 @@ class PickTable:
         return min(LIFT, max(LOWEST_LIFT, LIFT * self.scale))
 
     def at(self, x: float, y: float) -> tuple[float, float]:
-        """Return a position in ``table_and_bin``, transformed to the robot's root
-        [m]."""
+        """Return a position of ``table_and_bin``, transformed to the root [m]."""
         scale = -self.scale if self.is_turned else self.scale
         return self.base[0] + x * scale, self.base[1] + y * scale
 
@@ -109,7 +108,7 @@ class PickTable:
             seed: Seed of the poses; equal seeds yield equal poses.
         """
         rng = random.Random(seed)
-        # The bin keeps its size, so on a small table it reaches further.
+        # The bin keeps its size, so it takes up more of a small table.
         right = max(RIGHT, BIN_Y + (BIN_HALF_WIDTH + GAP) / self.scale)
         while True:
             for _ in range(ATTEMPTS):
