@@ -26,7 +26,7 @@ TABLE_TOP = -0.02
 ARM_LENGTH = 0.81725
 """Length of upper arm and forearm for which ``table_and_bin`` is laid out [m]."""
 LIFT = 0.15
-"""Height above the pick and place positions at which an object is carried [m]."""
+"""Value of ``lift`` for an arm of ``ARM_LENGTH`` [m]."""
 LOWEST_LIFT = 0.1
 """Smallest value of ``lift`` for short arms [m]; the bin's walls are 0.08 m high."""
 NEAR, FAR = 0.40, 0.65
