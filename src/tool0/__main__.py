@@ -1,4 +1,4 @@
-"""The process of ``tool0``, and of ``python -m tool0``."""
+"""Entry point of the commands ``tool0`` and ``python -m tool0``."""
 
 import signal
 import sys

@@ -32,10 +32,10 @@ from pathlib import Path
 from typing import final
 
 _CANDIDATES = 8
-"""Similar names whose characters are compared one by one."""
+"""Number of the most similar names that are compared character by character."""
 _MOST_NAMES = 500
 _LONGEST_NAME = 100
-"""Bounds on the search for similar names, whose time grows with both."""
+"""Bounds on the search for similar names; its time grows with both."""
 
 
 @final
@@ -68,7 +68,7 @@ class _LocatedError(Tool0Error):
 
 
 class ModelError(_LocatedError):
-    """Parameters that no robot could have."""
+    """Parameters that are physically impossible for a robot."""
 
 
 class LimitsError(ModelError):
@@ -88,7 +88,7 @@ class ConfigError(_LocatedError):
 
 
 class PenetrationError(Tool0Error):
-    """A pose or an object that would be in something else: physics would throw it."""
+    """A pose or an object would penetrate a body; physics would throw them apart."""
 
 
 class EngineError(Tool0Error):
@@ -113,7 +113,7 @@ class DivergenceError(EngineError):
     def __init__(
         self, joint: str, time: float, quantity: str = "state", kind: str = "joint"
     ) -> None:
-        """Report which joint (or ``kind`` of thing) diverged, and when [s]."""
+        """Report the joint (or other ``kind`` of thing) that diverged, and when [s]."""
         super().__init__(
             f"the {quantity} of {kind} '{joint}' diverged at t = {time:.3f} s; reset "
             "the simulation, and look for overlapping bodies and unbounded efforts"
@@ -127,24 +127,24 @@ class ControlError(Tool0Error):
 
 
 class ClaimError(ControlError):
-    """Two controllers want one joint."""
+    """Two controllers claim the same joint."""
 
 
 class NoSuchPartError(ControlError, KeyError):
-    """A robot, gripper or camera that the robot does not have."""
+    """A part that the robot does not have, such as a gripper or a camera."""
 
     __str__ = Exception.__str__  # a KeyError shows its message in quotes
 
 
 class NotOfferedError(ControlError):
-    """A request that this robot does not offer; another one may."""
+    """A request that this robot does not support; other robots may support it."""
 
 
 class GoalRejectedError(ControlError):
     """A goal that a controller refuses; the motion in progress continues.
 
-    ``code`` is the one of control_msgs/FollowJointTrajectoryResult:
-    -1 INVALID_GOAL, -2 INVALID_JOINTS, -3 OLD_HEADER_TIMESTAMP.
+    ``code`` is the error code of control_msgs/FollowJointTrajectoryResult: -1
+    INVALID_GOAL, -2 INVALID_JOINTS, -3 OLD_HEADER_TIMESTAMP.
     """
 
     INVALID_GOAL = -1
@@ -161,7 +161,7 @@ class GoalTimeoutError(ControlError, TimeoutError):
 
 
 class CollisionError(ControlError):
-    """A start, a target or a path is in collision, or too near to something."""
+    """A start, a target or a path is in collision, or too close to a body."""
 
 
 class PlanningError(ControlError):
@@ -169,7 +169,7 @@ class PlanningError(ControlError):
 
 
 class ProgramError(ControlError):
-    """A program that cannot be executed: which step, and why."""
+    """A program that cannot be executed; the message names the step and the reason."""
 
 
 class RequestError(ControlError):
@@ -182,11 +182,11 @@ class RequestError(ControlError):
 
 
 class CollectError(Tool0Error):
-    """Episodes cannot be collected; those that were are kept."""
+    """Episodes cannot be collected; episodes that are complete are kept."""
 
 
 class PolicyError(Tool0Error):
-    """A policy cannot be loaded or asked, or its actions cannot be executed."""
+    """A policy cannot be loaded or queried, or its actions cannot be executed."""
 
 
 class RecordingError(Tool0Error):
@@ -194,7 +194,7 @@ class RecordingError(Tool0Error):
 
 
 class RenderError(Tool0Error):
-    """A picture or a video that cannot be made: something is not installed."""
+    """An image or a video cannot be made, usually because software is missing."""
 
 
 class TransportError(Tool0Error):
@@ -205,13 +205,13 @@ def nearest_name(name: str, valid: Collection[str], cutoff: float = 0.6) -> str 
     """Return the valid name most similar to ``name``, or None.
 
     A name that differs only by a prefix comes first: ``tool0`` suggests ``left_tool0``.
-    Otherwise it is the one with the fewest different characters, in either case:
+    Otherwise, it is the name with the fewest different characters, ignoring case:
     ``UR6`` suggests ``ur5``, not ``ur16e``.
 
     Args:
         name: The unknown name.
         valid: The names to choose from.
-        cutoff: Least similarity, from 0 (any) to 1 (identical).
+        cutoff: Minimum similarity, from 0 (any) to 1 (identical).
     """
     import difflib
 
@@ -236,7 +236,7 @@ def nearest_name(name: str, valid: Collection[str], cutoff: float = 0.6) -> str 
 def is_typo(written: str, meant: str | None) -> bool:
     """Return whether at most two characters differ, fewer for short names.
 
-    Upper and lower case count as equal.
+    Upper and lower case are equal.
     """
     if meant is None or max(len(written), len(meant)) > _LONGEST_NAME:
         return False
@@ -244,7 +244,7 @@ def is_typo(written: str, meant: str | None) -> bool:
 
 
 def _edits(written: str, meant: str) -> int:
-    """Return how many characters differ."""
+    """Return the number of characters that differ."""
     import difflib
 
     pair = difflib.SequenceMatcher(None, written, meant, autojunk=False)

@@ -1,4 +1,4 @@
-"""The surroundings of a robot: poses, shapes, objects, cameras, and scenes of them.
+"""The surroundings of a robot: scenes, and their objects, cameras, shapes and poses.
 
 For ``robot.scene`` and ``tool0.bringup(scene=…)``::
 

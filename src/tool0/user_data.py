@@ -13,17 +13,17 @@ from tool0.errors import ConfigError
 
 
 def data_folder() -> Path:
-    """Return tool0's folder in the person's data home; it may not exist yet."""
+    """Return tool0's folder in the user's data home; it may not exist yet."""
     return _home("XDG_DATA_HOME", ".local/share") / "tool0"
 
 
 def cache_folder() -> Path:
-    """Return tool0's folder of files that can be made again; it may not exist yet."""
+    """Return tool0's cache folder, which may not exist yet."""
     return _home("XDG_CACHE_HOME", ".cache") / "tool0"
 
 
 def _home(variable: str, default: str) -> Path:
-    """Return a base directory of the XDG specification; a relative one is ignored."""
+    """Return a base directory of the XDG specification; relative paths are ignored."""
     folder = Path(os.environ.get(variable, ""))
     return folder if folder.is_absolute() else expanded(Path("~", default))
 
@@ -32,7 +32,7 @@ def expanded(path: str | Path) -> Path:
     """Return ``path`` with ``~`` replaced by the home folder.
 
     Raises:
-        ConfigError: If that folder is unknown.
+        ConfigError: If the home folder is unknown.
     """
     try:
         return Path(path).expanduser()
@@ -45,14 +45,14 @@ def expanded(path: str | Path) -> Path:
 
 @contextmanager
 def locked(file: Path, *, wait: bool = True) -> Iterator[None]:
-    """Hold the lock ``file``, so that no other process or thread holds it.
+    """Hold the lock ``file``, which excludes other processes and threads.
 
     Args:
         file: Created if it is missing; its content does not matter.
-        wait: Whether to wait while another holds it.
+        wait: Whether to wait while another process or thread holds the lock.
 
     Raises:
-        BlockingIOError: If another holds it and ``wait`` is false.
+        BlockingIOError: If the lock is already held and ``wait`` is false.
     """
     with file.open("a") as handle:
         if sys.platform == "win32":
@@ -68,10 +68,10 @@ def locked(file: Path, *, wait: bool = True) -> Iterator[None]:
 
 
 def replace_text(file: Path, text: str) -> None:
-    """Write a file so that no reader, and no crash, sees half of it.
+    """Write a file atomically, so that nobody ever reads half of it.
 
     Raises:
-        OSError: If it cannot be written; the old file is as it was.
+        OSError: If the file cannot be written; the old file is then unchanged.
     """
     descriptor, name = tempfile.mkstemp(dir=file.parent, prefix=".new-")
     new = Path(name)
@@ -87,7 +87,7 @@ def replace_text(file: Path, text: str) -> None:
 
 
 def require_writable(path: Path) -> None:
-    """Raise ConfigError if a file cannot be written; a present one is left as it is."""
+    """Raise ConfigError if a file cannot be written; existing files stay unchanged."""
     is_new = not path.exists()
     try:
         with path.open("ab"):

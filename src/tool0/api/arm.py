@@ -1,4 +1,4 @@
-"""The handle on an arm: where its tool is, and how to move it."""
+"""Handle for an arm: the pose of its tool, inverse kinematics, and motions."""
 
 from __future__ import annotations
 
@@ -42,40 +42,40 @@ if TYPE_CHECKING:
     from tool0.kinematics.inverse import InverseKinematics
 
 AnyPose = Transform | Pose | Iterable[Sequence[float]]
-"""A pose; anything else is a homogeneous matrix, shape (4, 4)."""
+"""A pose: a ``Transform``, a ``Pose``, or a homogeneous matrix of shape (4, 4)."""
 
 
 class PlanOptions(TypedDict, total=False):
     """Options of planning a collision-free motion."""
 
     speed: float
-    """Fraction of each joint's largest velocity, 0.01 … 1; 0.5, if left out."""
+    """Fraction of each joint's maximum velocity, 0.01 … 1; 0.5 if left out."""
     clearance: float
-    """Smallest distance between bodies [m]; 0.005, if left out."""
+    """Smallest distance between bodies [m]; 0.005 if left out."""
     may_touch: tuple[str, ...]
     """Links and objects that the motion may touch, such as the object to grip."""
     keep_out: tuple[KeepOut, ...]
-    """Boxes and planes that the robot does not enter."""
+    """Regions (boxes, or half-spaces below a plane) that the robot must not enter."""
     upright: Upright
-    """Keep an axis of the tool within an angle of its initial direction."""
+    """Constraint that keeps a tool axis within an angle of its initial direction."""
     joint_ranges: dict[str, tuple[float, float]]
     """Joint → narrower limits for this motion [rad]."""
     timeout: float
-    """Wall time after which the search ends [s]; 5, if left out."""
+    """Wall time after which the search ends [s]; 5 if left out."""
     seed: int
-    """Seed of the search: the same one finds the same plan, unless the time runs
-    out."""
+    """Seed of the search; equal seeds give equal plans unless the search times out."""
 
 
 @final
 class Arm:
-    """An arm of six joints: where its tool is, and how to move it.
+    """An arm with six joints: the pose of its tool, inverse kinematics, and motions.
 
     A pose is a ``Pose`` (xyz [m], rpy [rad]), a ``Transform``, or a homogeneous matrix
-    of shape (4, 4).  It is the pose of ``tool``, which is fixed in link ``tip``, in the
-    frame of link ``relative_to``.  Defaults: the ``tip`` itself, the arm's flange, and
-    the robot's root.  Motions start from the commanded posture, so that errors of the
-    controller do not add up over many motions.
+    of shape (4, 4).  It describes the frame ``tool``, which is fixed to the link
+    ``tip``, relative to the link ``relative_to``.  By default, ``tool`` is the ``tip``
+    itself, ``tip`` is the arm's flange, and ``relative_to`` is the robot's root.
+    Motions start from the commanded posture, so that control errors do not accumulate
+    over many motions.
     """
 
     def __init__(self, info: ArmInfo, channel: Channel) -> None:
@@ -84,7 +84,7 @@ class Arm:
 
     @property
     def name(self) -> str:
-        """Prefix of the arm's links, or ``arm``; in a cell, the robot's name."""
+        """Prefix of the arm's links, else ``arm``; in a cell, the robot's name."""
         return self._info.name
 
     @property
@@ -94,12 +94,12 @@ class Arm:
 
     @property
     def tip(self) -> str:
-        """The link at the end of the arm, whose pose is meant if you name no other."""
+        """Link at the end of the arm; poses refer to it unless you name another."""
         return self._info.tip
 
     @property
     def joints(self) -> Mapping[str, float]:
-        """Measured positions [rad], from base to tip."""
+        """Measured joint positions by name [rad], from base to tip."""
         position = self._channel.snapshot.positions
         return {name: position[name] for name in self.joint_names}
 
@@ -116,7 +116,7 @@ class Arm:
 
     @property
     def kinematics(self) -> InverseKinematics:
-        """Inverse kinematics; ControlError if the arm is not built like a UR."""
+        """Inverse kinematics; raises ControlError if the arm is not built like a UR."""
         return self._kinematics
 
     @cached_property
@@ -132,12 +132,12 @@ class Arm:
 
     @property
     def control_box(self) -> ControlBox:
-        """The arm's pins, speed slider, payload and program."""
+        """The arm's control box: I/O pins, speed slider, payload and program."""
         return ControlBox(self.name, self._channel)
 
     @property
     def motion(self) -> ArmMotion:
-        """Motion by paths and streams, instead of by the arm's controllers."""
+        """Motion along paths and by streams, in place of the arm's controllers."""
         return ArmMotion(self.name, self._channel)
 
     def go_to_pose(
@@ -145,12 +145,13 @@ class Arm:
     ) -> tuple[GoalHandle, ...]:
         """Move the arm to a named pose; its gripper stays as it is.
 
-        A pose of gripper joints only, such as ``open``, moves the gripper.
+        A pose that contains only gripper joints, such as ``open``, moves the gripper.
 
         Args:
-            name: A built-in or saved pose; its joints of other robots do not move.
-            speed: Fraction of each joint's largest velocity, 0.01 … 1.
-            collision: As for ``move_to``.
+            name: A built-in or saved pose; any joints of other robots in it do not
+                move.
+            speed: Fraction of each joint's maximum velocity, 0.01 … 1.
+            collision: See ``move_to``.
 
         Raises:
             ControlError: If there is no such pose, or it cannot be reached.
@@ -174,9 +175,10 @@ class Arm:
         """Return the measured pose of the tool.
 
         Args:
-            tip: A link that is fixed to the flange; the flange, if left out.
-            tool: The tool's pose in that link; the link itself, if left out.
-            relative_to: The link in whose frame the pose is; the root, if left out.
+            tip: A link that is fixed to the flange; the flange if left out.
+            tool: Pose of the tool relative to ``tip``; ``tip`` itself if left out.
+            relative_to: Link in whose frame the pose is given; the robot's root if left
+                out.
 
         Raises:
             ModelError: If a link is unknown, or ``tool`` is not a pose.
@@ -197,22 +199,24 @@ class Arm:
         near: Mapping[str, float] | None = None,
         branch: Branch | None = None,
     ) -> tuple[Solution, ...]:
-        """Return the joint positions that put the tool at ``pose``, the nearest first.
+        """Return the joint positions that put the tool at ``pose``, nearest first.
 
         There is at most one solution per branch.  Each joint takes the multiple of 2π
         nearest to ``near`` within its limits.  Collisions are not checked.
 
         Args:
             pose: The pose of the tool.
-            tip: A link that is fixed to the flange; the flange, if left out.
-            tool: The tool's pose in that link; the link itself, if left out.
-            relative_to: The link in whose frame ``pose`` is; the root, if left out.
-            near: Joint → position [rad]; for joints left out, the commanded one.
-            branch: Only solutions of this branch.
+            tip: A link that is fixed to the flange; the flange if left out.
+            tool: Pose of the tool relative to ``tip``; ``tip`` itself if left out.
+            relative_to: Link in whose frame ``pose`` is given; the robot's root if left
+                out.
+            near: Joint → position [rad]; joints left out default to their commanded
+                positions.
+            branch: Return only the solution of this branch.
 
         Raises:
-            UnreachableError: If there is none, with the reason.
-            ModelError: If the pose is not a pose, or a link is unknown.
+            UnreachableError: If there is no solution, with the reason.
+            ModelError: If ``pose`` or ``tool`` is not a pose, or a link is unknown.
             ControlError: If the arm is not built like a UR.
         """
         return self._channel.call(
@@ -242,29 +246,30 @@ class Arm:
     ) -> GoalHandle:
         """Move the tool to ``pose`` in joint space, and return the goal.
 
-        The motion is as fast as the joints' limits of velocity, acceleration and jerk
-        allow, as with ``Robot.move_joints``; the tool's path is a curve.  The target is
-        the nearest solution of ``inverse_kinematics``.
+        As with ``Robot.move_joints``, the motion is as fast as ``speed`` and the
+        joints' velocity, acceleration and jerk limits allow; the tool moves along a
+        curve.  The target is the nearest solution of ``inverse_kinematics``.
 
         Args:
             pose: The pose of the tool.
-            speed: Fraction of each joint's largest velocity, 0.01 … 1.
-            tip: As for ``inverse_kinematics``.
-            tool: As for ``inverse_kinematics``.
-            relative_to: As for ``inverse_kinematics``.
-            near: As for ``inverse_kinematics``.
-            branch: As for ``inverse_kinematics``.
-            collision: ``refuse`` to move if the arm would collide on the way, with the
-                bodies and the place; or ``ignore``.
-            plan: Go around obstacles: ``plan`` and ``execute`` in one call, to any
-                posture that reaches the pose.
+            speed: Fraction of each joint's maximum velocity, 0.01 … 1.
+            tip: See ``inverse_kinematics``.
+            tool: See ``inverse_kinematics``.
+            relative_to: See ``inverse_kinematics``.
+            near: See ``inverse_kinematics``.
+            branch: See ``inverse_kinematics``.
+            collision: ``refuse`` to move if the arm would collide on the way (the error
+                names the bodies and the place), or ``ignore`` collisions.
+            plan: Whether to go around obstacles: one call then plans and executes a
+                motion to any posture that reaches the pose.
 
         Raises:
             UnreachableError: If no posture reaches the pose.
-            CollisionError: If the arm would collide on the straight way in joint space.
-            PlanningError: If no way around is found.
+            CollisionError: If the arm would collide on the straight path in joint
+                space.
+            PlanningError: If no way around the obstacles is found.
             ControlError: If no running JointTrajectoryController has the arm's joints,
-                or it refuses; nothing moves then.
+                or if it refuses the goal; nothing moves then.
         """
         if plan:
             if near or branch:
@@ -300,28 +305,30 @@ class Arm:
     ) -> GoalHandle:
         """Move the tool to ``pose`` along a straight line, and return the goal.
 
-        The tool rotates about one fixed axis, and slows down where a joint would
-        exceed its velocity or acceleration.  The whole line is checked before anything
+        The tool rotates about one fixed axis, and slows down where a joint would exceed
+        its velocity or acceleration limit.  The whole line is checked before anything
         moves.  The arm must be at rest.  Speed and acceleration default to those of
-        UR's movel; the rotation ramps over the same duration.
+        UR's movel; the rotation ramps up and down over the same durations as the
+        translation.
 
         Args:
             pose: The pose of the tool at the end.
             speed: Largest speed of the tool [m/s].
             acceleration: Largest acceleration of the tool [m/s²].
             angular_speed: Largest angular speed of the tool [rad/s].
-            tip: As for ``inverse_kinematics``.
-            tool: As for ``inverse_kinematics``.
-            relative_to: As for ``inverse_kinematics``.
-            collision: ``refuse`` to move if the arm would collide on the way, with the
-                bodies and the place; or ``ignore``.
+            tip: See ``inverse_kinematics``.
+            tool: See ``inverse_kinematics``.
+            relative_to: See ``inverse_kinematics``.
+            collision: ``refuse`` to move if the arm would collide on the way (the error
+                names the bodies and the place), or ``ignore`` collisions.
 
         Raises:
             CollisionError: If the arm would collide on the line.
-            UnreachableError: If the arm cannot follow the line without a jump of its
-                joints, with the reason and the place on the line.
+            UnreachableError: If the arm cannot follow the line without a joint jump;
+                the message gives the reason and the place on the line.
             ControlError: If the arm is moving or already at ``pose``, if no running
-                JointTrajectoryController has the arm's joints, or it refuses.
+                JointTrajectoryController has the arm's joints, or if it refuses the
+                goal.
         """
         request = MoveLinear(
             arm=self.name,
@@ -350,24 +357,27 @@ class Arm:
     ) -> Plan:
         """Return a collision-free motion to a target; nothing moves.
 
-        The motion starts at the commanded posture, and ends at rest.  An object in a
-        gripper moves along.  Robots, objects, held objects and the ground keep the
-        clearance, except links that touch by construction; bodies that are closer at
-        the start may stay as close.
+        The motion starts at the commanded posture, and ends at rest.  An object that a
+        gripper holds moves with it.  Robots, objects, held objects and the ground keep
+        the clearance to each other, except links that touch by construction; bodies
+        that are closer than this at the start may stay as close.
 
         Args:
-            target: A pose of the tool, or joint → position [rad].  All postures that
-                reach a pose are targets, with whole turns of the joints.
-            tip: As for ``inverse_kinematics``.
-            tool: As for ``inverse_kinematics``.
-            relative_to: As for ``inverse_kinematics``; with ``tip`` itself, the target
-                is relative to the present pose of the tool.
-            free_axis: An axis of the tool about which it may be turned at the target.
-            **options: Options of the search: see ``PlanOptions``.
+            target: A pose of the tool, or joint → position [rad].  For a pose, any
+                posture that reaches it is a target, including those with full extra
+                turns of a joint.
+            tip: See ``inverse_kinematics``.
+            tool: See ``inverse_kinematics``.
+            relative_to: See ``inverse_kinematics``; if it is ``tip`` itself, the target
+                is relative to the tool's current pose.
+            free_axis: An axis of the tool about which the target may be rotated by any
+                angle.
+            **options: Options of the search; see ``PlanOptions``.
 
         Raises:
             CollisionError: If the start or the target is in collision, with the bodies.
-            PlanningError: If no way is found, or there is no compiled kernel.
+            PlanningError: If no collision-free motion is found, or there is no compiled
+                kernel.
             UnreachableError: If no posture reaches the target.
             ControlError: If the arm is not built like a UR.
         """
@@ -379,13 +389,14 @@ class Arm:
     def execute(self, plan: Plan) -> GoalHandle:
         """Follow a plan, and return the goal.
 
-        A contact that is neither there at the start nor allowed by the plan stops the
-        motion: the goal is ABORTED then, with the bodies.
+        A contact that neither exists at the start nor is allowed by the plan stops the
+        motion; the goal then ends ABORTED, and its result names the bodies.
 
         Raises:
-            ControlError: If the plan is of another arm or of several, if the arm or the
-                scene has moved since it was made, if no running
-                JointTrajectoryController has its joints, or it refuses.
+            ControlError: If the plan is for another arm or for several arms, if the arm
+                or the scene has moved since the plan was made, if no running
+                JointTrajectoryController has the arm's joints, or if it refuses the
+                goal.
         """
         if not isinstance(plan, Plan):
             raise RequestError("execute", f"'plan': need a Plan, got {plan!r:.80}")
@@ -407,20 +418,21 @@ class Arm:
         tool: AnyPose | None = None,
         relative_to: str | None = None,
     ) -> Checked:
-        """Return whether a motion by ``move_to`` or ``move_linear`` would be free.
+        """Return whether a motion by ``move_to`` or ``move_linear`` is collision-free.
 
         Args:
-            target: As for ``plan``.
-            linear: Whether the tool is to move on a straight line.
+            target: See ``plan``.
+            linear: Whether the tool moves along a straight line.
             clearance: Smallest distance between bodies [m].
             may_touch: Links and objects that may be touched.
-            keep_out: Boxes and planes that the robot may not enter.
-            tip: As for ``inverse_kinematics``.
-            tool: As for ``inverse_kinematics``.
-            relative_to: As for ``inverse_kinematics``.
+            keep_out: Regions that the robot must not enter; see ``PlanOptions``.
+            tip: See ``inverse_kinematics``.
+            tool: See ``inverse_kinematics``.
+            relative_to: See ``inverse_kinematics``.
 
         Raises:
-            UnreachableError: If no posture reaches the target, or the line.
+            UnreachableError: If no posture reaches the target, or the arm cannot follow
+                the line.
         """
         return self._channel.call(
             CheckMotion(
@@ -459,7 +471,7 @@ class Arm:
 
 
 def _sendable(pose: AnyPose | None) -> Any:
-    """Return a pose in the form of a request: a Pose, or the rows of a matrix."""
+    """Return a pose in the form that requests use: a Pose, or the rows of a matrix."""
     if pose is None or isinstance(pose, Pose):
         return pose
     if isinstance(pose, Transform):

@@ -1,4 +1,4 @@
-"""The handle that moves an arm instead of its controllers: paths, streams, forces."""
+"""Handle that moves an arm in place of its controllers: paths, streams, forces."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ _ALL = (True,) * 6
 
 @final
 class ArmMotion:
-    """Moves an arm instead of its controllers: executes planned paths and streams.
+    """Moves an arm in place of its controllers: along paths, by streams or by forces.
 
     Take the arm first; its controllers stop, and start again when you release it.
-    Joints are in the order from base to flange.  Poses are UR's: position and rotation
-    vector [m, rad] in the frame of the link ``base``.
+    Joints are in the order from base to flange.  Poses use UR's notation: position and
+    rotation vector [m, rad] in the frame of the link ``base``.
     """
 
     def __init__(self, arm: str, channel: Channel) -> None:
@@ -53,12 +53,12 @@ class ArmMotion:
 
     @property
     def state(self) -> ArmSample:
-        """Setpoint, mode, path and external wrench, as they are now."""
+        """Current setpoint, mode, path and external wrench."""
         return self._channel.call(ReadArmMotion(arm=self._arm))
 
     @contextmanager
     def taken(self, by: str = "Python") -> Iterator[ArmMotion]:
-        """Take the arm for a block, and release it."""
+        """Take the arm for a ``with`` block, and release it at the end."""
         self.take(by)
         try:
             yield self
@@ -74,7 +74,7 @@ class ArmMotion:
         self._channel.call(TakeArm(arm=self._arm, by=by))
 
     def release(self) -> None:
-        """Stop, and start the controllers again."""
+        """Stop the arm, and start its controllers again."""
         self._channel.call(ReturnArm(arm=self._arm))
 
     def execute_path(
@@ -87,19 +87,20 @@ class ArmMotion:
         after: int | None = None,
         at: float | None = None,
     ) -> int:
-        """Follow a path that starts with the setpoint; return its number.
+        """Follow a path that starts at the current setpoint; return the path's number.
 
         Args:
-            times: Times of the knots after the start [s].
+            times: Time of each knot after the start of the path [s].
             positions: Positions [rad], shape (n_knots, 6).
             velocities: Velocities [rad/s], the same shape; 0 at the end.
-            accelerations: Accelerations [rad/s²]; with them, the path is made of
-                quintics, otherwise of cubics.
+            accelerations: Accelerations [rad/s²], the same shape; with them, segments
+                are quintic polynomials, otherwise cubic ones.
             after: The number of a path that this one replaces.
-            at: Time of that path from which it is replaced [s].
+            at: Time on the replaced path at which this one takes over [s].
 
         Raises:
-            ControlError: If the joints cannot follow it, or it does not start there.
+            ControlError: If the joints cannot follow the path, or it does not start at
+                the setpoint.
         """
         request = ExecutePath(
             arm=self._arm,
@@ -113,15 +114,15 @@ class ArmMotion:
         return self._channel.call(request)
 
     def wait(self, timeout: float | None = None) -> None:
-        """Wait until the path has arrived at its end, or the stop has ended.
+        """Wait until the path has reached its end, or the arm has stopped.
 
         Args:
-            timeout: As for ``GoalHandle.wait`` [s].
+            timeout: Longest wait [s]; see ``GoalHandle.wait``.
 
         Raises:
-            ControlError: If the motion failed, with the joint and what it touches, or
-                the arm is no longer taken.
-            GoalTimeoutError: If the arm still moves then.
+            ControlError: If the motion failed (the message names the joint and what it
+                touches), or if the arm is no longer taken.
+            GoalTimeoutError: If the arm still moves after ``timeout``.
         """
         state = self.state
 
@@ -141,11 +142,11 @@ class ArmMotion:
             raise GoalTimeoutError(f"the arm still moves after {timeout} s")
 
     def stop(self, deceleration: float = 2.0, *, along_path: bool = False) -> None:
-        """Ramp down to rest.
+        """Decelerate to rest.
 
         Args:
-            deceleration: Deceleration of the leading joint [rad/s²]; of the path's
-                speed [1/s] if the arm is to stay on its path.
+            deceleration: Deceleration of the leading joint [rad/s²]; with
+                ``along_path``, that of the speed along the path [1/s].
             along_path: Whether the arm stays on its path.
         """
         self._channel.call(
@@ -159,7 +160,7 @@ class ArmMotion:
         lookahead_time: float = 0.1,
         gain: float = 300.0,
     ) -> None:
-        """Follow a target from now on [rad]; send the next one soon."""
+        """Follow a joint target [rad] from now on; send new targets regularly."""
         self._channel.call(
             ServoJoints(
                 arm=self._arm,
@@ -179,16 +180,17 @@ class ArmMotion:
     ) -> None:
         """Drive the joints with torques [N·m], in addition to gravity.
 
-        Send the next ones soon; without them, the arm returns to position control.
+        Send new torques within ``duration``; otherwise, the arm returns to position
+        control.
 
         Args:
             torques: Torques [N·m], shape (6,).
-            viscous_scale: Part of the viscous friction that is compensated, 0 … 1.
-            coulomb_scale: Part of the dry friction that is compensated, 0 … 1.
-            duration: Simulated time until which the next ones must come [s].
+            viscous_scale: Fraction of the viscous friction that is compensated, 0 … 1.
+            coulomb_scale: Fraction of the dry friction that is compensated, 0 … 1.
+            duration: Simulated time within which the next torques must arrive [s].
 
         Raises:
-            ControlError: If a torque exceeds that of its drive, or the engine has no
+            ControlError: If a torque exceeds its drive's limit, or the engine has no
                 torque control.
         """
         self._channel.call(
@@ -229,9 +231,10 @@ class ArmMotion:
         *,
         tcp: Sequence[float] = _NO_POSE,
     ) -> None:
-        """Ramp to a velocity of the point ``tcp``, in the axes of the base.
+        """Ramp to a velocity of the point ``tcp``, given in the base's axes.
 
-        ``twist`` is [m/s, rad/s]; after ``duration`` [s] the arm ramps to rest.
+        ``twist`` is the linear and angular velocity [m/s, rad/s]; after ``duration``
+        [s], the arm ramps to rest.
         """
         self._channel.call(
             SpeedTool(
@@ -253,10 +256,11 @@ class ArmMotion:
         kind: Literal[1, 2, 3] = 2,
         tcp: Sequence[float] = _NO_POSE,
     ) -> None:
-        """Push with a force [N, N·m] along the selected axes of a frame.
+        """Push with a force and torque [N, N·m] along the selected axes of a frame.
 
-        ``limits`` are the largest speeds along those, and the largest deviations along
-        the others that the arm resists with more force.
+        Along the selected axes, ``limits`` are the largest speeds [m/s, rad/s]; along
+        the others, the largest deviations [m, rad], which the arm resists with more
+        force.
         """
         self._channel.call(
             StartForceMode(
@@ -271,16 +275,16 @@ class ArmMotion:
         )
 
     def end_force_mode(self) -> None:
-        """Stop pushing, and stop where the arm is."""
+        """End force mode, and hold the arm where it is."""
         self._channel.call(EndForceMode(arm=self._arm))
 
     def start_freedrive(self, axes: Sequence[bool] = _ALL) -> None:
-        """Start freedrive along these ``axes`` of the base."""
+        """Start freedrive along and about the selected ``axes`` of the base."""
         request = StartFreedrive(arm=self._arm, axes=_six_flags(axes))
         self._channel.call(request)
 
     def end_freedrive(self) -> None:
-        """Hold the arm where it is."""
+        """End freedrive, and hold the arm where it is."""
         self._channel.call(EndFreedrive(arm=self._arm))
 
     def zero_wrench(self) -> None:

@@ -71,18 +71,18 @@ def bringup(
         gripper: The gripper on tool0; 2f85 if not given, None or "none" for a bare arm.
         prefix: Prefix of all link and joint names.
         robot: Your own URDF or xacro file, instead of an arm and a gripper.
-        cell: Several robots and a scene: a value, or a YAML file
+        cell: Several robots and a scene: a ``Cell``, or a YAML file
             (docs/how-to/cells.md).
-        args: xacro arguments of that file, or further ones of the built-in file.
-        ros2_control: Whether the catalogue's robots have `<ros2_control>` tags, and
-            with them the controllers of ROS 2 (docs/how-to/ros2.md).
+        args: xacro arguments of your own file, or additional ones of the built-in file.
+        ros2_control: Whether the built-in robots have ``<ros2_control>`` tags, and
+            therefore ROS 2 controllers (docs/how-to/ros2.md).
         engine: The physics engine: "mujoco", or "gazebo" (docs/how-to/gazebo.md).
         hardware: The address of a real robot, instead of an engine
             (docs/how-to/hardware.md).
-        scene: The objects around the robot: a value, a YAML file, or a built-in scene
-            (``table_and_bin``, ``table_and_cubes``, ``shelf``).
+        scene: The objects around the robot: a ``Scene``, a YAML file, or a built-in
+            scene (``table_and_bin``, ``table_and_cubes``, ``shelf``).
         controllers_file: YAML of ros_control or ros2_control, one file or several;
-            later ones override.
+            later files override earlier ones.
         controllers: Names of the controllers to load and start.
         initial_pose: A named pose, or positions by joint [rad | m].
         realtime: Whether time passes in real time; otherwise only ``run`` and ``wait``
@@ -92,11 +92,11 @@ def bringup(
         record: An MCAP file to record to, from the start until the robot is closed
             (docs/how-to/recordings.md).
         description: The robot.
-        control: Its controllers and its initial pose.
+        control: The robot's controllers and initial pose.
         simulation: The physics, the objects around the robot, and time.
 
     Returns:
-        The robot, holding its pose.  Its ``warnings`` are logged, too.
+        The robot, holding its pose.  Its ``warnings`` are also logged.
 
     Raises:
         Tool0Error: If an option or a file is wrong.
@@ -155,7 +155,7 @@ def bringup(
 
 
 def _is_of_catalogue(description: DescriptionConfig, control: ControlConfig) -> bool:
-    """Return whether nothing was said about drives and controllers."""
+    """Return whether robot, drive interfaces and controllers are the built-in ones."""
     chosen = (description.robot, description.transmission_hw_interface)
     return chosen == (None, None) and control.controllers_file is None
 
@@ -170,7 +170,7 @@ def _backend(started: Simulation) -> Backend:
 
 
 def _with_given(config: Config, **keywords: object) -> Config:
-    """Return ``config`` with the keywords that are not None."""
+    """Return ``config`` with the keywords that are not None in place of its fields."""
     given = {name: value for name, value in keywords.items() if value is not None}
     changed: Config = replace(config, **given)  # type: ignore[arg-type]  # any field's
     return changed

@@ -10,8 +10,8 @@ from tool0.protocol.socket_channel import SocketChannel
 def connect(name: str = DEFAULT_NAME) -> Robot:
     """Return a robot that runs in another process of this user.
 
-    It has the same methods as one of ``tool0.bringup``; closing it ends the
-    connection, not the robot.  Times to wait are wall seconds.
+    It has the same methods as a robot that ``tool0.bringup`` returns; closing it ends
+    only the connection.  Timeouts are in wall seconds.
 
     Args:
         name: The ``--name`` of the bring-up.

@@ -1,4 +1,4 @@
-"""The handle on the control box of an arm."""
+"""Handle for the control box of an arm."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ from tool0.protocol.request import Place, checked_value
 class ControlBox:
     """Pins, speed slider, payload, program, power and protective stop of one arm.
 
-    Pins are only stored: a client reads and sets outputs, and you set what the inputs
-    measure.  The rest acts as on a UR.  A stopped or powered-off arm is braked; the
-    other arms of a cell continue to run.
+    Pins only store values: clients read and set outputs, and you set the values of the
+    inputs.  Everything else acts as on a UR.  A stopped or powered-off arm is braked;
+    the other arms of a cell continue to run.
     """
 
     def __init__(self, arm: str, channel: Channel) -> None:
@@ -45,7 +45,7 @@ class ControlBox:
 
     @property
     def state(self) -> ControlBoxState:
-        """Everything, as it is now."""
+        """Current state of the control box."""
         return self._channel.call(ReadIO(arm=self._arm))
 
     def set_digital_output(self, pin: int, value: bool) -> None:
@@ -61,7 +61,7 @@ class ControlBox:
     def set_analog_output(
         self, pin: int, level: float, domain: AnalogDomain = AnalogDomain.VOLTAGE
     ) -> None:
-        """Set output 0 or 1 to a ``level`` of its range, 0 … 1."""
+        """Set analog output 0 or 1 to ``level``, a fraction of its range, 0 … 1."""
         self._channel.call(
             SetAnalogOutput(arm=self._arm, pin=pin, level=level, domain=domain)
         )
@@ -74,7 +74,7 @@ class ControlBox:
         *,
         tool: bool = False,
     ) -> None:
-        """Set the value at input 0 or 1 of the box, or of the tool [V | A]."""
+        """Set the value at analog input 0 or 1 of the box, or of the tool [V | A]."""
         self._channel.call(
             SetAnalogInput(
                 arm=self._arm, pin=pin, value=value, domain=domain, tool=tool
@@ -88,16 +88,16 @@ class ControlBox:
         )
 
     def set_speed_slider(self, fraction: float) -> None:
-        """Slow down scaled trajectories to this fraction, 0.01 … 1."""
+        """Set the speed slider: the speed of scaled trajectories, 0.01 … 1."""
         self._channel.call(SetSpeedSlider(arm=self._arm, fraction=fraction))
 
     def set_payload(
         self, mass: float, center_of_gravity: Sequence[float] = (0.0, 0.0, 0.0)
     ) -> None:
-        """Set the payload that the drives expect at the flange, gripper included.
+        """Set the payload that the drives expect at the flange, including the gripper.
 
         Args:
-            mass: Mass [kg]
+            mass: Mass [kg].
             center_of_gravity: Centre of gravity in the frame of the flange [m].
         """
         name = "center_of_gravity"
@@ -107,7 +107,7 @@ class ControlBox:
         )
 
     def clear_payload(self) -> None:
-        """Reset the payload to that of the description at the flange."""
+        """Reset the payload to the mass at the flange in the robot's description."""
         self._channel.call(SetPayload(arm=self._arm))
 
     def play(self) -> None:
@@ -119,7 +119,7 @@ class ControlBox:
         self._channel.call(PauseProgram(arm=self._arm))
 
     def stop(self) -> None:
-        """Stop the program and the controllers of the arm; ``play`` starts them."""
+        """Stop the program and the controllers of the arm; ``play`` restarts both."""
         self._channel.call(StopProgram(arm=self._arm))
 
     def power_off(self) -> None:
@@ -145,28 +145,28 @@ class ControlBox:
         """End a protective stop; the arm holds until ``play``.
 
         Raises:
-            ControlError: If there is none, or it occurred less than 5 simulated
-                seconds ago.
+            ControlError: If there is no protective stop, or it occurred less than 5
+                simulated seconds ago.
         """
         self._channel.call(UnlockProtectiveStop(arm=self._arm))
 
     def restart_safety(self) -> None:
-        """Clear the stops of the safety system; the arm is switched off then."""
+        """Clear the stops of the safety system; the arm is then switched off."""
         self._channel.call(RestartSafety(arm=self._arm))
 
     def enable_motion(
         self, serial_number: str, *, accept_calibration: bool = False
     ) -> None:
-        """Enable motion of this real arm, until the session ends or `disable_motion`.
+        """Enable motion of this real arm until ``disable_motion`` or the session ends.
 
         Args:
-            serial_number: Serial number of the robot that you have in view, as its
-                nameplate has it.
-            accept_calibration: Move although the robot's calibration is another one
-                than the description's: poses are off by millimetres.
+            serial_number: Serial number on the nameplate of the robot that you have in
+                view.
+            accept_calibration: Move although the robot's calibration differs from the
+                description; poses are then off by millimetres.
 
         Raises:
-            ControlError: If it may not move, with all reasons.
+            ControlError: If the arm may not move, with all reasons.
         """
         request = EnableMotion(
             arm=self._arm,
@@ -195,8 +195,8 @@ class ControlBox:
         """Configure the automatic protective stops.
 
         Args:
-            enabled: Whether a path error, the force of a contact or a command beyond a
-                joint's limit stops it; at first none does.
-            force: Largest force of contacts with the tool or a link [N], 150 at first.
+            enabled: Whether a path error, a contact force or a command beyond a joint's
+                limit stops the arm; initially false.
+            force: Largest force of contacts with the tool or a link [N]; initially 150.
         """
         self._channel.call(SetSafetyLimits(arm=self._arm, enabled=enabled, force=force))

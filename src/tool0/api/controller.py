@@ -1,4 +1,4 @@
-"""Handles on a controller, and on a goal that it accepted."""
+"""Handles for a controller, and for a goal that it has accepted."""
 
 from __future__ import annotations
 
@@ -69,12 +69,12 @@ class GoalHandle:
         """Wait until the goal ends, and return its outcome.
 
         Args:
-            timeout: Longest wait [s]: of wall time if the simulation runs in real
-                time or in another process, otherwise of simulated time, which passes
-                meanwhile.
+            timeout: Longest wait [s]; None for no limit.  It is wall time if the
+                simulation runs in real time or in another process, otherwise simulated
+                time, which the wait advances.
 
         Raises:
-            GoalTimeoutError: If the goal is still active then.
+            GoalTimeoutError: If the goal is still active after ``timeout``.
         """
         if self._goal.result is None:
             self._channel.wait_for_goal(self._goal, checked_timeout(timeout))
@@ -85,9 +85,9 @@ class GoalHandle:
         return self._goal.result
 
     def cancel(self) -> None:
-        """Stop the motion by the controller's stop ramp; the goal ends PREEMPTED.
+        """Stop the motion with the controller's stop ramp; the goal ends PREEMPTED.
 
-        A goal that has ended is left alone.
+        A goal that has already ended is not affected.
         """
         if self._goal.result is None:
             self._channel.call(CancelGoal(goal=self._number))
@@ -95,7 +95,8 @@ class GoalHandle:
     def when_finished(self, callback: Callable[[GoalHandle], None]) -> None:
         """Call ``callback(handle)`` when the goal ends, or now if it has ended.
 
-        It runs in a thread of the simulation, which waits for it: keep it short.
+        The callback runs in a thread of the simulation, which waits for it: keep it
+        short.
         """
         if not callable(callback):
             raise RequestError("when_finished", f"cannot call {callback!r:.80}")
@@ -115,7 +116,7 @@ class ControllerHandle:
 
     @property
     def name(self) -> str:
-        """Its name in the YAML."""
+        """Name of the controller in the YAML."""
         return self._name
 
     def follow(
@@ -128,19 +129,23 @@ class ControllerHandle:
         goal_tolerance: Mapping[str, ToleranceOverride] | None = None,
         goal_time_tolerance: float | None = None,
     ) -> GoalHandle:
-        """Send a trajectory as a goal; no points stop the motion.
+        """Send a trajectory as a goal; one without points stops the motion.
 
         Args:
-            points: Setpoints at their times, in the order of ``joint_names``.
-            joint_names: The joints of the points; the controller's, if left out.
-            stamp: Simulated time at which the trajectory starts [s]; now, if left out.
-            path_tolerance: Largest error on the way, by joint [rad | m]; below 0
+            points: Setpoints and their times; values are in the order of
+                ``joint_names``.
+            joint_names: Joints of the points; the controller's joints if left out.
+            stamp: Simulated time at which the trajectory starts [s]; now if left out.
+            path_tolerance: Largest error on the way, by joint [rad | m]; a negative
+                value disables the check.
+            goal_tolerance: Largest error at the end, by joint [rad | m]; a negative
+                value disables the check.
+            goal_time_tolerance: Grace period after the last point [s]; a negative value
                 disables the check.
-            goal_tolerance: Largest error at the end, by joint [rad | m], as above.
-            goal_time_tolerance: Grace after the last point [s], as above.
 
         Raises:
-            GoalRejectedError: If the controller refuses; its motion continues.
+            GoalRejectedError: If the controller refuses the trajectory; its current
+                motion continues.
         """
         request = FollowTrajectory(
             controller=self.name,
@@ -162,17 +167,19 @@ class ControllerHandle:
     ) -> None:
         """Send a trajectory without a goal, as ROS's topic ``command`` does.
 
-        There is no result, and no tolerance is checked; in ROS 2, a violated one stops
-        the motion, and an active goal continues with the new points.
+        There is no result, and no tolerance is checked.  Controllers of ROS 2 differ: a
+        violated tolerance stops the motion, and an active goal continues with the new
+        points.
 
         Args:
-            points: Setpoints at their times, in the order of ``joint_names``; none
-                stop the motion.
-            joint_names: The joints of the points; the controller's, if left out.
-            stamp: Simulated time at which the trajectory starts [s]; now, if left out.
+            points: Setpoints and their times; values are in the order of
+                ``joint_names``.  An empty sequence stops the motion.
+            joint_names: Joints of the points; the controller's joints if left out.
+            stamp: Simulated time at which the trajectory starts [s]; now if left out.
 
         Raises:
-            GoalRejectedError: If the controller refuses; its motion continues.
+            GoalRejectedError: If the controller refuses the trajectory; its current
+                motion continues.
         """
         request = CommandTrajectory(
             controller=self.name,
@@ -183,14 +190,14 @@ class ControllerHandle:
         self._channel.call(request)
 
     def scale_speed(self, factor: float) -> None:
-        """Scale the speed of trajectories, as ROS 2's topic ``speed_scaling_input``.
+        """Scale the speed of trajectories, like ROS 2's topic ``speed_scaling_input``.
 
         ``factor`` is trajectory time per simulated time: 1 is the trajectory's own
-        speed, 0 pauses.
+        speed, and 0 pauses the trajectory.
 
         Raises:
-            ControlError: If it is no trajectory controller of ROS 2 that commands
-                positions, or if the speed slider of its arm scales the speed.
+            ControlError: If this is not a ROS 2 trajectory controller that commands
+                positions, or if the arm's speed slider scales its speed.
         """
         self._channel.call(ScaleTrajectory(controller=self.name, factor=factor))
 
@@ -204,14 +211,14 @@ class ControllerHandle:
     ) -> GoalHandle:
         """Move joints of a trajectory controller smoothly.
 
-        The motion starts from the present setpoints, keeps to the joints' limits and
+        The motion starts from the current setpoints, respects the joints' limits and
         ends at rest; other joints continue their motion.
 
         Args:
             positions: Joint → target [rad | m].
-            speed: Fraction of each joint's largest velocity, 0.01 … 1.
-            duration: Instead of a speed: how long the motion takes [simulated s].
-            collision: As for ``Robot.move_joints``.
+            speed: Fraction of each joint's maximum velocity, 0.01 … 1.
+            duration: Duration of the motion [simulated s], instead of a speed.
+            collision: See ``Robot.move_joints``.
 
         Raises:
             CollisionError: If an arm would collide.
@@ -229,17 +236,17 @@ class ControllerHandle:
         return GoalHandle(started, self._channel)
 
     def steer(self, positions: Mapping[str, float], *, speed: float = 0.5) -> None:
-        """Move joints as ``move`` does, without a goal.
+        """Move joints as ``move`` does, but without a goal.
 
         Use it for streams of setpoints, for example ten per second: position,
         velocity and acceleration stay continuous.
 
         Args:
             positions: Joint → target [rad | m].
-            speed: Fraction of each joint's largest velocity, 0.01 … 1.
+            speed: Fraction of each joint's maximum velocity, 0.01 … 1.
 
         Raises:
-            GoalRejectedError: As for ``move``.
+            GoalRejectedError: See ``move``.
         """
         self._channel.call(
             SteerJoints(
@@ -260,16 +267,16 @@ class ControllerHandle:
 
         Args:
             position: Position of the driven joint [rad | m].
-            max_effort: Largest effort of the drive [N·m | N]; the controller's own, if
-                left out or 0.  ROS 2's parallel gripper writes it to its
-                ``max_effort_interface``: there it is the force of the pads [N].
-            max_velocity: Largest velocity of ROS 2's parallel gripper, for its
-                ``max_velocity_interface``: the speed of the pads [m/s]; the
-                controller's own, if left out.
+            max_effort: Largest effort of the drive [N·m | N]; if left out or 0, the
+                controller's default.  ROS 2's parallel gripper controller writes it to
+                its ``max_effort_interface``, where it is the force of the pads [N].
+            max_velocity: Largest speed of the pads [m/s], which ROS 2's parallel
+                gripper controller writes to its ``max_velocity_interface``; if left
+                out, the controller's default.
 
         Raises:
             GoalRejectedError: If the position is out of the joint's limits.
-            ControlError: If it is a controller of another type.
+            ControlError: If the controller is of another type.
         """
         request = CommandGripper(
             controller=self.name,
@@ -280,11 +287,12 @@ class ControllerHandle:
         return GoalHandle(self._channel.call(request), self._channel)
 
     def command(self, values: float | Sequence[float]) -> None:
-        """Send the setpoints of a forwarding controller, such as JointGroupEffort….
+        """Send setpoints to a controller such as JointGroupEffortController.
 
         Args:
-            values: One per joint, in the order of the controller's joints: [rad | m],
-                [rad/s | m/s] or [N·m | N], as its type says.
+            values: One setpoint per joint, in the order of the controller's joints; the
+                controller's type determines the unit: [rad | m], [rad/s | m/s] or [N·m
+                | N].
 
         Raises:
             ControlError: If the number of values is wrong, or one is not finite.
@@ -301,7 +309,7 @@ class ControllerHandle:
         """Return the setpoint of a trajectory controller.
 
         Args:
-            time: Simulated time [s]; now, if left out.
+            time: Simulated time [s]; now if left out.
 
         Raises:
             ControlError: If the trajectory at that time is no longer known.
@@ -310,12 +318,12 @@ class ControllerHandle:
 
     @property
     def state(self) -> TrajectoryState:
-        """Desired and measured motion of a trajectory controller, and the error."""
+        """Desired motion, measured motion and error of a trajectory controller."""
         return self._channel.call(ReadController(controller=self.name))
 
     @property
     def gains(self) -> Mapping[str, Gains]:
-        """PID gains by joint, as they are now; empty for a controller without a PID."""
+        """Current PID gains by joint; empty for a controller without a PID."""
         return self._channel.call(ReadGains(controller=self.name))
 
     def set_gains(
@@ -328,11 +336,11 @@ class ControllerHandle:
         i_clamp: float | None = None,
         antiwindup: bool | None = None,
     ) -> Gains:
-        """Change PID gains of one joint while it moves, and return all of them.
+        """Change PID gains of a joint, even in motion, and return all of its gains.
 
-        Gains that are left out stay.  The contribution of the integral does not jump:
-        it is kept within the new clamp.  The gains hold until the controller is
-        unloaded, through resets and restarts; no file changes.
+        Gains that are left out keep their values.  The contribution of the integral
+        does not jump, unless the new clamp limits it.  The gains apply until the
+        controller is unloaded, even after resets and restarts; no file is changed.
 
         Args:
             joint: A joint of the controller.
@@ -361,7 +369,7 @@ class ControllerHandle:
 
     @property
     def spec(self) -> ControllerSpec:
-        """The parameters it was loaded with, including gains changed since.
+        """Parameters of the controller as loaded, including later changes of gains.
 
         Raises:
             ControlError: If the simulation runs in another process.
@@ -410,14 +418,14 @@ def _by_joint(
 
 
 def _number(value: object) -> float:
-    """Return a number, finite or not, as Python's own; TypeError if it is none."""
+    """Return a number, finite or not, as a Python float; TypeError if it is not one."""
     if not isinstance(value, Real):
         raise TypeError(value)
     return float(value)
 
 
 def checked_timeout(timeout: float | None) -> float | None:
-    """Return a timeout [s], None for no limit, or raise RequestError."""
+    """Return a timeout [s], or None for no limit; RequestError if it is invalid."""
     if timeout is None or timeout is math.inf:
         return None
     seconds: float = checked_value("wait", "timeout", timeout, float)

@@ -1,4 +1,4 @@
-"""Runs a program in a separate simulation, from the robot's present state."""
+"""Runs a program in a separate simulation, from the robot's current state."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from tool0.simulation.simulation import Simulation
 
 ENGINE: Final = "mujoco"
 LOOK: Final = 0.02
-"""Time between two looks at the contacts [s]."""
+"""Time between two checks of the contacts [s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TouchReport:
-    """A link of the robot and what it touched, and did not touch at the start."""
+    """A contact of the robot that did not exist at the start of the program."""
 
     first: str
     """A link or an object."""
@@ -45,35 +45,35 @@ class TouchReport:
     force: float
     """Largest contact force [N]."""
     is_of_arm: bool
-    """Whether a link of an arm touched; otherwise only its gripper did."""
+    """Whether a link of an arm is in contact; otherwise only its gripper is."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointPeak:
-    """The joint of an arm that came nearest to a limit."""
+    """The joint of an arm that came closest to a limit, and its value there."""
 
     joint: str
     """Name of the joint."""
     value: float
-    """Absolute value of the quantity [rad/s] or [N·m]."""
+    """Absolute value of the velocity [rad/s] or effort [N·m]."""
     share: float
-    """Fraction of the joint's limit."""
+    """Absolute value as a fraction of the joint's limit."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DryRun:
-    """Result of a program in the simulation."""
+    """Result of a program's dry run."""
 
     end: ProgramRun
     """State of the run at its end, with its duration."""
     touches: tuple[TouchReport, ...]
-    """Touches in the order of their times."""
+    """New contacts, in the order in which they began."""
     speed: JointPeak
-    """The joint that was nearest to its largest velocity."""
+    """The joint that came closest to its velocity limit."""
     effort: JointPeak
-    """The joint that was nearest to its largest effort."""
+    """The joint that came closest to its effort limit."""
 
     @property
     def has_collided(self) -> bool:
@@ -126,7 +126,7 @@ def _run(simulation: Simulation, number: int) -> ProgramRun:
 
 
 def _present(snapshot: Snapshot) -> Iterator[ObjectInfo]:
-    """Yield the objects of a scene where they are."""
+    """Yield the objects of the scene at their current poses."""
     for item, state in zip(snapshot.scene, snapshot.objects, strict=True):
         pose = to_pose(from_quaternion(state.position, state.quat_wxyz))
         yield replace(info_of(item), pose=pose)
@@ -134,7 +134,7 @@ def _present(snapshot: Snapshot) -> Iterator[ObjectInfo]:
 
 @final
 class _Observer:
-    """Keeps the contacts that begin, and the largest speed and effort."""
+    """Collects new contacts, and the largest speed and effort."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -153,7 +153,7 @@ class _Observer:
         self._states = simulation.subscribe()
 
     def look(self, time: float) -> None:
-        """Look at the contacts now, and at the snapshots since the last look."""
+        """Check the current contacts, and the snapshots since the last check."""
         for contact in answer(self._simulation, ReadContacts()):
             pair = _pair(contact)
             if pair not in self._known and not pair.isdisjoint(self._own):

@@ -33,11 +33,11 @@ class EpisodesHandle:
     def open(
         self, folder: Path | str, *, task: str = "", reset: bool = True
     ) -> EpisodesStatus:
-        """Choose the folder, on the simulation's machine; it may have episodes already.
+        """Open a folder on the simulation's machine; it may already contain episodes.
 
         Args:
             folder: Folder to which the recordings and their index are written.
-            task: Description of the task; each line of the index has it.
+            task: Description of the task, which is written to each line of the index.
             reset: Whether each episode starts with a reset of robot and objects.
 
         Raises:
@@ -49,7 +49,7 @@ class EpisodesHandle:
         )
 
     def start(self) -> EpisodesStatus:
-        """Start to record an episode.
+        """Start recording an episode.
 
         Raises:
             ControlError: If no folder is open, or an episode is being recorded.
@@ -60,10 +60,10 @@ class EpisodesHandle:
         """End the episode: keep it with its outcome, or discard it.
 
         Raises:
-            ControlError: If none is being recorded.
+            ControlError: If no episode is being recorded.
         """
         return self._channel.call(EndEpisode(outcome=outcome))
 
     def close(self) -> None:
-        """Leave the folder; an episode that is being recorded is discarded."""
+        """Close the folder; an episode that is being recorded is discarded."""
         self._channel.call(CloseEpisodes())

@@ -17,7 +17,7 @@ from tool0.errors import ControlError
 CLEARANCE = 0.003
 """Distance between finger tips and the support of the object [m]."""
 SLACK = 0.002
-"""Clearance between an object and the open pads, both sides together [m]."""
+"""Total clearance between an object and the open pads, both sides added [m]."""
 _UPRIGHT = math.cos(math.radians(3.0))
 
 
@@ -27,7 +27,7 @@ class Grasp:
     """A pose of the gripper in which it can grasp an object."""
 
     pose: Transform
-    """Pose of the frame between the pads, in the root, when they touch the object."""
+    """Pose of the frame between the pads when they touch the object, in the root."""
     width: float
     """Width of the object between the pads [m]."""
 
@@ -38,12 +38,13 @@ def find_grasps(
     """Return the grasps of an upright object from above, at its middle.
 
     Args:
-        item: A box, a sphere, or a cylinder that stands.
+        item: A box, a sphere, or an upright cylinder.
         pose: Pose of the object, in the root.
         largest: The gripper's widest opening [m].
 
     Raises:
-        ControlError: If it stands on an edge, has another shape, or is too wide.
+        ControlError: If the object stands on an edge, has another shape, or is too
+            wide.
     """
     geometry = item.geometry
     if isinstance(geometry, Sphere):
@@ -77,11 +78,11 @@ def find_grasps(
 
 
 def grasps_from_above(position: Vector3, width: float) -> tuple[Grasp, ...]:
-    """Return the poses of a gripper that looks down, along the axes of the root.
+    """Return grasps of a gripper that points down, aligned with the root's axes.
 
     Args:
-        position: Position of the middle of its pads, in the root [m].
-        width: Width of the object between them [m].
+        position: Position midway between the pads, in the root [m].
+        width: Width of the object between the pads [m].
     """
     frame = to_transform(Pose(xyz=position))
     return tuple(Grasp(_from_above(frame, k * math.pi / 2.0), width) for k in range(4))
@@ -108,7 +109,8 @@ def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
     """Return how far the fingers reach beyond the middle of the pads [m].
 
     Raises:
-        ControlError: If the gripper has no two pads, or their shape is no box.
+        ControlError: If the gripper does not have two pads, or their shapes include no
+            box.
     """
     pad, _ = pad_links(model, gripper)
     T_grasp_pad = grasp_frame(model, gripper, gripper.max_opening, pad).inverse()
@@ -129,7 +131,7 @@ def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
 
 
 def _sides(name: str, box: Box, pose: Transform) -> Iterator[tuple[Transform, float]]:
-    """Yield frames with z up and y across two of the box's sides, and that width."""
+    """Yield frames with z up and y across two opposite sides, and their distance."""
     up = _upright_axis(name, pose)
     columns = list(zip(*pose.rotation, strict=True))
     for k in range(3):
@@ -140,7 +142,7 @@ def _sides(name: str, box: Box, pose: Transform) -> Iterator[tuple[Transform, fl
 
 
 def _upright_axis(name: str, pose: Transform) -> int:
-    """Return which of the axes of an object is vertical, or raise ControlError."""
+    """Return the index of an object's vertical axis, or raise ControlError."""
     heights = [abs(part) for part in pose.rotation[2]]
     up = heights.index(max(heights))
     if heights[up] < _UPRIGHT:
@@ -149,7 +151,7 @@ def _upright_axis(name: str, pose: Transform) -> int:
 
 
 def _from_above(frame: Transform, turn: float) -> Transform:
-    """Return the frame of a gripper that looks down, its pads along y of ``frame``."""
+    """Return the frame of a gripper that points down, with its pads along y."""
     yaw = math.atan2(frame.rotation[1][0], frame.rotation[0][0]) + turn
     return to_transform(Pose(xyz=frame.position, rpy=(math.pi, 0.0, yaw)))
 
@@ -166,7 +168,7 @@ class Bin:
 
     @property
     def center(self) -> Vector3:
-        """The middle of its floor, in the root [m]."""
+        """Middle of the bin's floor, in the root [m]."""
         return (
             (self.lower[0] + self.upper[0]) / 2.0,
             (self.lower[1] + self.upper[1]) / 2.0,
@@ -174,7 +176,7 @@ class Bin:
         )
 
     def holds(self, pose: Transform) -> bool:
-        """Return whether an object's middle is in it."""
+        """Return whether an object's middle is inside the bin."""
         return all(
             low < part < high
             for low, part, high in zip(
@@ -187,7 +189,7 @@ def find_bin(objects: tuple[SceneObject, ...], name: str) -> Bin:
     """Return the bin with parts called ``NAME.part``.
 
     Raises:
-        ControlError: If there is none.
+        ControlError: If there is no such bin.
     """
     parts = [item for item in objects if item.name.startswith(f"{name}.")]
     corners = [

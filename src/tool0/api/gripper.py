@@ -1,4 +1,4 @@
-"""The handle on a gripper."""
+"""Handle for a gripper."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ class Gripper:
 
     @property
     def name(self) -> str:
-        """The prefix of its name in the URDF, ``gripper`` without one."""
+        """Prefix of the gripper's name in the URDF, or ``gripper`` without one."""
         return self._name
 
     @property
     def opening(self) -> float:
-        """Distance between the pads [m], 0 closed."""
+        """Distance between the pads [m]; 0 is closed."""
         snapshot = self._channel.snapshot
         index = snapshot.joint_names.index(self.geometry.joint)
         return max(0.0, self.geometry.opening(snapshot.position[index]))
@@ -48,16 +48,16 @@ class Gripper:
     ) -> Transform:
         """Return the pose of the point midway between the pads at an opening.
 
-        y points from pad to pad, z away from the gripper.  Pads that move on circles
-        advance along z while they close, by 14 mm on a 2F-85.
+        The y axis points from pad to pad, and the z axis away from the gripper.  Pads
+        that move on circles advance along z while they close, by 14 mm on a 2F-85.
 
         Args:
-            opening: Distance between the pads [m]; the measured one, if left out.
-            relative_to: The link in whose frame the pose is; ``tool0``, if left out.
+            opening: Distance between the pads [m]; the measured distance if left out.
+            relative_to: Link in whose frame the pose is given; ``tool0`` if left out.
 
         Raises:
             ModelError: If the opening is out of reach, or there is no such link.
-            ControlError: If the gripper has no two pads.
+            ControlError: If the gripper does not have two pads.
         """
         checked_value("tcp", "opening", opening, float | None)
         checked_value("tcp", "relative_to", relative_to, str | None)
@@ -69,20 +69,20 @@ class Gripper:
 
     @property
     def state(self) -> GraspState:
-        """Whether it moves, has arrived or holds an object, and the object's width.
+        """State of the gripper: moving, arrived or holding, and the object's width.
 
-        Computed from the last tenth of a second.
+        It is computed from the last 0.1 s.
         """
         return self._channel.call(ReadGripper(gripper=self.name))
 
     def wait(self, timeout: float | None = None) -> GraspState:
-        """Wait until it stops moving, and return its state.
+        """Wait until the gripper stops moving, and return its state.
 
-        A change of force alone is no motion: the call returns at once.  ``timeout`` is
-        as for ``GoalHandle.wait``.
+        A change of force alone does not count as a motion: the call returns at once.
+        For ``timeout``, see ``GoalHandle.wait``.
 
         Raises:
-            GoalTimeoutError: If it still moves then.
+            GoalTimeoutError: If the gripper still moves after ``timeout``.
         """
         state = self.state
 
@@ -106,24 +106,24 @@ class Gripper:
     ) -> GoalHandle:
         """Move the pads to ``opening`` and return the goal.
 
-        Speed and force are settings of the drive, as on the real gripper: they hold
-        until another goal moves its joint.
+        As on the real gripper, speed and force are settings of the drive: they apply
+        until another goal moves the joint.
 
         Args:
             opening: Distance between the pads [m], 0 … ``geometry.max_opening``.
-            position: Instead of an opening: position of the driven joint
-                [rad | m].
+            position: Position of the driven joint [rad | m], instead of an opening.
             speed: Speed of the pads relative to each other [m/s], within
-                ``geometry.speed``; the fastest, if left out.
-            force: Largest force at each pad [N], within ``geometry.force``: an object
-                between them is gripped with it.  The maximum, if left out.
-            effort: Instead of a force: largest effort of the driven joint [N·m | N],
-                as ``max_effort`` of ROS's GripperCommand.
+                ``geometry.speed``; the maximum if left out.
+            force: Largest force at each pad [N], within ``geometry.force``; the
+                gripper's maximum if left out.  An object between the pads is gripped
+                with this force.
+            effort: Largest effort of the driven joint [N·m | N], instead of a force; it
+                corresponds to ``max_effort`` of ROS's GripperCommand.
 
         Raises:
-            ModelError: If the opening is out of reach.
-            ControlError: If speed, force or effort are out of range, or no running
-                controller takes the command; nothing has changed then.
+            ModelError: If the opening is out of range.
+            ControlError: If speed, force or effort is out of range, or no running
+                controller accepts the command; nothing has changed then.
         """
         request = Grip(
             gripper=self.name,

@@ -1,4 +1,4 @@
-"""Programs of steps: saved ones, checks, and the handle on one that runs."""
+"""Programs of steps: saved programs, checks, and the handle for a running one."""
 
 from __future__ import annotations
 
@@ -51,10 +51,10 @@ class Programs:
         return self._channel.call(ListPrograms())
 
     def read(self, program: AnyProgram) -> Program:
-        """Return a program of a file or a saved one.
+        """Return a program from a file, or a saved one.
 
         Raises:
-            ControlError: If none is saved under that name.
+            ControlError: If no program is saved under that name.
             ConfigError: If the file cannot be read, or is no program.
         """
         return self._read(program).program
@@ -63,8 +63,9 @@ class Programs:
         """Save a program under its name.
 
         Raises:
-            ControlError: If the name is taken and not overwritten, or not printable.
-            ConfigError: If it cannot be written.
+            ControlError: If the name is taken and ``overwrite`` is false, or if it is
+                not printable.
+            ConfigError: If the program cannot be written.
         """
         self._channel.call(SaveProgram(program=program, overwrite=overwrite))
 
@@ -77,9 +78,9 @@ class Programs:
         self._channel.call(DeleteProgram(name=name))
 
     def check(self, program: AnyProgram) -> ProgramCheck:
-        """Plan a program from the present posture; nothing moves.
+        """Check a program by planning it from the current posture; nothing moves.
 
-        The problems of a file have their lines.
+        For a file, problems and warnings include line numbers.
         """
         source = self._read(program)
         found = self._channel.call(CheckProgram(program=source.program))
@@ -96,20 +97,20 @@ class Programs:
         timeout: float = 3600.0,
         when_passed: Callable[[ProgramRun], None] = lambda run: None,
     ) -> DryRun:
-        """Run a program in a simulation that starts in the robot's present state.
+        """Run a program in a simulation that starts in the robot's current state.
 
-        The simulated robot has the present posture, objects and speed sliders; it may
-        lose an object in a gripper.  Nothing is sent to the robot.
+        The simulated robot has the current posture, objects and speed sliders; it may
+        lose an object that a gripper holds.  Nothing is sent to the robot.
 
         Args:
             program: The program, its file (``.yaml``), or the name of a saved one.
-            timeout: Longest simulated time; then it is stopped [s].
-            when_passed: Called every 0.02 simulated seconds.
+            timeout: Simulated time after which the program is stopped [s].
+            when_passed: Called with the state of the run every 0.02 simulated seconds.
 
         Raises:
             ProgramError: If a step cannot be executed.
             ConfigError: If the file cannot be read, or is no program.
-            ControlError: If none is saved under that name.
+            ControlError: If no program is saved under that name.
         """
         from tool0.api.dry_run import dry_run
 
@@ -128,7 +129,7 @@ class Programs:
     def export(
         self, program: AnyProgram, format: Literal["yaml", "python", "urscript"]
     ) -> str:
-        """Return a program as YAML, or as a script that does the same.
+        """Return a program as YAML, or as an equivalent Python or URScript program.
 
         Raises:
             ControlError: If the language cannot express a step.
@@ -150,7 +151,7 @@ class Programs:
         )
 
     def _explain(self, source: ProgramFile) -> None:
-        """Raise the problems of a file at their lines."""
+        """Raise ProgramError with the problems of a file and their lines."""
         if source.file is None:
             return
         problems = self.check(source.program).problems
@@ -179,7 +180,7 @@ class Programs:
 
 @final
 class ProgramHandle:
-    """A program that runs: wait for it, pause it, step it, or stop it."""
+    """A running program: wait for it, pause it, step it, or stop it."""
 
     def __init__(self, goal: GoalHandle, channel: Channel, run: int) -> None:
         self._goal, self._channel, self._run = goal, channel, run
@@ -187,7 +188,7 @@ class ProgramHandle:
 
     @property
     def status(self) -> ProgramRun:
-        """Present state of the program, with its step and error."""
+        """Current state of the program, with its step and error."""
         runs = self._channel.call(ReadRuns())
         found = next((item for item in runs if item.run == self._run), None)
         if found is not None:
@@ -195,12 +196,12 @@ class ProgramHandle:
         return self._last
 
     def wait(self, timeout: float | None = None) -> ProgramRun:
-        """Wait until it has ended, and return how.
+        """Wait until the program has ended, and return its final state.
 
-        ``timeout`` is as for ``GoalHandle.wait``.
+        For ``timeout``, see ``GoalHandle.wait``.
 
         Raises:
-            GoalTimeoutError: If it still runs then.
+            GoalTimeoutError: If the program still runs after ``timeout``.
         """
         self._goal.wait(timeout)
         return self.status
@@ -210,17 +211,17 @@ class ProgramHandle:
         self._channel.call(PauseRun(arm=self._last.arm))
 
     def resume(self) -> None:
-        """Continue."""
+        """Continue the program."""
         self._channel.call(ResumeRun(arm=self._last.arm))
 
     def step(self) -> None:
-        """Continue until the next step is done."""
+        """Continue the program until its next step is done."""
         self._channel.call(StepRun(arm=self._last.arm))
 
     def stop(self) -> None:
-        """End it: the arm stops on its path, and its controllers start again.
+        """End the program: the arm stops on its path, and its controllers start again.
 
-        One that has ended is left alone.
+        A program that has already ended is not affected.
         """
         self._goal.cancel()
 

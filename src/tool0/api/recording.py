@@ -36,7 +36,7 @@ QUANTITIES: Final = (
     "desired_position",
     "desired_velocity",
 )
-"""Quantities recorded of each joint, in the order of the columns."""
+"""Quantities recorded for each joint, in the order of the columns."""
 
 _INTERVAL: Final = 0.1
 """Interval at which received snapshots are packed [wall s]."""
@@ -49,9 +49,10 @@ _NO_SETPOINT: Final = JointSetpoint(float("nan"), float("nan"), float("nan"))
 class Recording(AbstractContextManager["Recording"]):
     """Joint states and setpoints at a constant rate, from its start to ``stop``.
 
-    Leaving its ``with`` block stops it.  Every array can be read while it records, too,
-    and holds the samples so far.  Samples are evenly spaced, unless the simulation was
-    reset meanwhile or some were missed.  There is no sample while time is paused.
+    Leaving its ``with`` block stops it.  The arrays can also be read during the
+    recording; they then contain the samples so far.  Samples are evenly spaced, unless
+    the simulation was reset or samples were missed.  There are no samples while time is
+    paused.
     """
 
     def __init__(self, channel: Channel, rate: float, control_period: float) -> None:
@@ -90,7 +91,7 @@ class Recording(AbstractContextManager["Recording"]):
 
     @property
     def missed(self) -> int:
-        """Samples that were dropped on the way; 0 within the same process."""
+        """Number of samples lost between the processes; 0 within the same process."""
         self._take()
         return self._missed
 
@@ -126,7 +127,7 @@ class Recording(AbstractContextManager["Recording"]):
     def desired_velocity(self) -> Array:
         """Desired velocities [rad/s | m/s], shape (n_samples, n_joints).
 
-        NaN as for ``desired_position``.
+        For NaN values, see ``desired_position``.
         """
         return self._of("desired_velocity")
 
@@ -144,9 +145,9 @@ class Recording(AbstractContextManager["Recording"]):
         return ("time", *(f"{joint}.{what}" for what in QUANTITIES for joint in joints))
 
     def to_csv(self, path: Path | str) -> None:
-        """Write a line for each sample, with names and SI units as in ``columns``.
+        """Write a CSV file with ``columns`` and a line of SI values for each sample.
 
-        A desired value that does not exist is an empty field.
+        Desired values that do not exist are empty fields.
 
         Raises:
             OSError: If the file cannot be written.
@@ -176,7 +177,7 @@ class Recording(AbstractContextManager["Recording"]):
     def stop(self) -> None:
         """Stop recording; stopping twice is allowed.
 
-        The arrays hold everything before the call, also over a connection.
+        The arrays then contain all samples up to the call, even over a connection.
         """
         if self._stopped.is_set():
             return
@@ -201,7 +202,7 @@ class Recording(AbstractContextManager["Recording"]):
         return self._last_tick >= tick
 
     def _take(self) -> None:
-        """Pack the snapshots that have arrived, a few hundred bytes each."""
+        """Store the snapshots that have arrived, in a few hundred bytes each."""
         with self._lock:
             for snapshot in self._subscription.pending():
                 if (
@@ -249,10 +250,10 @@ class Recording(AbstractContextManager["Recording"]):
 
 
 def _ticks_between_samples(period: float, control_period: float) -> int:
-    """Return the control periods between samples at least every ``period`` [s].
+    """Return the number of control periods between samples, ``period`` [s] or less.
 
-    Up to the default rate it is a whole number of default snapshots; above, as often as
-    snapshots are published then.
+    Up to the default rate of snapshots, every n-th snapshot is a sample; above it,
+    every snapshot is.
     """
     ticks = ticks_between_snapshots(period, control_period)
     return ticks * max(1, int(period / (ticks * control_period) + 1e-9))

@@ -1,4 +1,4 @@
-"""The robot that a program holds, in this process or in another one."""
+"""The robot as Python programs see it, from this process or from another one."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointValues:
-    """Joint states by name, as ROS's sensor_msgs/JointState."""
+    """Joint states by name, like ROS's sensor_msgs/JointState."""
 
     time: float
     """Simulated time [s]."""
@@ -92,20 +92,20 @@ class JointValues:
 
 @final
 class Robot(AbstractContextManager["Robot"]):
-    """A robot in simulation.  Close it, or use it as a context manager.
+    """A robot, simulated or real; close it, or use it as a context manager.
 
     ``tool0.bringup`` starts a simulation in this process and returns its robot; closing
     it ends the simulation.  ``tool0.connect`` returns the robot of another process;
-    closing it ends the connection only.  Both have the same methods.
+    closing it ends only the connection.  Both have the same methods.
 
-    Joints are named as in the URDF.  Poses are in the robot's root frame, ``world`` for
-    the built-in robots, unless they say otherwise.  Any method raises TransportError if
-    the other process has ended, and EngineError if it needs time to pass and the
-    physics failed.
+    Joints are named as in the URDF.  Unless stated otherwise, poses are in the robot's
+    root frame, which is ``world`` for the built-in robots.  Every method raises
+    TransportError if the other process has ended; methods that wait for simulated time
+    raise EngineError if the physics has failed.
     """
 
     def __init__(self, channel: Channel) -> None:
-        """Hold the robot at the end of ``channel``."""
+        """Create the handle for the robot that ``channel`` connects to."""
         self._channel = channel
         self._scene = SceneHandle(channel)
 
@@ -132,7 +132,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def description(self) -> RobotDescription:
-        """The robot as a checked model and as URDF."""
+        """The robot's description: a checked model and its URDF."""
         return self.channel.description
 
     @property
@@ -147,7 +147,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def joint_limits(self) -> Mapping[str, JointLimits]:
-        """Limits of each driven joint: the URDF's, or those of the YAML.
+        """Limits of each driven joint, from the URDF or the controllers' YAML.
 
         Positions [rad | m], velocities [rad/s | m/s], efforts [N·m | N].
         """
@@ -183,7 +183,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def snapshot(self) -> Snapshot:
-        """The newest state of the whole robot, at most 8 ms old [simulated]."""
+        """The newest state of the whole robot, at most 8 ms of simulated time old."""
         return self.channel.snapshot
 
     def subscribe(self, rate: float | None = None) -> Subscription:
@@ -211,9 +211,9 @@ class Robot(AbstractContextManager["Robot"]):
             recording.to_csv("motion.csv")
 
         Args:
-            rate: Samples per simulated second, up to 500 [Hz].  The rate that applies
-                is 500, 250, 125 or a whole fraction of 125 at a control period of 1 ms:
-                the next one above, if it is none of them.
+            rate: Samples per simulated second, up to 500 [Hz].  At a control period of
+                1 ms, possible rates are 500, 250, 125, and 125 divided by an integer;
+                other values are rounded up to the next possible rate.
 
         Raises:
             ControlError: If the rate is out of range.
@@ -238,14 +238,14 @@ class Robot(AbstractContextManager["Robot"]):
         ``tool0.open_recording`` reads it, and so do Foxglove and ROS 2's tools.
 
         Args:
-            file: A path that ends in .mcap on the simulation's machine, or a folder;
-                the user's folder of recordings if left out.
+            file: Path on the simulation's machine: a file that ends in .mcap, or a
+                folder; if left out, the user's folder of recordings.
             overwrite: Whether to replace a file that exists.
             max_size: Start a new file at this size [bytes].
             max_duration: Start a new file after this simulated time [s].
-            max_files: Keep only so many files, the newest.
+            max_files: Keep only this many files; the oldest are deleted.
             cameras: Names of cameras whose images are recorded.
-            camera_rate: Images of each per simulated second [Hz].
+            camera_rate: Images of each camera per simulated second [Hz].
 
         Returns:
             The recording, with the path of its file.
@@ -275,7 +275,7 @@ class Robot(AbstractContextManager["Robot"]):
         """End the recording, and complete its file.
 
         Raises:
-            ControlError: If there was none.
+            ControlError: If nothing is being recorded.
         """
         from tool0.protocol.recordings import StopRecording
 
@@ -310,16 +310,16 @@ class Robot(AbstractContextManager["Robot"]):
 
         There is one item for each pair of links or objects that touch, with force [N],
         torque [N·m] and point [m] in the axes of the root.  The engine computes them
-        only on request.  Gazebo reports none the first time.
+        only on request.  Gazebo reports no contacts the first time.
         """
         return self.channel.call(ReadContacts())
 
     def find_collisions(self, positions: Mapping[str, float]) -> tuple[Collision, ...]:
-        """Return the collisions that the robot would have in a pose, and on the way.
+        """Return the collisions in a target posture and on the way to it.
 
-        On the way, all joints move in proportion from their present positions, and an
-        object in a gripper moves along.  Pairs that already overlap as deeply are left
-        out.  Shapes are those of MuJoCo, with either engine.
+        On the way, all joints move synchronously from their current positions, and an
+        object in a gripper moves with the gripper.  Pairs that already overlap this
+        deeply are left out.  The collision shapes are MuJoCo's, with either engine.
 
         For example::
 
@@ -346,18 +346,18 @@ class Robot(AbstractContextManager["Robot"]):
         point: Sequence[float] | None = None,
         duration: float | None = None,
     ) -> None:
-        """Push a link or an object from now on.
+        """Apply a force and a torque to a link or an object from now on.
 
         Args:
             name: A link or an object that can move.
-            force: Force [N], of constant direction in the robot's root.
+            force: Force [N], with a constant direction in the robot's root frame.
             torque: Torque [N·m], in the same axes.
             point: Point where the force acts now [m], in the root; the body's centre
                 of mass if left out.
-            duration: Simulated time [s]; without end if left out.
+            duration: Simulated time [s]; unlimited if left out.
 
         Raises:
-            ControlError: If a value has the wrong number of parts, or is not finite.
+            ControlError: If a value has the wrong number of elements, or is not finite.
             EngineError: If there is no such link or object, or it cannot move.
         """
         self.channel.call(
@@ -371,7 +371,7 @@ class Robot(AbstractContextManager["Robot"]):
         )
 
     def clear_wrenches(self, name: str | None = None) -> None:
-        """End the wrenches of ``apply_wrench``, on one link or object or on all."""
+        """End the wrenches of ``apply_wrench`` on one link or object, or on all."""
         self.channel.call(ClearWrenches(name=name))
 
     def pose(self, link: str, relative_to: str | None = None) -> Transform:
@@ -379,7 +379,8 @@ class Robot(AbstractContextManager["Robot"]):
 
         Args:
             link: The link.
-            relative_to: The link in whose frame the pose is; the root, if left out.
+            relative_to: Link in whose frame the pose is given; the robot's root if left
+                out.
 
         Raises:
             ModelError: If there is no such link.
@@ -389,8 +390,8 @@ class Robot(AbstractContextManager["Robot"]):
     def summary(self) -> dict[str, Any]:
         """Return a summary of the run as JSON-compatible values.
 
-        Simulated and wall time [s], late ticks, controllers, joints, the largest drift
-        of an uncommanded joint [rad | m], and warnings.
+        It contains simulated and wall time [s], late ticks, controllers, joints, the
+        largest drift of an uncommanded joint [rad | m], and warnings.
         """
         return self.channel.call(ReadSummary())
 
@@ -409,7 +410,7 @@ class Robot(AbstractContextManager["Robot"]):
         """Return a handle on a loaded controller.
 
         Args:
-            name: Its name in the YAML.
+            name: Name of the controller in the YAML.
 
         Raises:
             ControlError: If no controller of this name is loaded.
@@ -426,11 +427,12 @@ class Robot(AbstractContextManager["Robot"]):
         """Load a controller without starting it.
 
         Args:
-            name: Its name in the YAML of the bring-up, or in ``config``.
-            config: Other YAML to read it from; only in the same process.
+            name: Name of the controller in the YAML of the bring-up, or in ``config``.
+            config: Other YAML that defines the controller; only for a simulation in
+                this process.
 
         Raises:
-            ControlError: If it is loaded already.
+            ControlError: If the controller is already loaded.
             ConfigError: If the YAML does not define it, or its parameters are wrong.
         """
         if config is None:
@@ -445,10 +447,10 @@ class Robot(AbstractContextManager["Robot"]):
         self.channel.call(LoadControllerWith(name=name, config=config))
 
     def configure(self, name: str) -> None:
-        """Configure a controller of ROS 2 that was loaded without it.
+        """Configure a ROS 2 controller that was loaded without being configured.
 
         Raises:
-            ControlError: If it is configured already, or not loaded.
+            ControlError: If the controller is already configured, or not loaded.
             ConfigError: If its parameters are wrong.
         """
         self.channel.call(ConfigureController(name=name))
@@ -457,7 +459,7 @@ class Robot(AbstractContextManager["Robot"]):
         """Unload a controller.
 
         Raises:
-            ControlError: If it runs, or is not loaded.
+            ControlError: If the controller is running, or not loaded.
         """
         self.channel.call(UnloadController(name=name))
 
@@ -468,15 +470,16 @@ class Robot(AbstractContextManager["Robot"]):
         *,
         strict: bool = True,
     ) -> None:
-        """Stop and start controllers at one instant.
+        """Stop and start controllers at the same instant.
 
         Args:
             start: Controllers to start.
             stop: Controllers to stop.
-            strict: Whether one impossible change rejects all; otherwise it is skipped.
+            strict: Whether one impossible change rejects the whole request; otherwise,
+                impossible changes are skipped.
 
         Raises:
-            ControlError: If the manager refuses; nothing has changed then.
+            ControlError: If the controller manager refuses; nothing has changed then.
         """
         self.channel.call(
             SwitchControllers(
@@ -496,19 +499,20 @@ class Robot(AbstractContextManager["Robot"]):
         duration: float | None = None,
         collision: CollisionRule = "refuse",
     ) -> tuple[GoalHandle, ...]:
-        """Move joints smoothly, by the controllers that claim them.
+        """Move joints smoothly through the controllers that claim them.
 
         Args:
             positions: Joint → target [rad | m].
-            speed: Fraction of each joint's largest velocity, 0.01 … 1.
-            duration: Instead of a speed: duration of the motion [simulated s], the same
+            speed: Fraction of each joint's maximum velocity, 0.01 … 1.
+            duration: Duration of the motion [simulated s] instead of a speed, the same
                 for all controllers.
-            collision: ``refuse`` to move if an arm would collide on the straight way in
-                joint space, with the bodies and the place; or ``ignore``.
+            collision: ``refuse`` to move if an arm would collide on the straight path
+                in joint space (the error names the bodies and the place), or ``ignore``
+                collisions.
 
         Returns:
             A goal for each running JointTrajectoryController that has one of the
-            joints; its other joints continue their motion.
+            joints; the controller's other joints continue their motion.
 
         Raises:
             CollisionError: If an arm would collide.
@@ -530,11 +534,11 @@ class Robot(AbstractContextManager["Robot"]):
         """Return a collision-free motion of several arms together; nothing moves.
 
         Args:
-            targets: One for each arm that moves: ``Arm.target`` makes them.
-            **options: As for ``Arm.plan``.
+            targets: One target for each arm that moves, made by ``Arm.target``.
+            **options: See ``Arm.plan``.
 
         Raises:
-            Tool0Error: As ``Arm.plan``.
+            Tool0Error: See ``Arm.plan``.
         """
         request = PlanMotion(targets=targets, **options)  # type: ignore[arg-type]
         return self.channel.call(request)
@@ -542,7 +546,7 @@ class Robot(AbstractContextManager["Robot"]):
     def execute(self, plan: Plan) -> tuple[GoalHandle, ...]:
         """Follow a plan; return the goal of each controller.
 
-        As ``Arm.execute``; a contact of one arm stops all.
+        See ``Arm.execute``; a contact of one arm stops all arms.
         """
         if not isinstance(plan, Plan):
             raise RequestError("execute", f"'plan': need a Plan, got {plan!r:.80}")
@@ -550,7 +554,7 @@ class Robot(AbstractContextManager["Robot"]):
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
 
     def cancel_planning(self) -> None:
-        """End every search in progress; ``plan`` raises PlanningError there."""
+        """Cancel all planning in progress; those ``plan`` calls raise PlanningError."""
         self.channel.call(CancelPlanning())
 
     def poses(self) -> Mapping[str, NamedPose]:
@@ -566,10 +570,10 @@ class Robot(AbstractContextManager["Robot"]):
 
         Args:
             name: Name of the pose.
-            robot: Only the joints of this robot; those of all, if left out.
+            robot: Save only the joints of this robot; those of all robots if left out.
 
         Raises:
-            ControlError: If it is the name of one of the robot's own poses, or none.
+            ControlError: If the name is a built-in pose's, or not printable.
             ConfigError: If the file of saved poses cannot be read or written.
         """
         self.channel.call(SavePose(name=name, robot=robot))
@@ -578,7 +582,7 @@ class Robot(AbstractContextManager["Robot"]):
         """Delete a saved pose.
 
         Raises:
-            ControlError: If there is none of this name, or it is built in.
+            ControlError: If there is no pose of this name, or it is built in.
         """
         self.channel.call(DeletePose(name=name))
 
@@ -590,16 +594,16 @@ class Robot(AbstractContextManager["Robot"]):
         speed: float = 0.5,
         collision: CollisionRule = "refuse",
     ) -> tuple[GoalHandle, ...]:
-        """Move the joints of a pose there, as ``move_joints`` does.
+        """Move joints to a named pose, as ``move_joints`` does.
 
-        A pose with joints of an arm does not move its gripper; one of gripper joints
-        only, such as ``open``, does.
+        A pose that contains joints of an arm does not move its gripper; a pose that
+        contains only gripper joints, such as ``open``, does.
 
         Args:
             name: A built-in or saved pose.
-            robot: Only the joints of this robot; of all robots, if left out.
-            speed: Fraction of each joint's largest velocity, 0.01 … 1.
-            collision: As for ``move_joints``.
+            robot: Move only the joints of this robot; those of all robots if left out.
+            speed: Fraction of each joint's maximum velocity, 0.01 … 1.
+            collision: See ``move_joints``.
 
         Raises:
             CollisionError: If an arm would collide.
@@ -613,7 +617,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def episodes(self) -> EpisodesHandle:
-        """Records demonstrations as episodes in a folder."""
+        """The recorder of demonstrations, which writes episodes into a folder."""
         from tool0.api.episodes import EpisodesHandle
 
         return EpisodesHandle(self.channel)
@@ -628,22 +632,24 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def programs(self) -> Programs:
-        """The programs that were saved with this robot; check and export others."""
+        """The programs saved with this robot, and checks and exports of any program."""
         return self._programs
 
     def run_program(
         self, program: Program | Path | str, *, paused: bool = False
     ) -> ProgramHandle:
-        """Check a program and start it; ``wait`` for the returned handle.
+        """Check a program, start it, and return a handle to wait for its end.
 
         Args:
             program: The program, its file (``.yaml``), or the name of a saved one.
-            paused: Whether it waits before its first step, for ``step`` or ``resume``.
+            paused: Whether the program waits for ``step`` or ``resume`` before its
+                first step.
 
         Raises:
             ProgramError: If a step cannot be executed, with the reason; nothing moves.
             ConfigError: If the file cannot be read, or is no program.
-            ControlError: If the arm may not move, or none is saved under that name.
+            ControlError: If the arm may not move, or no program is saved under that
+                name.
         """
         return self.programs.run(program, paused=paused)
 
@@ -651,7 +657,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def grippers(self) -> Mapping[str, Gripper]:
-        """The grippers by the prefix of their names, ``gripper`` without one."""
+        """The grippers by the prefix of their names, or ``gripper`` without one."""
         return self._grippers
 
     @cached_property
@@ -665,14 +671,14 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def gripper(self) -> Gripper:
-        """The robot's gripper; ControlError unless it has exactly one."""
+        """The robot's gripper; raises ControlError unless it has exactly one."""
         return only_part(self.grippers, "gripper", self.description.model)
 
     @property
     def arms(self) -> Mapping[str, Arm]:
-        """The arms by the prefix of their links, ``arm`` without one.
+        """The arms by the prefix of their links, or ``arm`` without one.
 
-        An arm is six revolute joints in a row, up to a link ``…tool0``.
+        An arm is a chain of six revolute joints that ends in a link ``…tool0``.
         """
         return self._arms
 
@@ -688,17 +694,17 @@ class Robot(AbstractContextManager["Robot"]):
         """The robot's arm: poses, inverse kinematics, motion of the tool.
 
         Raises:
-            ControlError: Unless the robot has exactly one arm.
+            ControlError: If the robot does not have exactly one arm.
         """
         return only_part(self.arms, "arm", self.description.model)
 
     @property
     def force_torque(self) -> ForceTorque:
-        """The force-torque sensor at ``tool0``; ControlError unless there is one."""
+        """The sensor at ``tool0``; raises ControlError unless there is exactly one."""
         return self.force_torque_of(None)
 
     def force_torque_of(self, link: str | None) -> ForceTorque:
-        """Return a sensor of the wrench that ``link`` and all beyond it exert.
+        """Return the sensor of the wrench that ``link`` and everything beyond it exert.
 
         Raises:
             ModelError: If there is no such link.
@@ -756,12 +762,12 @@ class Robot(AbstractContextManager["Robot"]):
         """Advance a paused simulation by ``ticks`` control periods, 1 … 1 000 000.
 
         Raises:
-            ControlError: If it is not paused.
+            ControlError: If the simulation is not paused.
         """
         self.channel.call(Step(ticks=ticks))
 
     def set_speed(self, factor: float) -> None:
-        """Run at ``factor`` simulated seconds per wall second, above 0 … 1000.
+        """Set the speed in simulated seconds per wall second: above 0, at most 1000.
 
         Raises:
             ControlError: If the simulation does not run in real time.
@@ -775,16 +781,17 @@ class Robot(AbstractContextManager["Robot"]):
         keep_time: bool = False,
         allow_penetration: bool = False,
     ) -> None:
-        """Put the robot back into its initial pose, and objects to their start.
+        """Return the robot to its initial pose, and the objects to their start poses.
 
         Active goals are PREEMPTED; running controllers hold the pose.  Removed objects
-        stay removed.  A reset also ends a fault of the physics.
+        stay removed.  A reset also clears a physics fault.
 
         Args:
             position: Joint → position instead of the initial one [rad | m].
             keep_time: Whether simulated time continues; otherwise it is zero again.
             allow_penetration: Whether ``position`` may put a link more than 2 mm into
-                the ground, an object or another link: the physics throws them apart.
+                the ground, an object or another link, although the physics then throws
+                them apart.
 
         Raises:
             ModelError: If a joint is unknown or a position is out of its limits.

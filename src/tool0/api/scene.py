@@ -1,4 +1,4 @@
-"""The handle on the objects around a robot: ``robot.scene``."""
+"""Handle for the objects around a robot: ``robot.scene``."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class SceneHandle:
 
     @property
     def objects(self) -> tuple[SceneObject, ...]:
-        """The objects that are there now, each with the pose at which it started."""
+        """The current objects, each with its start pose."""
         return self._channel.snapshot.scene
 
     @property
@@ -94,27 +94,30 @@ class SceneHandle:
     ) -> SceneObject:
         """Add an object to the scene, at rest, and return it.
 
-        Motion continues.  The loop waits for it: some milliseconds in MuJoCo, more for
-        a large mesh, 0.2 s in Gazebo.  In real time it catches up.
+        Motions continue.  The control loop waits while the object is added: a few
+        milliseconds in MuJoCo (more for a large mesh), 0.2 s in Gazebo.  In real time,
+        it catches up afterwards.
 
         Args:
-            item: Its name, or a complete object; the rest is then left out.
+            item: Name of the object, or a complete ``SceneObject``; then leave out the
+                arguments from ``shape`` to ``rgba``.
             shape: ``Box``, ``Cylinder``, ``Sphere``, ``Mesh``, a ``Compound`` of them,
-                or a mesh's file in metres (``tool0.scene.mesh`` scales others).
-            xyz: Position of its origin, in the robot's root [m].
-            rpy: Its orientation, fixed-axis roll, pitch, yaw [rad].
+                or a mesh file in metres (``tool0.scene.mesh`` scales other units).
+            xyz: Position of the object's origin, in the robot's root [m].
+            rpy: Orientation of the object: fixed-axis roll, pitch, yaw [rad].
             mass: Mass [kg]; an object without one is fixed.
             friction: Coulomb coefficient of sliding friction.
-            rgba: Each within 0 … 1; a colour of its own, if left out.
-            allow_penetration: Whether it may be more than 2 mm inside a link.
+            rgba: Colour and opacity, each 0 … 1; chosen automatically if left out.
+            allow_penetration: Whether the object may be more than 2 mm inside a link.
 
         Raises:
-            PenetrationError: If it would be inside a link.
+            PenetrationError: If the object would be inside a link.
             ConfigError: If the object is impossible, or has the name of a link.
             ControlError: If a value has the wrong type or is out of bounds.
             DescriptionError: If there is no such mesh.
             ModelError: If the engine does not support the object.
-            EngineError: If an object has this name, or the engine refuses.
+            EngineError: If there already is an object of this name, or the engine
+                refuses the object.
         """
         if isinstance(item, SceneObject):
             name, shape = item.name, item.geometry
@@ -156,20 +159,22 @@ class SceneHandle:
         angular: Sequence[float] = (0.0, 0.0, 0.0),
         allow_penetration: bool = False,
     ) -> None:
-        """Place an object at once, at rest or moving; ``reset`` restores its start.
+        """Move an object to a pose instantly; ``reset`` returns it to its start pose.
 
         Args:
             name: The object.
-            position: Position of its origin, in the robot's root [m].
-            quat_wxyz: Its orientation there; of any length but zero.
-            linear: Velocity of its origin, in the root's axes [m/s].
+            position: Position of the object's origin, in the robot's root [m].
+            quat_wxyz: Orientation of the object, as a quaternion of any length except
+                zero.
+            linear: Velocity of the object's origin, in the root's axes [m/s].
             angular: Angular velocity, in the root's axes [rad/s].
-            allow_penetration: Whether it may be more than 2 mm inside a link.
+            allow_penetration: Whether the object may be more than 2 mm inside a link.
 
         Raises:
-            PenetrationError: If it would be inside a link.
-            ControlError: If a value has the wrong number of parts, or is not finite.
-            EngineError: If there is no such object, or it has no mass and is to move.
+            PenetrationError: If the object would be inside a link.
+            ControlError: If a value has the wrong number of elements, or is not finite.
+            EngineError: If there is no such object, or a velocity is given for an
+                object without a mass.
         """
         self._channel.call(
             PlaceObject(

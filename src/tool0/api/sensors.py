@@ -1,4 +1,4 @@
-"""Handles on cameras and force-torque sensors."""
+"""Handles for cameras and force-torque sensors."""
 
 from __future__ import annotations
 
@@ -36,10 +36,11 @@ class ForceTorque:
     """Measures the wrench that a tool exerts on the link that carries it.
 
     Force [N] and torque [N·m] include the tool's weight, inertia and contacts.  They
-    are in the axes of the link, at its origin, with the sign of the UR's own ``wrench``
-    and of Gazebo's sensor, ``child_to_parent``: a tool that hangs down pulls along +z.
-    The sensor costs nothing until it is started; the first reading starts it.  Gazebo
-    reports contacts only after the first request: the first sample there lacks them.
+    are given in the link's axes at its origin.  Their sign is that of UR's own
+    ``wrench`` and of Gazebo's ``child_to_parent`` sensors: a tool that hangs down pulls
+    along +z.  The sensor costs nothing until it is started; the first reading starts
+    it.  Gazebo reports contacts only after the first request, so its first sample lacks
+    them.
     """
 
     def __init__(self, link: str | None, channel: Channel) -> None:
@@ -53,21 +54,21 @@ class ForceTorque:
 
     @property
     def rate(self) -> float:
-        """Samples per simulated second [Hz]; 0 while it is not started."""
+        """Samples per simulated second [Hz]; 0 while the sensor is stopped."""
         return self._channel.call(ReadForceTorqueRate(link=self.link))
 
     def start(self, rate: float | None = None, cutoff: float = DEFAULT_CUTOFF) -> float:
         """Start sampling without a tare and return the rate [Hz].
 
-        A sensor that is running starts again.
+        A running sensor is restarted.
 
         Args:
             rate: Samples per simulated second [Hz], 50 … 1000 and a divisor of the
-                control rate.  If you leave it out, 125 or the next divisor below.
+                control rate.  If left out, 125 or the next lower divisor.
             cutoff: Cut-off of the low-pass filter [Hz], below half the rate.
 
         Raises:
-            ControlError: If either is out of range.
+            ControlError: If ``rate`` or ``cutoff`` is out of range.
         """
         request = StartForceTorque(link=self.link, rate=rate, cutoff=cutoff)
         return self._channel.call(request)
@@ -79,7 +80,7 @@ class ForceTorque:
     def zero(self) -> None:
         """Tare the sensor until it is started again, as UR's ``zero_ftsensor`` does.
 
-        A reset of the simulation keeps the tare, as a sensor would.
+        The tare survives a reset of the simulation, as it would in a real sensor.
         """
         self._channel.call(TareForceTorque(link=self.link))
 
@@ -88,8 +89,8 @@ class ForceTorque:
 
         Raises:
             ModelError: If there is no such link.
-            ControlError: If no link is named, and the robot has no ``tool0`` or
-                several.
+            ControlError: If no link is named, and the robot does not have exactly one
+                ``tool0``.
         """
         return self._channel.call(ReadForceTorque(link=self.link))
 
@@ -98,13 +99,14 @@ class ForceTorque:
     ) -> tuple[WrenchReading, ...]:
         """Return all samples after ``since``, oldest first.
 
-        The sensor keeps the last 4096: 33 s at 125 Hz, 4 s at 1 kHz.  If you ask later
-        than that, ``dropped`` of the first sample is the number of those you missed.
+        The sensor keeps the last 4096 samples, which cover 33 s at 125 Hz and 4 s at 1
+        kHz.  If you ask later than that, ``dropped`` of the first returned sample is
+        the number of samples that you missed.
 
         Args:
-            since: The ``number`` of the last known sample; one from before the sensor
-                was started again counts as none.
-            timeout: Longest wait for the first [wall s]; None for no limit.
+            since: The ``number`` of the last known sample; a number from before the
+                sensor was restarted is ignored.
+            timeout: Longest wait for the first sample [wall s]; None for no limit.
 
         Raises:
             ControlError: If the simulation is closed meanwhile.
@@ -128,14 +130,15 @@ class CameraHandle:
     """One camera of a robot: ``robot.camera(name)``."""
 
     camera: Camera
-    """Pose of the camera, size of its image, and field of view."""
+    """Pose, image size and field of view of the camera."""
     _channel: Channel
 
     def image(self, snapshot: Snapshot | None = None) -> CameraImage:
-        """Return a picture in colour and depth, of now or of a ``snapshot``.
+        """Return a colour and depth image of the current state, or of a ``snapshot``.
 
         Args:
-            snapshot: A state of the past to draw, from the same process.
+            snapshot: An earlier state to draw instead; only for a simulation in this
+                process.
 
         Raises:
             RenderError: If there is no OpenGL, the robot is closed, or a snapshot is

@@ -22,21 +22,21 @@ if TYPE_CHECKING:
 ITEM, BIN, TABLE = "cube", "bin", "table"
 """Names of the object, the bin and the table in the scene ``table_and_bin``."""
 TABLE_TOP = -0.02
-"""Height of that scene's table, in the robot's root [m]."""
+"""Height of the table in the scene ``table_and_bin``, in the robot's root [m]."""
 ARM_LENGTH = 0.81725
-"""Upper arm and forearm of the arm for which that scene is laid out [m]."""
+"""Length of upper arm and forearm for which ``table_and_bin`` is laid out [m]."""
 LIFT = 0.15
-"""Height at which that arm carries an object above where it picks and places it [m]."""
+"""Value of ``lift`` for an arm of ``ARM_LENGTH`` [m]."""
 LOWEST_LIFT = 0.1
-"""The same for a shorter arm: the walls of the bin are 0.08 m high [m]."""
+"""Smallest value of ``lift`` for short arms [m]; the bin's walls are 0.08 m high."""
 NEAR, FAR = 0.40, 0.65
-"""Range of x of random poses on that table [m]."""
+"""Range of x of random poses on the table [m]."""
 RIGHT, LEFT = -0.10, 0.30
-"""Range of y [m]."""
+"""Range of y of random poses on the table [m]."""
 BIN_Y, BIN_HALF_WIDTH = -0.32, 0.10
 """Position in y of the bin's centre, and half its width [m]."""
 GAP = 0.12
-"""Distance of an object's centre from the bin, for a gripper beside it [m]."""
+"""Distance between an object's centre and the bin that a gripper needs [m]."""
 ATTEMPTS = 1000
 
 
@@ -52,7 +52,7 @@ class PickTable:
     arm: str | None = None
     """Name of the arm and its gripper; the robot's only ones, if None."""
     is_turned: bool = False
-    """Whether the arm looks along -x of the root: the table is turned by pi."""
+    """Whether the arm faces the root's -x direction; the table is then turned by pi."""
 
     @property
     def lift(self) -> float:
@@ -60,7 +60,7 @@ class PickTable:
         return min(LIFT, max(LOWEST_LIFT, LIFT * self.scale))
 
     def at(self, x: float, y: float) -> tuple[float, float]:
-        """Return the place in the root of one in the scene ``table_and_bin`` [m]."""
+        """Return a position of ``table_and_bin``, transformed to the root [m]."""
         scale = -self.scale if self.is_turned else self.scale
         return self.base[0] + x * scale, self.base[1] + y * scale
 
@@ -97,18 +97,18 @@ class PickTable:
         return replace(shipped, objects=tuple(objects))
 
     def random_poses(self, robot: Robot, height: float, seed: int) -> Iterator[Pose]:
-        """Yield poses of an object on the table without end.
+        """Yield random poses of an object on the table, endlessly.
 
-        They are clear of the bin, and where the arm can lift the object from above, in
-        the robot's root.
+        The poses are in the robot's root.  They are clear of the bin, and the arm can
+        lift the object from above there.
 
         Args:
             robot: The robot.
             height: Height of the standing object [m].
-            seed: The same one yields the same poses.
+            seed: Seed of the poses; equal seeds yield equal poses.
         """
         rng = random.Random(seed)
-        # The bin keeps its size, so on a small table it reaches further.
+        # The bin keeps its size, so it takes up more of a small table.
         right = max(RIGHT, BIN_Y + (BIN_HALF_WIDTH + GAP) / self.scale)
         while True:
             for _ in range(ATTEMPTS):
@@ -140,7 +140,7 @@ class PickTable:
 
 
 def joined(tables: Iterable[SceneObject]) -> SceneObject:
-    """Return a table around several ones, which are boxes along the root's axes."""
+    """Return the table that encloses several tables aligned with the root's axes."""
     first, *_ = boxes = [item for item in tables if isinstance(item.geometry, Box)]
     low, high = (
         [
@@ -162,7 +162,7 @@ def arm_scale(model: RobotModel) -> float:
     """Return the length of a robot's only arm, relative to ``ARM_LENGTH``.
 
     Raises:
-        ControlError: Unless the robot has one arm, built like a UR.
+        ControlError: If the robot does not have exactly one arm, built like a UR.
     """
     from tool0.kinematics.chain import find_chains
     from tool0.kinematics.geometry import ArmGeometry

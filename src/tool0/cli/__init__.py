@@ -65,10 +65,10 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
 }
 """Command → its module in this package, and a summary.
 
-In the module, the function of the command's name carries it out: its parameters are
-the options, and it returns the exit status, or None for 0.  In its place there may be
-a mapping of subcommands to such functions.  A module whose options have types with a
-notation of their own has the ``READERS`` of ``options``.
+In the module, the function with the command's name executes the command: its parameters
+are the options, and it returns the exit status, or None for 0.  Alternatively, a
+mapping of that name contains such functions by subcommand.  Modules with options of
+special types provide ``READERS``, as ``options`` does.
 """
 
 OK: Final = 0
@@ -77,7 +77,7 @@ GOAL_FAILED: Final = 1
 FAILED: Final = 2
 """Wrong arguments, or an error that is not a bug."""
 INTERRUPTED: Final = 130
-"""Ctrl-C, as shells count it: 128 + SIGINT."""
+"""Ctrl-C, with the status that shells use: 128 + SIGINT."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -1,4 +1,4 @@
-"""``tool0 bringup``: a robot in simulation, until its duration is over or Ctrl-C."""
+"""``tool0 bringup``: run a robot until its duration is over or Ctrl-C."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ READERS = options.READERS
 _POLL_PERIOD: Final = 0.1
 """Longest time between checks of the clock and the signals [wall s]."""
 _RUN_PERIOD: Final = 0.2
-"""Simulated time between checks without real time [s]: some 10 ms of wall time."""
+"""Simulated time between checks without real-time pacing [s]; about 10 ms wall time."""
 
 
 def bringup(options: BringupOptions) -> int:
@@ -59,7 +59,7 @@ def bringup(options: BringupOptions) -> int:
         exits.enter_context(quiet_overruns())
         exits.enter_context(garbage.starting())
         stop = exits.enter_context(StopSignal())
-        # Names first: report a wrong or used one before the robot is built.
+        # Names first, to report an invalid or used one before building the robot.
         claim = _claim(options.run)
         if claim is not None:
             exits.callback(claim.close)
@@ -109,13 +109,13 @@ def bringup(options: BringupOptions) -> int:
 
 
 def quiet_overruns() -> AbstractContextManager[None]:
-    """Keep the simulation from logging overruns; status line and summary count them."""
+    """Suppress log entries of overruns; status line and summary count overruns."""
     return _without_warnings("tool0.simulation.publisher")
 
 
 @contextlib.contextmanager
 def _without_warnings(name: str) -> Iterator[None]:
-    """Keep a logger from warning of what is printed."""
+    """Keep a logger from warning about what is already printed."""
     logger = logging.getLogger(name)
     level = logger.level
     logger.setLevel(logging.ERROR)
@@ -168,7 +168,7 @@ def _robot(options: BringupOptions) -> Robot:
 def _server(
     robot: Robot, claim: Claim | None, endpoint: Endpoint | None, folder: Path | None
 ) -> Server:
-    """Serve the robot to other processes and to pages, which may write ``folder``."""
+    """Serve the robot to processes, and to pages that may write to ``folder``."""
     from tool0.server.server import Server
 
     services: list[Service] = []
@@ -188,7 +188,7 @@ def _server(
 def _in_ros(
     robot: Robot, options: BringupOptions, stop: StopSignal
 ) -> Iterator[str | None]:
-    """Present the robot in ROS 1 if requested; yield a line with its node."""
+    """Offer the robot in ROS 1 if requested; yield a line about its node."""
     if not options.run.ros1:
         yield None
         return
@@ -228,7 +228,8 @@ def _run(
 ) -> None:
     """Run the simulation until the duration is over or a signal arrives.
 
-    It counts from now on: time may have run while interfaces were starting.
+    The duration counts from now on, because time may have passed while interfaces were
+    starting.
     """
     simulation, duration = options.simulation, options.run.duration
     length = math.inf if duration is None else duration
@@ -256,7 +257,7 @@ def _run(
 
 
 def _is_lost(robot: Robot) -> bool:
-    """Return whether the engine has ended, so that a reset cannot help."""
+    """Return whether the engine has ended; a reset then cannot help."""
     try:
         robot.run(0.0)
     except EngineUnavailableError:
@@ -267,7 +268,7 @@ def _is_lost(robot: Robot) -> bool:
 
 
 def _advance(robot: Robot, duration: float) -> bool:
-    """Run as fast as possible; return whether a whole tick was left."""
+    """Run as fast as possible; return whether at least one tick was left to run."""
     before = robot.time
     try:
         robot.run(duration)

@@ -1,4 +1,4 @@
-"""``tool0 collect``: episodes of a task into a folder, with processes or Ray."""
+"""``tool0 collect``: collect episodes of a task in a folder, by processes or Ray."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def collect(
 
 @final
 class _Display:
-    """A bar on a terminal; elsewhere a line now and then."""
+    """A progress bar on a terminal; elsewhere, an occasional line."""
 
     def __init__(self, task: str, stream: TextIO) -> None:
         self._task = task
@@ -118,7 +118,7 @@ class _Display:
             print(text, file=self._stream, flush=True)
 
     def show(self, progress: Progress) -> None:
-        """Show it."""
+        """Show the progress."""
         n, n_requested = progress.n_episodes, progress.n_requested
         rate = f"{n}/{n_requested} episodes, {progress.rate:.2f}/s"
         if n:

@@ -9,10 +9,10 @@ from tool0.cli import COMMANDS, form_and_readers
 from tool0.cli.parameters import Option, Parameter, Readers, parameters_of
 
 Table = dict[str, list[str]]
-"""Words of a command line → the words that can follow; none where files can.
+"""Start of a command line → the words that can follow; empty where files can.
 
-Keys are a command with its subcommand, this with `` -`` for its options, and this with
-an option that takes values.
+A key is a command with its subcommand; for its options, followed by `` -``; for the
+values of an option, followed by that option.
 """
 
 
@@ -98,7 +98,7 @@ _tool0_candidates() {
     esac
 }
 """
-"""Functions that find the candidates, in POSIX's shell with ``local``."""
+"""Functions that find the candidates, in POSIX shell with ``local``."""
 
 _BASH: Final = """\
 # Completion of tool0 for bash, written by `tool0 completion bash`.

@@ -1,4 +1,4 @@
-"""Shared by the commands that talk to a running bring-up."""
+"""Parts shared by the commands that connect to a running bringup."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from tool0.protocol.goals import Result
 
 _POLL_PERIOD: Final = 0.05
-"""Longest time between checks of the signals [wall s]; an outcome wakes at once."""
+"""Longest time between checks of the signals [wall s]; outcomes are noticed at once."""
 _CANCEL_TIMEOUT: Final = 10.0
 """Longest wait for a canceled goal to end [wall s]."""
 
@@ -91,13 +91,13 @@ class Outcome:
     """Whether a signal or the timeout ended it."""
 
     def as_json(self) -> dict[str, object]:
-        """Return it as ``--json`` prints it."""
+        """Return the end as ``--json`` prints it."""
         from msgspec import to_builtins
 
         return {**to_builtins(self.result), "canceled": self.was_canceled}
 
     def __str__(self) -> str:
-        """Return it as a line of text."""
+        """Return the end as a line of text."""
         text = _described(self.result)
         return f"canceled: {text}" if self.was_canceled else text
 
@@ -105,7 +105,7 @@ class Outcome:
 def wait_for_goal(
     robot: Robot, start: Callable[[], GoalHandle], timeout: float | None
 ) -> Outcome:
-    """Start a goal, wait for it, and return its outcome, as ``wait_for_goals``."""
+    """Start a goal, wait for it, and return its outcome, as ``wait_for_goals`` does."""
     return wait_for_goals(robot, lambda: (start(),), timeout)
 
 
@@ -114,8 +114,8 @@ def wait_for_goals(
 ) -> Outcome:
     """Start goals, wait for all, and return the outcome of the first that failed.
 
-    If none failed, it is that of the last one.  Ctrl-C and SIGTERM cancel the goals:
-    the robot stops as it does for a ROS client.  The handlers are installed before the
+    If none failed, return the last outcome.  Ctrl-C and SIGTERM cancel the goals: the
+    robot stops as it does for a ROS client.  The handlers are installed before the
     goals start, so that no signal is missed.
     """
     from tool0.cli import GOAL_FAILED, INTERRUPTED, OK
@@ -146,7 +146,7 @@ def wait_for_goals(
 
 
 def _decisive(results: Sequence[Result]) -> Result:
-    """Return the first result that is no success, else the last one."""
+    """Return the first unsuccessful result, or the last result if all succeeded."""
     failed = (result for result in results if not _has_succeeded(result))
     return next(failed, results[-1])
 

@@ -201,7 +201,7 @@ def _run(what: Demo, arguments: DemoArguments, panel: PanelOptions) -> int:
 
 
 def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> None:
-    """Serve the panel, and wait until a page shows the robot: a pick lasts seconds."""
+    """Serve the panel, and wait for a page that shows the robot before the task."""
     from tool0.cli.panel import listening, show
     from tool0.panel.server import Panel
 
@@ -218,7 +218,7 @@ def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> N
 
 
 def _wants_replay() -> bool:
-    """Keep robot and panel until Ctrl-C; return True if Enter requests a replay."""
+    """Keep robot and panel until Ctrl-C; return True if Enter asks for a repeat."""
     from tool0.cli.stop_signal import StopSignal
 
     sources: list[StopSignal | TextIO] = []

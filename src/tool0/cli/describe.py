@@ -1,4 +1,4 @@
-"""``tool0 describe``: the robot in several forms, its controllers and its sources."""
+"""``tool0 describe``: print the robot in several forms, its controllers and sources."""
 
 from __future__ import annotations
 

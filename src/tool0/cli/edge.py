@@ -17,10 +17,10 @@ from typing import TextIO
 
 
 def open_standard_streams() -> None:
-    """Reopen closed ones, and make all of them accept any text.
+    """Reopen closed standard streams, and make all of them accept any text.
 
-    No other file can then take their numbers.  Writing to a closed standard output
-    fails, as in other programs.
+    Other files can then no longer take their descriptors.  Writing to a closed standard
+    output fails, as in other programs.
     """
     for number, (name, mode) in enumerate(_STREAMS.items()):
         try:
@@ -76,7 +76,7 @@ def flush() -> None:
 
 
 def report(error: Exception) -> bool:
-    """Print the error in one line; return False if there is none.
+    """Print the error in one line; return False if it is only a broken pipe.
 
     Raises:
         Exception: ``error`` again, if it is a bug.
@@ -88,7 +88,7 @@ def report(error: Exception) -> bool:
         case Tool0Error() | ImportError() | UnicodeError():
             text = str(error)
         case BrokenPipeError():
-            return False  # `tool0 describe tree | head`: the reader has enough
+            return False  # `tool0 describe tree | head`: the reader has finished
         case OSError():
             text = _described(error)
         case MemoryError():
@@ -102,7 +102,7 @@ def report(error: Exception) -> bool:
 
 
 def _discard_unwritten(stream: TextIO | None) -> None:
-    """Flush; if that fails, keep the interpreter from trying again at exit."""
+    """Flush a stream; if that fails, keep the interpreter from retrying at exit."""
     try:
         if stream is not None:
             stream.flush()

@@ -1,4 +1,4 @@
-"""``tool0 record --episodes``: demonstrations, marked and driven by keys."""
+"""``tool0 record --episodes``: demonstrations that keys start, drive and end."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _OUTCOMES: Final[Mapping[str, EpisodeEnd]] = {
     "x": "discard",
 }
 _PERIOD: Final = 0.25
-"""Wall time between looks at the episode [s]."""
+"""Wall time between checks of the episode [s]."""
 
 
 def record_episodes(folder: Path, task: str, *, reset: bool, bringup: Bringup) -> int:
@@ -68,7 +68,7 @@ def record_episodes(folder: Path, task: str, *, reset: bool, bringup: Bringup) -
 
 @final
 class _Session:
-    """Carries out keys, and shows one line of status."""
+    """Executes keys, and shows a status line."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -77,7 +77,7 @@ class _Session:
         self.show()
 
     def take(self, key: str) -> None:
-        """Carry out a key; the empty one only shows the time."""
+        """Execute a key; an empty text only updates the status line."""
         from tool0.protocol.episodes import EndEpisode, StartEpisode
 
         channel, problem = self._robot.channel, ""
@@ -134,7 +134,7 @@ def _described(status: EpisodesStatus | None) -> str:
 
 @contextlib.contextmanager
 def _keys() -> Iterator[int]:
-    """Give the file number of the standard input; a terminal delivers single keys."""
+    """Yield the descriptor of the standard input; a terminal delivers single keys."""
     number = sys.stdin.fileno()
     if not os.isatty(number):
         yield number
@@ -151,7 +151,7 @@ def _keys() -> Iterator[int]:
 
 
 def _pressed(number: int, stop: StopSignal) -> Iterator[str]:
-    """Yield keys, and empty texts now and then, until the input or the process ends."""
+    """Yield keys, and regular empty texts, until the input or the process ends."""
     while not stop.is_set:
         inputs: list[int | StopSignal] = [number, stop]
         ready, _, _ = select.select(inputs, [], [], _PERIOD)

@@ -22,7 +22,7 @@ WIDTH = 100
 """Columns of the terminal."""
 EMPTY = "''"
 _LEAST = 40
-"""Minimum columns for text, however deep the tree."""
+"""Minimum width of the text in columns, even deep in the tree."""
 _FIND = "$(find\N{NO-BREAK SPACE}"
 
 
@@ -66,7 +66,7 @@ def explain(
 
 
 def _file(names: list[str]) -> Path:
-    """Return the launch file that the words name."""
+    """Return the launch file that the given words name."""
     match names:
         case [name]:
             file = Path(name)
@@ -81,7 +81,7 @@ def _file(names: list[str]) -> Path:
 
 
 def _in_package(package: str, name: str) -> Path:
-    """Return the file of a package, in any of its folders, as roslaunch does."""
+    """Return a package's file from any of its folders, as roslaunch does."""
     from tool0.description.packages import packages_around
     from tool0.lint.packages import PackageIndex
 
@@ -164,7 +164,7 @@ def _count(findings: tuple[Finding, ...]) -> str:
 
 @final
 class _Writer:
-    """Writes items; paths are shown from their packages on."""
+    """Writes items, with paths relative to their packages."""
 
     def __init__(self, packages: PackageIndex) -> None:
         self._packages = packages
@@ -172,7 +172,7 @@ class _Writer:
         self._folders = dict(sorted(known.items(), key=lambda item: -len(item[0])))
 
     def path(self, name: str) -> str:
-        """Return a file's name as ``package/path`` if it lies in one."""
+        """Return a file's name, as ``package/path`` if the file is in a package."""
         around = self._packages.around(Path(name)) if name.startswith("/") else None
         if around is None:
             return name
@@ -196,7 +196,7 @@ class _Writer:
         Args:
             items: The uses.
             indent: The text before each line.
-            around: The text of the line above, and its file, which is not repeated.
+            around: Text and file of the line above; they are not repeated.
         """
         places = [_place(item, around) for item in items]
         width = max(map(len, places), default=0)
@@ -228,7 +228,7 @@ class _Writer:
         return text + _note(item)
 
     def _value(self, value: str) -> str:
-        """Return a value with the folders of packages as roslaunch writes them."""
+        """Return a value with package folders in roslaunch's notation."""
         value = " ".join(value.split())
         for folder, name in self._folders.items():
             value = value.replace(f"{folder}/", f"$(find {name})/")
@@ -256,7 +256,7 @@ def _branch(text: str, indent: str, item: Item, *, is_last: bool) -> Iterator[st
 
 
 def _wrapped(text: str, indent: str) -> Iterator[str]:
-    """Yield lines of at most the width, those after the first below ``indent``."""
+    """Yield lines that fit the width; those after the first start with ``indent``."""
     if len(text) <= WIDTH:
         yield text
         return

@@ -159,13 +159,13 @@ class InstallationStatus(Protocol):
 
 
 def print_removed(size: int) -> int:
-    """Print the size of what was removed [bytes]; return the exit status."""
+    """Print the size of the removed files [bytes]; return the exit status."""
     print(f"removed {size / 1e6:.0f} MB" if size else "nothing to remove")
     return OK
 
 
 def print_status(status: InstallationStatus, *, as_json: bool) -> int:
-    """Print it, for people or for programs; return the exit status."""
+    """Print the result as text or as JSON; return the exit status."""
     if as_json:
         print_json(status.as_json())
     else:

@@ -173,7 +173,7 @@ def _refuse(other: str, options: Mapping[str, object]) -> None:
 
 
 def _given(**options: object) -> dict[str, Any]:
-    """Return the options that were given: values of several types."""
+    """Return the options that were given, with values of several types."""
     return {name: value for name, value in options.items() if value is not None}
 
 
@@ -196,7 +196,7 @@ def _joint_motion(
     controller: str | None,
     collision: CollisionRule,
 ) -> Callable[[], tuple[GoalHandle, ...]]:
-    """Return what starts a motion of joints."""
+    """Return a function that starts a motion of joints."""
     duration = 2.0 if duration is None else duration
     if not 0.0 < duration < math.inf:
         raise ConfigError(f"--duration must be above 0 s, got {duration}")
@@ -216,7 +216,7 @@ def _joint_motion(
 def _arm_of(
     target: Pose | Mapping[str, float], connected: Robot, robot: str | None
 ) -> Arm:
-    """Return the arm that goes to a target: by ``--robot``, or by its joints."""
+    """Return the arm that moves to a target, named by ``--robot`` or by its joints."""
     if robot is None and not isinstance(target, Pose):
         for arm in connected.arms.values():
             if not target.keys().isdisjoint(arm.joint_names):
@@ -238,7 +238,7 @@ def _show_check(found: Checked, *, as_json: bool) -> int:
 
 
 def _show_way(search: Callable[[], Plan], *, as_json: bool) -> int:
-    """Print whether there is a way around; return the exit status."""
+    """Print whether there is a path around obstacles; return the exit status."""
     plan, reason = None, ""
     try:
         plan = search()
@@ -346,7 +346,7 @@ def grip(
 
 
 def _joint_position(text: str | None, quantity: Quantity) -> float | None:
-    """Return ``--position`` [rad | m]: the joint measures ``quantity``."""
+    """Return ``--position`` [rad | m] of a joint that measures ``quantity``."""
     if text is None:
         return None
     try:

@@ -53,7 +53,7 @@ class EngineOptions:
     """Open Gazebo's own window, gzclient."""
 
     def given(self) -> dict[str, object]:
-        """Return the given options, by the engine's own names."""
+        """Return the given options under the engine's names."""
         options: dict[str, object] = {}
         if self.world is not None:
             options["world"] = self.world
@@ -80,7 +80,7 @@ class HardwareOptions:
     none; the URCap's socket if not given."""
 
     def given(self) -> dict[str, object]:
-        """Return the options, by the engine's own names."""
+        """Return the options under the engine's names."""
         return {
             "port_base": self.hardware_port_base,
             "callback_host": self.callback_host or "",
@@ -165,12 +165,12 @@ class Ros2NodeOptions:
     """ROS_DOMAIN_ID; if not given, that of the environment."""
 
     def options(self) -> Ros2Options:
-        """Return them as the node takes them."""
+        """Return the options in the form that the node takes."""
         return Ros2Options(ns=self.ros2_ns, domain=self.domain)
 
 
 def _own_programs() -> Path | None:
-    """Return the folder of UR programs in the user's data; None if none can be made."""
+    """Return the folder of UR programs in the user's data; None if not creatable."""
     folder = data_folder() / "ur-programs"
     with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
@@ -196,7 +196,7 @@ class UrControllerOptions:
     power-on."""
 
     def options(self) -> UrOptions:
-        """Return them as the UR interface takes them."""
+        """Return the options in the form that the UR interface takes."""
         return UrOptions(
             host=self.ur_host,
             port_base=self.ur_port_base,
@@ -228,7 +228,7 @@ class BringupOptions:
                 "--ur-host, --ur-port-base, --ur-programs, --ur-sockets and "
                 "--ur-active-gripper need --ur"
             )
-        self.ur.options()  # raises for a wrong one
+        self.ur.options()  # raises if an option is invalid
         if self.simulation.hardware is None and self.hardware != HardwareOptions():
             raise ConfigError(
                 "--hardware-port-base, --callback-host, --callback-port and "
@@ -240,14 +240,14 @@ class BringupOptions:
             raise ConfigError("--overwrite needs --record")
         if not self.run.ros2 and self.ros2 != Ros2NodeOptions():
             raise ConfigError("--ros2-ns and --domain need --ros2")
-        self.ros2.options()  # raises for a wrong one
+        self.ros2.options()  # raises if an option is invalid
         if not self.run.ros1 and self.ros != Ros1Options():
             raise ConfigError(
                 "--roscore, --ns, --tf-pub-rate and --camera-rate need --ros1"
             )
 
     def _check_hardware(self) -> None:
-        """Raise ConfigError for what is of a simulation only."""
+        """Raise ConfigError for options that apply only to a simulation."""
         usual = SimulationConfig()
         simulated = {
             "--engine": self.simulation.engine != usual.engine,
@@ -266,7 +266,8 @@ class BringupOptions:
     def full_description(self) -> DescriptionConfig:
         """Return ``description`` with the tags that ROS 2's controllers need.
 
-        A real robot has these controllers, too: one of them follows its speed slider.
+        A real robot has these controllers, too, because one of them follows the speed
+        slider.
         """
         is_ros2 = self.run.ros2 or (
             self.simulation.hardware is not None

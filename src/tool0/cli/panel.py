@@ -1,4 +1,4 @@
-"""The panel of a command, and ``tool0 view``: a robot posed there, without physics."""
+"""The panel of a command, and ``tool0 view``, which shows a robot without physics."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
     """Open the page in a browser if there are a terminal and a desktop.
 
     Returns:
-        The thread that opens it; None if it is not opened.
+        The thread that opens the page; None if the page is not opened.
     """
     has_user = console.isatty() and Machine().has_desktop()
     if not (options.open and has_user):

@@ -1,6 +1,6 @@
-"""The parameters of a command's function as options: names, types, texts for the help.
+"""Options from the parameters of a command's function: names, types and help texts.
 
-A dataclass parameter is a group of options, its fields.  Texts come
+A dataclass parameter is a group of options: the fields of the dataclass.  Texts come
 from docstrings: the ``Args`` of a function, and the string below a field.
 """
 
@@ -45,9 +45,9 @@ class Option:
     """Annotation of a parameter whose name and type do not define its notation."""
 
     name: str | None = None
-    """Instead of the parameter's name."""
+    """Name of the option, if it differs from the parameter's name."""
     metavar: str | None = None
-    """The placeholder of its value or values in the help."""
+    """The placeholder of the value or values in the help."""
     is_positional: bool = False
 
 
@@ -62,14 +62,14 @@ class Reader:
 
     n_words: int | Literal["*"]
     metavar: str
-    """The placeholder of the words in the help; the option's name if empty."""
+    """Placeholder of the words in the help; if empty, the option's name is used."""
     read: Callable[[list[str]], object]
     choices: tuple[str, ...] = ()
-    """The valid words, if they are few."""
+    """The valid words, if there are only a few."""
 
 
 Readers = Mapping[object, Reader | None]
-"""Type → how its options are written; None if there are none."""
+"""Type → the notation of its options; None if it cannot be an option."""
 
 
 @final
@@ -78,12 +78,12 @@ class Parameter:
     """An option or a positional argument of a command."""
 
     owner: Callable[..., Any]
-    """The function, or the group."""
+    """The function or option group that has the parameter."""
     path: tuple[str, ...]
-    """Name of the parameter, after the names of the groups it is in."""
+    """Names of the enclosing groups, followed by the parameter's name."""
     option: Option
     reader: Reader | None
-    """None for a flag."""
+    """Notation of the value; None for a flag."""
     default: object
 
     @property
@@ -100,7 +100,7 @@ class Parameter:
 
     @property
     def metavar(self) -> str:
-        """The placeholder of its value or values in the help."""
+        """The placeholder of the value or values in the help."""
         if self.reader is None:
             return ""
         name = self.path[-1].rpartition("_")[2].upper()
@@ -108,13 +108,13 @@ class Parameter:
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """The ways to write it: a flag that is on by default can be switched off."""
+        """Spellings of the option; a flag that is on by default can be switched off."""
         can_be_off = self.reader is None and self.default is True
         return (self.flag, f"--no-{self.flag[2:]}") if can_be_off else (self.flag,)
 
     @property
     def usage(self) -> str:
-        """Its words in a usage line, in brackets unless they are required."""
+        """Text for the usage line, in brackets unless the parameter is required."""
         text = self.metavar
         if not self.option.is_positional:
             text = f"{self.flag} {text}"
@@ -122,23 +122,23 @@ class Parameter:
 
     @property
     def text(self) -> str:
-        """Its explanation."""
+        """Explanation of the parameter."""
         return _texts_of(self.owner).get(self.path[-1], "")
 
     @property
     def written_default(self) -> str:
-        """Its default as it is typed; empty if there is none, or it is obvious."""
+        """The default as it is typed; empty if there is none, or if it is obvious."""
         return self.flag if self.default is True else _written(self.default)
 
     @property
     def help(self) -> str:
-        """Its text, with the default unless that is obvious."""
+        """Explanation of the parameter, with the default unless that is obvious."""
         default = self.written_default
         return f"{self.text} (default: {default})" if default else self.text
 
     @property
     def heading(self) -> str:
-        """The heading above it in the help."""
+        """Heading above the parameter in the help."""
         if self.option.is_positional:
             return "Arguments"
         return summary_of(self.owner).rstrip(".") if self.is_field else "Options"
@@ -225,7 +225,7 @@ def _number(kind: type[float], name: str) -> Reader:
 
 
 def read_path(text: str) -> Path:
-    """Return a typed path; ConfigError for none, which would be this folder."""
+    """Return a typed path; ConfigError if empty, as it would mean this folder."""
     if not text.strip():
         raise ConfigError("the name of the file is empty; give a file")
     return Path(text)
@@ -287,12 +287,12 @@ def assignments(words: Sequence[str], sign: str) -> dict[str, str]:
 
 
 def keywords(words: Sequence[str]) -> dict[str, object]:
-    """Return ``NAME=VALUE …`` as keywords: JSON, ``96,96`` for a list, or a text."""
+    """Return ``NAME=VALUE …`` as keywords: JSON, lists (``96,96``) or text."""
     return {name: _value(text) for name, text in assignments(words, "=").items()}
 
 
 def _value(text: str) -> object:
-    """Return JSON as its value, ``96,96`` and ``a,b`` as lists, all else as a text."""
+    """Return JSON as its value, ``96,96`` and ``a,b`` as lists, the rest as text."""
     for form in (text, f"[{text}]") if "," in text else (text,):
         try:
             value: object = json.loads(form)

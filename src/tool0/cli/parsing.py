@@ -1,4 +1,4 @@
-"""Parses the words of a command line to a call of the command's function."""
+"""Parses the words of a command line, and calls the command's function."""
 
 from __future__ import annotations
 
@@ -41,15 +41,15 @@ def parse(
     """Call ``form`` with the arguments and return its result, or print help and exit.
 
     Args:
-        form: A function or dataclass, whose parameters are the options; or functions
-            by the names of subcommands.
+        form: A function or dataclass whose parameters are the options; or a mapping
+            from subcommands to functions.
         command: The words before the arguments.
         arguments: The words.
-        readers: For types with their own notation.
+        readers: Readers for types with their own notation.
         summary: The purpose of the subcommands.
 
     Raises:
-        ConfigError: If a word or a value is refused.
+        ConfigError: If a word or a value is not valid.
         SystemExit: 0 after ``--help``.
     """
     if isinstance(form, Mapping):
@@ -92,7 +92,7 @@ def _made(
     values: Mapping[tuple[str, ...], object],
     path: tuple[str, ...] = (),
 ) -> Parsed:
-    """Call ``form`` with the values; groups of options are made first."""
+    """Create the groups of options, then call ``form`` with the values."""
     keywords: dict[str, Any] = {
         name: _made(kind, values, (*path, name))
         for name, kind in get_type_hints(form).items()
@@ -107,7 +107,7 @@ def _made(
 
 @final
 class _Formatter(argparse.HelpFormatter):
-    """Shows metavars as they are, and wraps each paragraph of a text by itself."""
+    """Shows metavars as they are, and wraps each paragraph of a text separately."""
 
     def __init__(self, prog: str) -> None:
         super().__init__(prog, max_help_position=28)
@@ -129,7 +129,7 @@ class _Parser(argparse.ArgumentParser):
         raise ConfigError(f"{message}; see `{self.prog} --help`")
 
     def refuse(self, word: str, flags: Sequence[str]) -> NoReturn:
-        """Raise the error about a surplus word."""
+        """Raise an error about an unexpected word."""
         if not word.startswith("-"):
             self.error(f"'{word}' is one argument too many")
         near = nearest_name(word, flags)
@@ -179,7 +179,7 @@ def _destination(item: Parameter) -> str:
 
 
 def _add(section: argparse._ArgumentGroup, item: Parameter, text: str) -> None:
-    """Add an option; its value is its words, or the flag's truth value."""
+    """Add an option whose value is a list of words or, for a flag, true or false."""
     keywords: dict[str, Any] = {"default": argparse.SUPPRESS, "help": text}
     if item.reader is None:
         paired = argparse.BooleanOptionalAction

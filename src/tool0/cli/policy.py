@@ -183,7 +183,7 @@ def _on_bringup(
 
 
 def _refuse(what: str, **options: object) -> None:
-    """Raise ConfigError for an option that is only of ``what``."""
+    """Raise ConfigError for an option that only applies to ``what``."""
     for name, value in options.items():
         if value is not None:
             raise ConfigError(f"--{name} needs {what}")

@@ -1,7 +1,7 @@
 """The probes of ``tool0 doctor``, and those of tool0's own packages.
 
-A probe imports its package when it runs, in a process of its own: here, importing this
-module stays light, and a library that cannot be imported breaks one probe only.
+A probe runs in a separate process and imports its package there.  Importing this module
+therefore stays fast, and a library that cannot be imported breaks only one probe.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def mujoco(_: Machine) -> list[ProbeResult]:
 
 
 def kernel(examined: Machine) -> list[ProbeResult]:
-    """Return the compiled kernel, or why Python runs instead and what compiles it."""
+    """Return the compiled kernel, or why it is missing and how to compile it."""
     from tool0.kernel import build, library
 
     if examined.system == "win32":

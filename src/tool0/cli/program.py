@@ -22,7 +22,7 @@ Source = Annotated[str, Option(is_positional=True, metavar="FILE | PROGRAM")]
 ProgramName = Annotated[str, Option(is_positional=True, metavar="PROGRAM")]
 
 _POLL_PERIOD: Final = 0.05
-"""Time between two looks at the program [wall s]."""
+"""Time between two checks of the program [wall s]."""
 _STOP_TIMEOUT: Final = 10.0
 """Longest wait for a stopped program to end [wall s]."""
 
@@ -64,7 +64,7 @@ def run(
 
 
 def _dry_run(robot: Robot, program: str, *, as_json: bool) -> int:
-    """Simulate a program beside the robot, and print what happened."""
+    """Simulate a program separately from the robot, and print the results."""
     shown: tuple[object, ...] = ()
 
     def when_passed(run: ProgramRun) -> None:
@@ -109,7 +109,7 @@ def _plain_check(found: ProgramCheck) -> dict[str, object]:
 
 
 def _duration(found: ProgramCheck) -> float:
-    """Return how long the motions take [s]."""
+    """Return the duration of the motions [s]."""
     return found.motion.times[-1] if found.motion.times else 0.0
 
 
@@ -165,7 +165,7 @@ def _stopped(handle: ProgramHandle) -> ProgramRun:
 
 
 def _show(run: ProgramRun, shown: tuple[object, ...]) -> tuple[object, ...]:
-    """Print the step, unless it was ``shown``; return what is shown now."""
+    """Print the step, unless it is already ``shown``; return the step shown now."""
     from tool0.protocol.program import path_text
 
     state = "paused" if run.state == "paused" else ""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from tool0.recording.reading import RecordingFile
 
 _PERIOD: Final = 0.25
-"""Wall time between looks at the recording [s]."""
+"""Wall time between checks of the recording [s]."""
 File = Annotated[Path, Option(is_positional=True, metavar="FILE")]
 
 
@@ -148,7 +148,7 @@ _FORMATS: Final[Mapping[str, Literal["parquet", "mp4"]]] = {
     "parquet": "parquet",
     "mp4": "mp4",
 }
-"""Formats by the end of the file's name; others are csv."""
+"""Formats by file suffix; the format of other files is csv."""
 
 
 _VIDEO_SIZE: Final = 960, 720
@@ -182,7 +182,7 @@ class VideoOptions:
     """Simulated time at which the video ends [s]."""
 
     def write(self, recording: RecordingFile, target: Path) -> None:
-        """Write the video, and print how far it is."""
+        """Write the video, and print the progress."""
         from tool0.description.camera import Camera, looking
         from tool0.recording.video import write_video
 

@@ -1,4 +1,4 @@
-"""``tool0 replay``: the panel of a recording."""
+"""``tool0 replay``: show a recording in the panel."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def replay(
 
 
 def _simulate(recording: RecordingFile, *, as_json: bool) -> int:
-    """Repeat a recording, and print how that compares; return the exit code."""
+    """Repeat a recording, and print the differences; return the exit code."""
     from tool0.recording.resimulation import resimulate
 
     with ProgressBar(sys.stderr) as bar:

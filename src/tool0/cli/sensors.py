@@ -1,4 +1,4 @@
-"""``tool0 state | wrench | camera``: what a running bringup measures."""
+"""``tool0 state | wrench | camera``: measurements of a running bringup."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def wrench(
 
 
 def _readings(sensor: ForceTorque, duration: float) -> Iterator[WrenchReading]:
-    """Yield the newest sample, and the following ones."""
+    """Yield the newest sample, then all following samples."""
     newest = sensor.read()
     end = newest.time + duration - 1e-6
     yield newest

@@ -46,13 +46,13 @@ class StopSignal:
         return self._read.fileno()
 
     def wait(self, timeout: float | None = None) -> bool:
-        """Wait for a signal, at most ``timeout`` [wall s]; return whether it came."""
+        """Wait up to ``timeout`` [wall s] for a signal; return whether one arrived."""
         if not self.is_set:
             select.select([self._read], [], [], timeout and max(timeout, 0.0))
         return self.is_set
 
     def request(self) -> None:
-        """Stop as if a signal had come; from any thread."""
+        """Act as if a signal had arrived; this can be called from any thread."""
         self.is_set = True
         self._write.send(b"x")
 

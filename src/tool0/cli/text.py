@@ -20,7 +20,7 @@ _BAR: Final = 24
 
 
 def columns(rows: Sequence[Sequence[str]]) -> str:
-    """Return ``rows`` with every column as wide as its widest word, a line each."""
+    """Return a line for each of ``rows``, with columns as wide as their widest word."""
     if not rows:
         return ""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -67,8 +67,8 @@ def greeting(
     Args:
         robot: The robot.
         options: Options of the bring-up.
-        url: The panel's, if there is one.
-        interfaces: Lines about what else presents it, such as its ROS node.
+        url: URL of the panel, if there is one.
+        interfaces: Lines about other interfaces to the robot, such as its ROS node.
     """
     description, simulation, run = robot.description, options.simulation, options.run
     name = description.title
@@ -97,7 +97,7 @@ def greeting(
 
 
 def _real_robot(robot: Robot, name: str) -> str:
-    """Return what a user must know before a real robot moves."""
+    """Return the warnings that a user must read before a real robot moves."""
     link = robot.arm.control_box.state.link
     assert link is not None  # it is a real robot
     who = f"{link.model} {link.serial_number}, PolyScope {link.software}"
@@ -114,7 +114,7 @@ def _real_robot(robot: Robot, name: str) -> str:
 
 
 def ur_lines(arms: Mapping[str, UrArm]) -> list[str]:
-    """Return where each arm is served as a UR."""
+    """Return a line about the UR interface of each arm."""
     lines = []
     for name, arm in arms.items():
         title = arm.address if len(arms) == 1 else f"{arm.address} ({name})"
@@ -152,7 +152,7 @@ def _examples(robot: Robot, name: str) -> Iterator[str]:
 
 @final
 class StatusLine:
-    """One line on a terminal, rewritten once a second; elsewhere nothing."""
+    """A status line on a terminal, rewritten once a second; nothing elsewhere."""
 
     def __init__(self, console: TextIO) -> None:
         self._console = console
@@ -184,7 +184,7 @@ class StatusLine:
 
 @final
 class ProgressBar:
-    """A bar that is drawn over itself on a terminal; else a line for each activity."""
+    """A progress bar on a terminal; elsewhere, a line for each activity."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = sys.stderr if stream is None else stream
@@ -257,7 +257,7 @@ def print_json(value: object) -> None:
 
 
 def finite(value: object) -> object:
-    """Return ``value`` with None for NaN and infinity, which JSON lacks."""
+    """Return ``value`` with NaN and infinity replaced by None, as JSON lacks them."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, dict):

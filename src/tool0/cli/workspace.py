@@ -93,7 +93,7 @@ def workspace(
 
 
 def _check_cell(cell: Cell, *, is_written: bool) -> None:
-    """Raise ConfigError if there is no package for a cell."""
+    """Raise ConfigError if the requested packages do not support cells."""
     if not is_written:
         raise ConfigError(
             "the launch files of tool0_gazebo are for one robot; add --moveit to write "
@@ -196,7 +196,7 @@ def _print_changes(changes: WorkspaceChanges) -> None:
 
 
 def _root_and_source(changes: WorkspaceChanges) -> tuple[Path, str]:
-    """Return the workspace, and the name of the folder of its sources."""
+    """Return the workspace, and the name of its source folder."""
     source = changes.source
     sources = next((p for p in (source, *source.parents) if p.name == "src"), source)
     return sources.parent, shlex.quote(sources.name)

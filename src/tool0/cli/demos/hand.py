@@ -36,7 +36,7 @@ RELEASE = 0.04
 
 @final
 class TaskFailure(Exception):  # noqa: N818  # of the task, not of a program
-    """Why a task ended early.  It ends up in the report."""
+    """Reason why a task ended early, for the report."""
 
 
 @final
@@ -53,7 +53,7 @@ class PickOptions:
     pad_speed: float = 0.15
     """Speed of the pads towards each other [m/s]."""
     lift: float = 0.15
-    """Height at which the object is carried, above its pick and place position [m]."""
+    """Height above the pick and place positions at which the object is carried [m]."""
 
     def __post_init__(self) -> None:
         if not SLOWEST <= self.speed <= 1.0:
@@ -62,7 +62,7 @@ class PickOptions:
 
 @final
 class Hand:
-    """An arm with its gripper; a step that fails raises TaskFailure."""
+    """An arm with its gripper; steps that fail raise TaskFailure."""
 
     def __init__(
         self,
@@ -74,7 +74,8 @@ class Hand:
         """Take the arm and the gripper called ``name``, or the robot's only ones.
 
         Raises:
-            ControlError: If there are none, or the gripper has no such force or speed.
+            ControlError: If they do not exist, or the gripper does not support the
+                force or speed.
         """
         self.arm = robot.arm if name is None else robot.arms[name]
         self.gripper = robot.gripper if name is None else robot.grippers[name]
@@ -117,7 +118,7 @@ class Hand:
     def move_to(self, pose: Transform, tool: Transform) -> None:
         """Move ``tool``, fixed in the flange, to a pose in the root.
 
-        Around obstacles, if something is in the way.
+        The tool moves around obstacles if something is in the way.
         """
         self.finish(self._or_around(lambda: self.start(pose, tool), pose, tool))
 
@@ -130,8 +131,8 @@ class Hand:
     ) -> Grasp:
         """Go around obstacles to one of the grasps, and return it.
 
-        It is the one that moves the joints least, of those to which there is a way.
-        The ``others`` are the targets of arms that move meanwhile.
+        Of the reachable grasps, it is the one that moves the joints least.  The
+        ``others`` are the targets of arms that move at the same time.
         """
         refused: Tool0Error | None = None
         for grasp in self._by_distance(grasps):
@@ -158,7 +159,7 @@ class Hand:
     def _or_around(
         self, start: Callable[[], GoalHandle], pose: Transform, tool: Transform
     ) -> GoalHandle:
-        """Start a motion, or another one to the pose if it would collide."""
+        """Start a motion; if it would collide, move to the pose around obstacles."""
         try:
             return start()
         except CollisionError as refused:
@@ -169,7 +170,7 @@ class Hand:
             return self.arm.execute(plan)
 
     def move_home(self) -> None:
-        """Move the joints to where they were at first."""
+        """Move the joints back to their initial positions."""
         for goal in self._robot.move_joints(self._home, speed=self.options.speed):
             self.finish(goal)
 
@@ -188,8 +189,9 @@ class Hand:
 
         Args:
             into: The bin.
-            grasps: The poses in which it may be put down, wherever they are.
-            height: Height of the middle of the pads above the floor of the bin [m].
+            grasps: Grasps whose orientations are allowed when the object is put down;
+                their positions do not matter.
+            height: Height of the middle of the pads above the bin's floor [m].
         """
         self._monitor.begin("carrying")
         x, y, bottom = into.center
@@ -200,7 +202,7 @@ class Hand:
     def release(self, into: Bin, place: Grasp, height: float) -> None:
         """Release the object in a bin from ``place`` above it, and leave.
 
-        ``height`` is as for ``put``.
+        For ``height``, see ``put``.
         """
         monitor, tool, above = self._monitor, self.tool_for(place.width), place.pose
         x, y, bottom = into.center
@@ -226,7 +228,7 @@ class Hand:
         return self._by_distance(moved)[0]
 
     def _by_distance(self, grasps: Sequence[Grasp]) -> list[Grasp]:
-        """Return the grasps that can be reached, by how far the joints move."""
+        """Return the reachable grasps, sorted by how far the joints move."""
         found: list[tuple[float, Grasp]] = []
         refused: Tool0Error | None = None
         for grasp in grasps:

@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 GIVER, TAKER = "giver", "taker"
 """Names of the two robots."""
 FORWARD, SIDEWAYS = 0.45, 0.55
-"""Place where the robots meet, from either base, for an arm of scale 1 [m]."""
+"""Meeting point of the robots relative to either base, for arms of scale 1 [m]."""
 HEIGHT = 0.33
-"""The same above the root [m]; lower for shorter arms."""
+"""Height of the meeting point above the root [m]; lower for shorter arms."""
 APART = 0.1
-"""Distance from which a gripper approaches the other, and to which it leaves [m]."""
+"""Distance from which a gripper approaches the other, and to which it retreats [m]."""
 
 
 @final
@@ -39,7 +39,7 @@ APART = 0.1
 class HandoverCell:
     """Two robots side by side: the giver on the left, the taker on the right.
 
-    The grippers meet face to face, halfway between the bases and in front of them.
+    The grippers meet face to face, in front of the bases and halfway between them.
     """
 
     giver: PickTable
@@ -47,7 +47,7 @@ class HandoverCell:
 
     @classmethod
     def of(cls, giver: float, taker: float) -> HandoverCell:
-        """Return the cell for arms of two scales (``arm_scale``)."""
+        """Return the cell for two arms with the given scales (see ``arm_scale``)."""
         largest = max(giver, taker)
 
         def table(name: str, scale: float, side: float) -> PickTable:
@@ -58,7 +58,7 @@ class HandoverCell:
 
     @property
     def meeting(self) -> Vector3:
-        """Place where the object is handed over, in the root [m]."""
+        """Point where the object is handed over, in the root [m]."""
         scales = self.giver.scale, self.taker.scale
         return FORWARD * max(scales), 0.0, HEIGHT * min(1.0, *scales)
 
@@ -112,15 +112,15 @@ def hand_over(
 ) -> PickReport:
     """Pick an object, hand it to the other robot, and place it in a bin.
 
-    The giver picks it from above; the grippers meet face to face, their pads on
+    The giver picks it from above; the grippers meet face to face, with their pads on
     different sides of the object.  Friction alone holds it, unless the robot has grasp
     assist.
 
     Args:
-        robot: With two robots called giver and taker.
+        robot: A cell of two robots called giver and taker.
         item: The name of an upright cube that can move.
-        into: Bin for the object, in reach of the taker.
-        meeting: Place of the handover, in the root [m].
+        into: Bin for the object, within the taker's reach.
+        meeting: Point of the handover, in the root [m].
         options: Force and speeds.
         on_snapshot: Called with each snapshot, for recording.
 
@@ -204,7 +204,8 @@ class _Handover:
         monitor.begin("parting")
         giver.move_linear(_behind(way.give), give_tool)
         taker.check_hold()
-        # Back as it came: on a shorter way it might hit itself or the giver.
+        # Return along the same path: on a shorter one, the arm might hit itself
+        # or the giver.
         monitor.begin("withdrawing")
         taker.move_linear(_behind(way.take), take_tool)
         taker.move_home()
@@ -212,7 +213,7 @@ class _Handover:
         return width
 
     def _nearest_way(self, give_tool: Transform, take_tool: Transform) -> _Way:
-        """Return the way to meet that moves the joints least, or raise TaskFailure."""
+        """Return the meeting that moves the joints least, or raise TaskFailure."""
         best: tuple[float, _Way] | None = None
         refused: ModelError | None = None
         for way in self._ways():
@@ -236,7 +237,7 @@ class _Handover:
         return best[1]
 
     def _ways(self) -> Iterator[_Way]:
-        """Yield the frames in which the pads of the two are on different sides."""
+        """Yield the frames in which the two grippers' pads are on different sides."""
         (ax, ay, _), (bx, by, _) = (
             self._robot.pose(hand.arm.chain.base).position
             for hand in (self._giver, self._taker)
@@ -255,5 +256,5 @@ class _Handover:
 
 
 def _behind(frame: Transform) -> Transform:
-    """Return the frame of a gripper that has not yet approached, or has left."""
+    """Return the frame of a gripper before its approach or after its retreat."""
     return frame @ Transform(position=(0.0, 0.0, -APART))

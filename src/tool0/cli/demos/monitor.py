@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 FRAME_RATE = 30
 """Frames per simulated second [Hz]."""
 _POLL_PERIOD = 0.5
-"""Longest wait for a snapshot [wall s]: a pause is noticed after that."""
+"""Longest wait for a snapshot [wall s]; a pause is noticed after that time."""
 _TIME_ROUNDING = 1e-9  # [s]
 
 
@@ -33,7 +33,8 @@ class _Held(NamedTuple):
     """The link that carries the fingers."""
     pads: tuple[str, str]
     start: Vector3
-    """Start position of the object, from the middle of the pads, in the base [m]."""
+    """Start position of the object relative to the middle of the pads, in the base
+    [m]."""
 
 
 @final
@@ -66,9 +67,9 @@ class GraspMonitor:
         self.slip: float | None = None
         """Distance that the object has moved between the pads since it was held [m]."""
         self.peak_force = 0.0
-        """The largest that a pad has exerted on the object so far [N]."""
+        """Largest force that a pad has exerted on the object so far [N]."""
         self.phases: dict[str, float] = {}
-        """Name → duration, simulated [s]."""
+        """Phase → its duration [simulated s]."""
         self._phase = ""
         self._since = robot.time
 
@@ -110,7 +111,7 @@ class GraspMonitor:
         self.until(lambda: False, duration)
 
     def start_slip(self, gripper: Gripper) -> None:
-        """Measure slip from here on: the object should not move between the pads."""
+        """Measure slip from now on; the object should not move between the pads."""
         geometry = gripper.geometry
         base = self._robot.description.model.joint(geometry.joint).parent
         pads = pad_links(self._robot.description.model, geometry)
@@ -123,7 +124,7 @@ class GraspMonitor:
         self._held = None
 
     def pose(self) -> Transform:
-        """Return where the object is, in the root."""
+        """Return the object's pose in the root."""
         return self._robot.scene.pose(self.item)
 
     def pad_force(self) -> float:
@@ -164,7 +165,7 @@ class GraspMonitor:
             self.slip = max(self.slip, math.dist(held.start, now))
 
     def _held_at(self, snapshot: Snapshot, base: str, pads: tuple[str, str]) -> Vector3:
-        """Return the object's position from the middle of the pads, in the gripper."""
+        """Return the object's position relative to the pads' middle, in the gripper."""
         position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
         found = link_poses(self._robot.description.model, position)
         (ax, ay, az), (bx, by, bz) = (found[pad].position for pad in pads)

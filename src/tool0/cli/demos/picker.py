@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from tool0.api.robot import Robot
 
 DROP = 0.015
-"""Height above the floor of the bin at which it is released [m]."""
+"""Height above the bin's floor at which the object is released [m]."""
 
 
 @final
@@ -46,11 +46,11 @@ class Picker:
             item: An upright box, cylinder or sphere.
             options: Force and speeds.
             monitor: Advances time, and measures.
-            name: Name of the arm and the gripper; the only ones, if left out.
+            name: Name of the arm and its gripper; needed only if there are several.
 
         Raises:
             ControlError: If there is no such object, it cannot be gripped at all, or
-                the gripper has no such force or speed.
+                the gripper does not support the force or speed.
         """
         self.hand = Hand(robot, options, monitor, name)
         geometry = self.hand.gripper.geometry
@@ -60,7 +60,7 @@ class Picker:
         self._floor = pose.position[2] - half_height(thing, pose)
         reach = finger_reach(robot.description.model, geometry)
         top = 2.0 * pose.position[2] - self._floor
-        # Lower, the fingers would touch the table, or the knuckles a tall object.
+        # Any lower, the fingers would touch the table or the knuckles a tall object.
         self._height = max(
             pose.position[2], top - reach, self._floor + reach + CLEARANCE
         )
@@ -77,7 +77,7 @@ class Picker:
         return self._grasp.width
 
     def take(self) -> None:
-        """Go there, grip it, and lift it, or raise TaskFailure."""
+        """Go to the object, grip it, and lift it, or raise TaskFailure."""
         hand, monitor, lift = self.hand, self._monitor, self.hand.options.lift
         x, y, _ = self._grasps[0].pose.position
         self._grasp = hand.nearest((x, y, self._height + lift), self._grasps)
@@ -116,7 +116,8 @@ def pick_and_place(
     The object is held by friction alone, unless the robot has grasp assist.
 
     Args:
-        robot: With one arm that has analytic inverse kinematics, and one gripper.
+        robot: A robot with one arm that has analytic inverse kinematics, and one
+            gripper.
         item: The name of an upright box, cylinder or sphere that can move.
         into: Bin for the object.
         options: Force and speeds.
@@ -133,7 +134,7 @@ def pick_and_place(
 
 
 class Picking(Protocol):
-    """Picks an object, and measures how it holds it."""
+    """Picks an object, and measures the grip."""
 
     hand: Hand
     width: float | None
@@ -145,7 +146,7 @@ class Picking(Protocol):
         """Grip the object and lift it, or raise TaskFailure."""
 
     def put(self, into: Bin) -> None:
-        """Carry it to a bin and release it, or raise TaskFailure."""
+        """Carry the object to a bin and release it, or raise TaskFailure."""
 
 
 def pick_into(

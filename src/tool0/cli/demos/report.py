@@ -15,7 +15,7 @@ class PickReport:
     success: bool
     """Whether the object is in the bin."""
     failure: str | None = None
-    """The phase in which the task failed, and why; None if it succeeded."""
+    """The phase in which the task failed, and the reason; None if it succeeded."""
     item: str
     """The object."""
     start: tuple[float, float, float]
@@ -27,19 +27,19 @@ class PickReport:
     grip_force: float | None = None
     """Force of a pad when the object was lifted [N]."""
     peak_force: float
-    """The largest that a pad exerted, of samples at 125 Hz: pads that meet a rigid
-    object must also stop the rotor of their drive [N]."""
+    """Largest force of a pad [N], sampled at 125 Hz; pads that meet a rigid object must
+    also stop the rotor of their drive."""
     width: float | None = None
     """Width of the held object, from the gripper's joint [m]."""
     slip: float | None = None
     """Largest slip between the pads while it was held [m]."""
     duration: float
-    """Simulated [s]."""
+    """Duration of the task [simulated s]."""
     phases: Mapping[str, float] = field(default_factory=dict)
-    """Phase → its duration, simulated [s]."""
+    """Phase → its duration [simulated s]."""
 
     def to_text(self) -> str:
-        """Return it as a line for people."""
+        """Return the report as a readable line."""
         x, y, _ = self.start
         what = f"'{self.item}' from ({x:.3f}, {y:.3f})"
         if not self.success:

@@ -63,7 +63,7 @@ class Demo:
     poses: Callable[[Robot, int], Iterator[Pose]]
     """Random start poses of the cube, for a seed."""
     task: Callable[[Robot, Bin, OnSnapshot], PickReport]
-    """Does it once."""
+    """Performs the task once."""
 
     def play(
         self,
@@ -79,7 +79,8 @@ class Demo:
         Args:
             robot: The robot as described, with the scene.
             n: Number of trials.
-            seed: Seed of the random start poses; without one, the first is the scene's.
+            seed: Seed of the random start poses; without a seed, the first pose is the
+                scene's.
             on_snapshot: Called with each snapshot.
             on_pick: Called after each trial.
         """
@@ -146,7 +147,7 @@ def handover_demo(cube: Cube, options: PickOptions, giver: str, taker: str) -> D
     """Return the handovers between two robots, each ``ARM+GRIPPER``.
 
     Raises:
-        ConfigError: If one is not written like that.
+        ConfigError: If either does not have this form.
     """
     given = {GIVER: giver, TAKER: taker}
     robots = parse_robots([f"{name}={parts}" for name, parts in given.items()]).robots
@@ -175,5 +176,5 @@ def handover_demo(cube: Cube, options: PickOptions, giver: str, taker: str) -> D
 
 
 def _scale(description: DescriptionConfig) -> float:
-    """Return the size of an arm; the description is read for it."""
+    """Return the scale of an arm, for which the description is read."""
     return arm_scale(load_description(description).model)

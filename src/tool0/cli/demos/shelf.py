@@ -1,4 +1,4 @@
-"""Pick an object from a shelf, and place it in a bin behind a wall: with plans.
+"""Pick an object from a shelf, and place it in a bin behind a wall, with planning.
 
 A second arm may work at the bin: it makes room while the object is carried.
 """
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 SMALLEST_SCALE: Final = 0.95
 """Smallest scale of the arms that reach both the shelf and the bin."""
 BOARD: Final = "shelf.board"
-"""Name of the object's board."""
+"""Name of the board on which the object stands."""
 INTO_SHELF: Final = (0.0, 1.0, 0.0)
 """Direction in the root."""
 RAISED: Final = 0.02
@@ -51,7 +51,7 @@ PICKER, HELPER = "picker", "helper"
 HELPER_XYZ: Final = (1.05, -0.34, 0.0)
 """Base of the second robot, in the root [m]; it faces the first one."""
 ASIDE: Final = {"shoulder_pan_joint": 1.6, "shoulder_lift_joint": -1.9}
-"""Posture in which it makes room [rad]."""
+"""Posture in which the second robot makes room [rad]."""
 _BESIDE: Final = 0.12
 """Distance of an object's centre from the sides of the shelf [m]."""
 _DEPTHS: Final = (0.04, 0.09)
@@ -97,7 +97,7 @@ def two_robots(picker: DescriptionConfig, helper: DescriptionConfig) -> Cell:
 
 
 def random_poses(scene: Scene, edge: float, seed: int) -> Iterator[Pose]:
-    """Yield poses of a cube on the board without end; the same ones for a seed."""
+    """Yield endless random poses of a cube on the board, determined by ``seed``."""
     rng = random.Random(seed)
     low, high = _board(scene.objects)
     while True:
@@ -116,12 +116,12 @@ def pick_from_shelf(
 ) -> PickReport:
     """Pick an object from the shelf, place it in a bin, and report.
 
-    The ways to the shelf and to the bin are planned around everything, the second one
-    with the object in the gripper.
+    The paths to the shelf and to the bin are planned around all obstacles, the second
+    path with the object in the gripper.
 
     Args:
-        robot: With one arm and one gripper, or those of ``two_robots``, in the scene
-            ``shelf``.
+        robot: A robot with one arm and one gripper, or a cell from ``two_robots``, in
+            the scene ``shelf``.
         item: The name of an upright box, cylinder or sphere.
         into: Bin for the object.
         options: Force and speeds.
@@ -138,7 +138,7 @@ def pick_from_shelf(
 
 @final
 class ShelfPicker:
-    """Does one pick from the front, with one arm and its gripper."""
+    """Picks an object from the front, with one arm and its gripper."""
 
     def __init__(
         self, robot: Robot, item: str, options: PickOptions, monitor: GraspMonitor

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from tool0.api.robot import Robot
 
 RETURN_TIMEOUT = 20.0
-"""Longest motion back between two picks, simulated [s]."""
+"""Longest duration of the motion back between two picks [simulated s]."""
 SETTLE = 0.3
 """Simulated time for an object to come to rest where it was put [s]."""
 
@@ -45,7 +45,7 @@ class DemoReport:
         return sum(pick.success for pick in self.picks)
 
     def to_json(self) -> dict[str, object]:
-        """Return plain values."""
+        """Return the results as JSON-compatible values."""
         return {**asdict(self), "succeeded": self.n_succeeded}
 
     def to_text(self) -> str:
@@ -74,12 +74,12 @@ def run_trials(
     on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
     on_pick: Callable[[PickReport], None] = lambda report: None,
 ) -> DemoReport:
-    """Do a task with an object from one pose after the other.
+    """Perform a task with an object from several poses, one after the other.
 
     The first trial starts with the robot as it is, the others from the same posture.
 
     Args:
-        robot: With one arm and one gripper, or several.
+        robot: A robot with one arm and one gripper, or with several.
         item: The object, which is put back on the table between picks.
         task: Picks the object, such as ``pick_and_place``.
         poses: The start poses of the object; None leaves it where it is.
@@ -88,8 +88,8 @@ def run_trials(
         on_pick: Called after each pick.
 
     Raises:
-        ControlError: As ``task``, or if the emergency stop is engaged between two
-            picks.
+        ControlError: If ``task`` raises it, or if the emergency stop is engaged between
+            two picks.
         EngineError: If the physics fails.
     """
     wall_start, sim_start = time.perf_counter(), robot.time
@@ -122,7 +122,7 @@ def run_trials(
 
 
 def _go_back(robot: Robot, home: Mapping[str, float], monitor: GraspMonitor) -> None:
-    """Open the grippers and move the arms ``home``; after a failure they are anywhere.
+    """Open the grippers and move the arms ``home``, wherever a failure left them.
 
     If that takes longer than ``RETURN_TIMEOUT``, the next pick starts elsewhere.
     """
