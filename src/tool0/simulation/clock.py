@@ -1,4 +1,4 @@
-"""Simulated time against the wall clock: when a tick is due, and late ticks."""
+"""Simulated time against the wall clock: times at which ticks are due, late ticks."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class Pacer:
         self.overruns = 0
 
     def wait_time(self) -> float:
-        """Return how long to wait for the next tick [wall s]; at most 0 if due."""
+        """Return the wait until the next tick [wall s]; 0 or negative if it is due."""
         return self._due - self._now()
 
     def tick(self) -> int:
-        """Record that the due tick starts now; return how many are due, with it."""
+        """Record the start of the due tick; return how many are due, including it."""
         self._late = late = self._now() - self._due
         if late > CATCH_UP:
             self._due += late - CATCH_UP
@@ -57,7 +57,7 @@ class Pacer:
 
 @final
 class FollowedClock:
-    """The pace of an engine that waits for its own clock in each step."""
+    """Pace of an engine that waits for its own clock in each step."""
 
     overruns = 0
 
@@ -70,7 +70,7 @@ class FollowedClock:
         return 1
 
     def tick_further(self, count: int) -> None:
-        """Nothing is late."""
+        """Do nothing, since no tick of such an engine is late."""
 
 
 @final
@@ -112,9 +112,9 @@ class SpeedMeter:
 
 
 BEHIND = 0.95
-"""Part of the requested speed below which a second counts as slow."""
+"""Fraction of the requested speed below which a second counts as slow."""
 SLOW_WINDOWS = 3
-"""Slow seconds in excess of the others after which the simulation is behind."""
+"""Surplus of slow over other seconds after which the simulation is behind."""
 
 
 @final
@@ -126,7 +126,7 @@ class Lag:
         self._n_slow = 0
 
     def changes(self, share: float) -> bool:
-        """Take the reached share of the speed; return whether ``is_behind`` changes."""
+        """Take the achieved part of the speed; return whether ``is_behind`` changes."""
         step = 1 if share < BEHIND else -1
         self._n_slow = min(max(self._n_slow + step, 0), SLOW_WINDOWS)
         before = self.is_behind

@@ -22,7 +22,8 @@ class ControlConfig:
 
     controllers_file: File | Sequence[File] | None = None
     """YAML files of ros_control, or of ros2_control for a robot with `<ros2_control>`;
-    later files override earlier ones.  If not given, the built-in controllers."""
+    later files override earlier ones.  Without any, the built-in controllers are
+    used."""
     controllers: Names | None = None
     """Names of the controllers to load and start; if not given, the standard ones that
     fit the robot."""
@@ -35,8 +36,8 @@ class ControlConfig:
     """A named pose (built-in or saved), or positions by joint [rad | m]; the other
     joints start as in the pose home, or near zero in a file without one."""
     control_period: float | None = None
-    """Simulated time between controller updates [s]; if not given, from the
-    `update_rate` of ROS 2's controllers, otherwise dt."""
+    """Simulated time between controller updates [s]; if not given, it follows from the
+    `update_rate` of ROS 2's controllers, or else equals dt."""
 
 
 @final
