@@ -1,4 +1,4 @@
-"""The controllers that packages export as plugins of pluginlib."""
+"""Controllers that packages export as pluginlib plugins."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ _LARGEST = 1_000_000
 
 @final
 class PluginIndex:
-    """The types of plugins in a workspace, and in the packages of ROS_PACKAGE_PATH."""
+    """Types of plugins in a workspace and in the packages of ROS_PACKAGE_PATH."""
 
     def __init__(self, packages: Packages = _NONE) -> None:
-        """Take the packages of the workspace; files are read on demand."""
+        """Store the packages of the workspace; their files are read on demand."""
         self._folders = tuple(packages.values())
 
     def __contains__(self, type_name: str) -> bool:
@@ -49,7 +49,7 @@ def _installed() -> Iterator[Path]:
 def _exported_by(package: Path) -> frozenset[str]:
     """Return the names of the plugins that a package describes.
 
-    ROS 1 names the description in package.xml, ROS 2 in CMakeLists.txt.
+    ROS 1 refers to the description in package.xml, ROS 2 in CMakeLists.txt.
     """
     manifest, cmake = _text(package / "package.xml"), _text(package / "CMakeLists.txt")
     files = {*_IN_MANIFEST.findall(manifest), *_IN_CMAKE.findall(cmake)}

@@ -73,7 +73,7 @@ class Budget:
 
     @property
     def left(self) -> float:
-        """Work that nobody waits for now [s]; at most 0 while there is too much."""
+        """Remaining work for which no client has to wait [s]; at most 0 if overused."""
         now = self.now()
         gained = (now - self._counted_at) * self.share
         self._left = min(self._burst, self._left + gained)
@@ -130,7 +130,7 @@ class Budget:
         await turn
 
     def _end_slice(self) -> None:
-        """Give the next client its turn: the event loop has looked at its sockets."""
+        """Give the next client its turn after the event loop has polled its sockets."""
         self._slice_began_at = None
         while self._turns:
             turn = self._turns.popleft()

@@ -191,7 +191,7 @@ class Companion:
         return status
 
     def _take(self, line: str) -> None:
-        """Take a line of the program's output: a report, or of its log."""
+        """Handle a line of the program's output: a report or part of its log."""
         if line.startswith("{"):
             with contextlib.suppress(ValueError):
                 report = json.loads(line)

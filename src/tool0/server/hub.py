@@ -273,7 +273,7 @@ class Hub:
             session.send(reply)
 
     def _return_arms(self, session: Session) -> None:
-        """Stop the arms that a peer has taken: it moves them no longer."""
+        """Stop the arms that a peer has taken, and forget that the peer moves them."""
         for arm, by in session.arms.items():
             with contextlib.suppress(RuntimeError):  # the server ends
                 self._workers.submit(self._return_arm, ReturnArm(arm=arm, by=by))

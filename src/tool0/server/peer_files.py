@@ -48,7 +48,7 @@ class PeerFiles:
         )
 
     def _is_inside(self, path: str) -> bool:
-        """Return whether a path leads into one of ``folders``, links followed."""
+        """Return whether a path leads into one of ``folders``, with links followed."""
         real = _real(path)
         return real is not None and any(
             real.is_relative_to(folder.resolve()) for folder in self.folders

@@ -164,7 +164,7 @@ class Session:
 
     @property
     def is_busy(self) -> bool:
-        """Whether requests wait or are carried out; later ones must not overtake."""
+        """Whether requests wait or are in progress; later ones must not overtake."""
         return self._backlog > 0
 
     def is_stuck(self) -> bool:
@@ -190,7 +190,7 @@ class Session:
         self._wake.set()
 
     def send_latest(self, kind: str, text: bytes) -> None:
-        """Send ``text`` in place of an older one of its kind that was not sent yet."""
+        """Send ``text`` in place of an unsent older one of the same kind."""
         self._latest[kind] = text
         self._wake.set()
 
@@ -239,7 +239,7 @@ class Session:
             self._was_read.set()
 
     def _next(self) -> list[bytes]:
-        """Return what is sent next, several replies at once; nothing if that is all."""
+        """Return the next text to send, with several replies at once; empty if done."""
         if self._queue:
             texts, size = [], 0
             while self._queue and size < _SENT_AT_ONCE:

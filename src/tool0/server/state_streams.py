@@ -155,7 +155,7 @@ class StateStream:
             self._subscription = None
 
     async def _subscribed(self) -> Subscription:
-        """Return a subscription, made in another thread: it waits for the tick."""
+        """Return a subscription, made in another thread since it waits for the tick."""
         made = asyncio.ensure_future(asyncio.to_thread(self._subscribe))
         try:
             return await asyncio.shield(made)

@@ -77,11 +77,7 @@ class Journal:
         return end
 
     def after(self, number: int = -1) -> tuple[Executed, ...]:
-        """Return the entries after one, oldest first: some of them, if they are many.
-
-        The oldest are dropped in a very long session: then the first entry's number is
-        above ``number + 1``, and the session cannot be repeated.
-        """
+        """Return the entries after ``number``, oldest first; only the first of many."""
         with self._lock:
             first = self._count - len(self._entries)
             start = max(number + 1 - first, 0)

@@ -1,8 +1,9 @@
-"""Reading launch files: arguments, groups and includes, as roslaunch does.
+"""Reads launch files: arguments, groups and includes, as roslaunch does.
 
-A Python launch file is read as ROS 2 does (``python``).
+Python launch files are read as in ROS 2 (package ``python``).
 
-Every problem becomes a finding, and reading continues; dependent values are unresolved.
+Every problem becomes a finding, and reading continues; values that depend on it are
+unresolved.
 """
 
 from __future__ import annotations
@@ -44,8 +45,8 @@ def read_launch(
 
     Args:
         file: The launch file.
-        arguments: Its arguments, as given by ``name:=value``.
-        packages: The packages of ``$(find …)``.
+        arguments: The file's arguments, as given by ``name:=value``.
+        packages: Packages for ``$(find …)``.
     """
     texts = {
         name: Text(raw=value, resolved=value, location=SourceLocation(None))
@@ -167,7 +168,7 @@ class _FileReader:
         self._context.depth -= 1
 
     def _claim_name(self, node: Node, scope: Scope) -> None:
-        """Report a second node of one name: roslaunch refuses it."""
+        """Report a second node with the same name, which roslaunch refuses."""
         name = node.full_name
         if name is None or not scope.holds:
             return

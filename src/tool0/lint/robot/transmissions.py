@@ -1,4 +1,4 @@
-"""Transmissions that ros_control skips, misreads, or stops at."""
+"""Transmissions that ros_control skips, misreads, or fails on."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _VALID = ", ".join(item.value for item in Interface)
 
 
 def transmission_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the faults of the transmissions of ROS 1."""
+    """Yield the faults of the ROS 1 transmissions."""
     first: dict[str, TransmissionFacts] = {}
     for transmission in robot.facts.transmissions:
         yield from _incomplete(transmission)
@@ -155,7 +155,7 @@ def _counting(transmission: TransmissionFacts) -> tuple[InterfaceFacts, ...]:
 
 
 def _unknown_interfaces(facts: RobotFacts) -> Iterator[Finding]:
-    """Yield the interfaces that ROS does not know, each place in a macro once."""
+    """Yield the interfaces that ROS does not know, once for each place in a macro."""
     simulators = {plugin.parameter("robotSimType") for plugin in facts.control_plugins}
     found: dict[Subject, tuple[str | None, list[str]]] = {}
     for transmission in facts.transmissions:

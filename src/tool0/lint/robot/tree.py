@@ -1,4 +1,7 @@
-"""Links and joints that make no tree: two of one name, unknown, two parents, loops."""
+"""Links and joints that are not a tree: duplicate or unknown names, loops.
+
+A link with two parents is not allowed, either.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ _REFUSED = "so ROS refuses the whole robot_description"
 
 
 def tree_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield faults that keep links and joints from being one tree."""
+    """Yield the faults that keep links and joints from forming one tree."""
     root, facts = robot.root, robot.facts
     for tag in (root, *root.children("link"), *root.children("joint")):
         if not tag["name"]:

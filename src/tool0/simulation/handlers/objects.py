@@ -37,7 +37,7 @@ with each shape."""
 
 
 def _object_to_add(simulation: Simulation, request: AddObject) -> SceneObject:
-    """Return the requested object; later requests may only change its colour."""
+    """Return the requested object; its colour may still change when it is added."""
     rgba = STILL_RGBA if request.rgba is None else request.rgba
     item = SceneObject(
         name=request.name,

@@ -94,7 +94,7 @@ class Causes:
     def _obstacle(
         self, joint: TrackedJoint, moving: Sequence[TrackedJoint], state: JointState
     ) -> str:
-        """Return the contacts that stop ``moving`` joints, or the joint's limit."""
+        """Return contacts that stop ``moving`` joints, or else the joint's limit."""
         self.watch(state.time)
         if 0.0 <= state.time - self._touched_at <= RECENT:
             touching = external_contacts((j.links for j in moving), self._touching)
