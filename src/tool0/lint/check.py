@@ -1,4 +1,4 @@
-"""Runs all rules over the files of ``tool0 check``."""
+"""Runs all rules on the files of ``tool0 check``."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ class ParsedLaunch:
 
 
 def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
-    """Return the robot and parameters that a launch file loads, and its findings."""
+    """Return the robot and parameters that a launch file loads, with the findings."""
     if is_xml_of_ros2(file):
         note = f"{file}: launch files of ROS 2 in XML are not read"
         return ParsedLaunch(findings=(), notes=(note,))
@@ -177,7 +177,7 @@ def _robots(launch: LaunchFile) -> Iterator[tuple[Path, Mapping[str, str] | None
 
 
 def _commented_out(launch: LaunchFile, yamls: list[YamlText]) -> Iterator[Finding]:
-    """Yield YAML whose only <rosparam> is commented out."""
+    """Yield a finding for each YAML whose only <rosparam> is commented out."""
     loaded = {yaml.location.file.name for yaml in yamls if yaml.location.file}
     commented = (
         item for child in launch.files() for item in commented_rosparams(child.file)

@@ -125,7 +125,7 @@ def _uses(root: Tag) -> Iterator[tuple[str, SourceLocation]]:
     while waiting:
         tag = waiting.pop()
         if tag.tag in _CHOICES:
-            continue  # perhaps only for machines with that package
+            continue  # may be meant only for machines with that package
         waiting += reversed(list(tag.children()))
         texts = [*(value for _, value in tag.attributes), tag.text]
         for match in _USES.finditer("\n".join(texts)):
@@ -160,7 +160,7 @@ def judge_missing_package(finding: Finding) -> Finding | str:
 
 
 def _missing_package(finding: Finding) -> str | None:
-    """Return the package that the finding reports as missing, if any."""
+    """Return the package that the finding reports as missing, if there is one."""
     if finding.rule in MISSING_PACKAGE:
         return finding.key
     match = _NO_PACKAGE.search(finding.message)

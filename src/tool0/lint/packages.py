@@ -83,7 +83,7 @@ class PackageIndex:
     def nearest(self, name: str) -> str | None:
         """Return the given or shipped package of which a name may be a misspelling."""
         near = nearest_name(name, _bundled_names().union(self._given), cutoff=0.85)
-        # ur_description is no misspelling of pr2_description
+        # ur_description is not a misspelling of pr2_description
         is_meant = is_typo(name, near) and near is not None and near[0] == name[0]
         return near if is_meant else None
 

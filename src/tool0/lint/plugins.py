@@ -21,7 +21,7 @@ _IN_CMAKE = re.compile(
 _CLASS = re.compile(r"<class\s([^>]*)>")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _LARGEST = 1_000_000
-"""Largest file that is searched for plugins [bytes]."""
+"""Size of the largest file that is searched for plugins [bytes]."""
 
 
 @final
@@ -33,7 +33,7 @@ class PluginIndex:
         self._folders = tuple(packages.values())
 
     def __contains__(self, type_name: str) -> bool:
-        """Return whether a package exports this type."""
+        """Return whether a package exports this controller type."""
         return any(
             type_name in _exported_by(folder) for folder in self._folders
         ) or any(type_name in types for types in map(_exported_by, _installed()))

@@ -115,7 +115,7 @@ def read_robot(
         facts = facts_of(Tag(root))
         if any(finding.severity == "error" for finding in findings):
             return ParsedRobot(facts, findings)
-        try:  # what else keeps tool0 from simulating it, though ROS may take it
+        try:  # other faults keep tool0 from simulating it, even if ROS accepts it
             read_model(document)
         except Tool0Error as error:
             found = finding_of(error, "no-model", file)
@@ -190,7 +190,7 @@ def xacro_findings(
 
 
 def _at_most(findings: Iterator[Finding]) -> Iterator[Finding]:
-    """Yield at most ``_MOST`` and one more, which says that there are others."""
+    """Yield at most ``_MOST`` findings, and one more that says there are others."""
     for count, finding in enumerate(findings, 1):
         if count > _MOST:
             message = f"and more such as this: {finding.message}"

@@ -133,7 +133,7 @@ def read_text(file: Path) -> str:
 
 
 def finding_of(error: Exception, rule: str, file: Path) -> Finding:
-    """Return an error as a finding, where it says or else about the whole file."""
+    """Return an error as a finding at its own location, or about the whole file."""
     location: SourceLocation = getattr(error, "location", None) or SourceLocation(file)
     return error_at(location, rule, "", getattr(error, "message", str(error)))
 
@@ -149,7 +149,7 @@ def kind_of(file: Path) -> FileKind | None:
         return FileKind.XACRO
     if suffix in (".launch", ".test") or name.endswith(".launch.py"):
         return FileKind.LAUNCH
-    if name.endswith("_launch.py"):  # a name of ROS 2, too
+    if name.endswith("_launch.py"):  # also a usual name in ROS 2
         text = file.read_text(encoding="utf-8", errors="replace")
         return FileKind.LAUNCH if _LAUNCHES in text else None
     if suffix not in (".xml", ".urdf"):

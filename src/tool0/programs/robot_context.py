@@ -227,7 +227,7 @@ class RobotContext:
     # ---- the gripper ----------------------------------------------------------------
 
     def opening(self, step: GripperStep) -> float:
-        """Return the opening of a step [m], or raise ControlError or ModelError."""
+        """Return a step's gripper opening [m]; raise ControlError or ModelError."""
         geometry = self.geometry
         if geometry is None:
             raise ControlError("the arm carries no gripper")

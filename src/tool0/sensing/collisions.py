@@ -157,7 +157,7 @@ class CollisionFinder:
             )
 
     def prepare(self, item: SceneObject) -> None:
-        """Compile what ``require_outside`` needs: the tick should not wait for it."""
+        """Compile the shapes for ``require_outside`` in advance, outside the tick."""
         with self._beside_lock, contextlib.suppress(ModelError):
             self._beside = self._fitting(self._beside, (item,))
 
@@ -214,7 +214,7 @@ class CollisionFinder:
             after
             if joint.name in positions
             or (joint.mimic is not None and joint.mimic.joint in positions)
-            else before  # fingers give way a little: they do not follow to the digit
+            else before  # fingers yield a little and do not follow exactly
             for joint, before, after in zip(
                 self._model.movable_joints, start, end, strict=True
             )

@@ -187,7 +187,7 @@ class ForceTorqueSensors:
         return measured_link(self._description, name)
 
     def rate(self, link: str) -> float:
-        """Return the sampling rate in simulated time [Hz]; 0 if it is not started."""
+        """Return the sampling rate in simulated time [Hz]; 0 before the start."""
         sensor = self._sensors.get(link)
         return 0.0 if sensor is None else sensor.rate
 

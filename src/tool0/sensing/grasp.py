@@ -22,8 +22,8 @@ from tool0.protocol.gripper import GraspState, GripperMotion
 from tool0.protocol.state import Snapshot
 
 WINDOW = 0.1
-"""Simulated time for which the pads must be still to hold something [s].  Pads of a
-simulated grip chatter, so their velocity at one instant is no criterion."""
+"""Simulated time for which the pads must be still to count as holding something [s].
+Pads of a simulated grip chatter, so their velocity at one instant is no criterion."""
 SHORT_OF_IT = 0.3
 """Time after which pads that are still, neither at their target nor pushing, have ended
 their motion [s].  A real gripper reports up to 0.15 s after its pads have met an object
@@ -217,7 +217,7 @@ class GraspAssist:
     def _between(self, pads: tuple[str, str], snapshot: Snapshot) -> str | None:
         """Return the movable object that both pads press on, if there is one."""
         pairs = [{c.first, c.second} for c in self._world.contacts()]
-        # An object that another gripper hands over is attached after that releases it.
+        # In a handover, the object is attached after the other gripper releases it.
         held = {assisted.held for assisted in self._grippers}
         for item in snapshot.scene:
             if item.mass is None or item.name in held:

@@ -1,4 +1,4 @@
-"""The external wrench on an arm's tool: computed on request, filtered, and tared."""
+"""External wrench on an arm's tool: computed on request, filtered and tared."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class ToolWrench:
         return fx, fy, fz, tx, ty, tz
 
     def zero(self) -> None:
-        """Tare: subtract the last reading from now on."""
+        """Tare: subtract the latest reading from now on."""
         fx, fy, fz, tx, ty, tz = (second for _, second in self._passed)
         self._offset = fx, fy, fz, tx, ty, tz
 

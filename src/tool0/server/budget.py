@@ -89,7 +89,7 @@ class Budget:
     def n_active(self) -> int:
         """Number of accounts that were charged recently."""
         oldest = self.now() - _ACTIVE
-        # In the order of these times: an account that is charged moves to the end.
+        # Sorted by these times, since a charged account moves to the end.
         while self._active:
             account, charged_at = next(iter(self._active.items()))
             if charged_at >= oldest:

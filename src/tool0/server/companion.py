@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 C = TypeVar("C", bound="Companion")
 
 START_TIMEOUT: Final = 60.0
-"""Longest wait for the process to be up [wall s]."""
+"""Longest wait until the process is up [wall s]."""
 FIRST_PAUSE: Final = 0.5
 """Pause before the process is started again after its death [wall s], doubled each
 time."""
@@ -34,7 +34,7 @@ UNABLE: Final = 78
 """Exit status of a program whose requirements are missing, so that it would only fail
 again."""
 _GRACE: Final = 3.0
-"""Time in which the process has to end when it is stopped [wall s]."""
+"""Time within which the process must end when it is stopped [wall s]."""
 _LAST_LINES: Final = 12
 _LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[[\d.]+\] (\[.*)")
 _LEVELS: Final = {

@@ -144,7 +144,7 @@ class Hub:
                 session.drop()
 
     def look_for_outage(self) -> None:
-        """Drop waiting requests if this process was frozen; call it often."""
+        """Drop waiting requests if this process was frozen; must be called often."""
         if self._outages.look():
             self._setpoints.drop_all()
 
@@ -332,7 +332,7 @@ class Hub:
         number: int,
         goal: Goal,
     ) -> None:
-        """Report a goal to the connection that started it, from any thread."""
+        """Report a goal's end to the connection that started it, from any thread."""
         assert goal.result is not None  # it has finished
         message = GoalEnded(
             goal=number, controller=goal.controller, outcome=outcome_of(goal.result)

@@ -78,7 +78,7 @@ class LineTransport(asyncio.BufferedProtocol):
     # ---- what a session calls -------------------------------------------------------
 
     async def send(self, texts: Sequence[bytes]) -> None:
-        # A write that fails closes the transport at once; asyncio says so later.
+        # A failed write closes the transport at once; asyncio reports it later.
         if self._is_lost or self._transport.is_closing():
             raise ConnectionResetError
         self._transport.write(b"\n".join((*texts, b"")))
@@ -95,7 +95,7 @@ class LineTransport(asyncio.BufferedProtocol):
                 self._read_on()
                 await self._arrived.wait()
                 if len(self._buffer) > _CHUNK:
-                    await self.account.admit()  # each part of a long line is paid for
+                    await self.account.admit()  # each part of a long line is charged
             elif line.strip():
                 return line
             else:

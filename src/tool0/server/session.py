@@ -98,7 +98,8 @@ class Transport(Protocol):
         """Return the next message; None if the peer has disconnected.
 
         Raises:
-            TransportError: If it is too long to be read; the stream may be lost then.
+            TransportError: If the message is too long to be read; the stream may then
+                be lost.
         """
 
     async def close(self) -> None:

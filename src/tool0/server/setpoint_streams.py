@@ -84,7 +84,7 @@ class SetpointStreams:
             while key in self._waiting:
                 start = loop.time()
                 async with lock:
-                    setpoint = self._waiting.pop(key, None)  # settled meanwhile
+                    setpoint = self._waiting.pop(key, None)  # handled meanwhile
                     if setpoint is not None:
                         await self._carry_out(setpoint)
                 await asyncio.sleep(start + INTERVAL - loop.time())

@@ -1,4 +1,4 @@
-"""External forces on links and objects, for a span of simulated time."""
+"""External wrenches on links and objects, for a span of simulated time."""
 
 from __future__ import annotations
 

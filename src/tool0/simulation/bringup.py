@@ -1,4 +1,4 @@
-"""Brings up a robot: from options to an initial pose with controllers running."""
+"""Bring-up of a robot: from options to an initial pose with running controllers."""
 
 from __future__ import annotations
 

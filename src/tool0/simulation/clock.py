@@ -7,10 +7,10 @@ from collections.abc import Callable
 from typing import final
 
 CATCH_UP = 0.1
-"""Wall time that the simulation may lag behind and still catch up [s].
+"""Wall time by which the simulation may lag behind and still catch up [s].
 
-A larger lag is dropped, so that the robot does not race through the missed hours after
-the machine was suspended.
+A larger lag is dropped, so that the robot does not race through hours that it missed
+while the machine was suspended.
 """
 
 
@@ -24,7 +24,7 @@ class Pacer:
         speed: float = 1.0,
         now: Callable[[], float] = time.perf_counter,
     ) -> None:
-        """Start now; ``period`` and ``now`` are in [s] of simulated and wall time."""
+        """Start now; ``period`` is in simulated [s], ``now`` returns wall time [s]."""
         self._wall_period = period / speed
         self._now = now
         self._due = now()
@@ -62,11 +62,11 @@ class FollowedClock:
     overruns = 0
 
     def wait_time(self) -> float:
-        """Return 0: the next tick is always due."""
+        """Return 0, since the next tick is always due."""
         return 0.0
 
     def tick(self) -> int:
-        """Return how many ticks are due: one."""
+        """Return the number of due ticks, which is one."""
         return 1
 
     def tick_further(self, count: int) -> None:
@@ -85,7 +85,7 @@ class SpeedMeter:
         self.restart(0.0, 0)
 
     def restart(self, sim_time: float, overruns: int) -> None:
-        """Start a window; the time before it, such as a pause, is ignored."""
+        """Start a window; earlier time, such as a pause, is ignored."""
         self._since = self._now(), sim_time
         self._overruns = overruns
         self.late_ticks = 0

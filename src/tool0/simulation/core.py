@@ -34,7 +34,7 @@ from tool0.simulation.wanted import WantedMotions
 @final
 @dataclass(frozen=True, slots=True)
 class SavedCore:
-    """A core at one instant, without its engine."""
+    """State of a core at one instant, without that of its engine."""
 
     controllers: Mapping[str, SavedController]
     drives: SavedDrives
@@ -119,7 +119,7 @@ class Core:
         return self.hardware.command if program is None else program.command
 
     def wanted_positions(self) -> Mapping[str, float]:
-        """Return the setpoint of each joint that is moved by position [rad | m]."""
+        """Return the setpoint of each joint under position control [rad | m]."""
         command, hardware = self.newest_command(), self.hardware
         wanted = {
             name: command[hardware.index[name]]
@@ -269,7 +269,7 @@ class Core:
         self._sensors = (*self._sensors, sensor)
 
     def stop_sensor(self, sensor: ForceTorqueSensor) -> None:
-        """Stop sampling; a sensor that is not running is left alone."""
+        """Stop sampling a sensor; do nothing if it is not running."""
         self._sensors = tuple(s for s in self._sensors if s is not sensor)
 
     def arm_samples(self) -> Mapping[str, ArmSample]:
@@ -373,7 +373,7 @@ class Core:
         were commanded.
         """
         position, start = self._uncommanded(self.state.position), self._their_start
-        if math.dist(position, start) <= at_least:  # no joint is further than all are
+        if math.dist(position, start) <= at_least:  # bounds each joint
             return at_least
         largest: float = max(map(abs, map(sub, position, start)))
         return max(at_least, largest)

@@ -66,7 +66,7 @@ class Executor:
         goal: TrajectoryGoal,
         bounds: Mapping[str, DriveLimits] | None = None,
     ) -> Goal:
-        """Start a trajectory goal; ``bounds`` hold until a joint's next goal."""
+        """Start a trajectory goal; ``bounds`` apply until a joint's next goal."""
         trajectory = self._follower(controller)
         accepted = trajectory.follow(goal, self._start([trajectory]))
         self._note_command(controller, goal.joint_names, bounds)
@@ -78,9 +78,9 @@ class Executor:
         goal: TrajectoryGoal,
         bounds: Mapping[str, DriveLimits] | None = None,
     ) -> None:
-        """Follow a trajectory without a goal, as ROS's topic does.
+        """Follow a trajectory without a goal, as commanded by ROS's topic.
 
-        ``bounds`` are as for ``follow``.
+        ``bounds`` have the same meaning as for ``follow``.
         """
         trajectory = self._follower(controller)
         trajectory.command(goal, self.core.time)
@@ -181,7 +181,7 @@ class Executor:
     def steer(
         self, controller: str, positions: Mapping[str, float], speed: float
     ) -> None:
-        """Replace a controller's motion by a smooth one, without a goal."""
+        """Replace a controller's motion with a smooth one, without a goal."""
         trajectory = self._follower(controller)
         path = self._planned(trajectory, positions, speed)
         trajectory.command(motion_plan(path), self.core.time)
@@ -352,7 +352,7 @@ class Executor:
     # ---- stops ----------------------------------------------------------------------
 
     def cancel(self, goal: Goal) -> None:
-        """Stop the motion of an active goal; one that has ended is left alone."""
+        """Stop the motion of an active goal; do nothing if the goal has ended."""
         if goal.status.is_terminal:
             return
         controller = self._manager.running(goal.controller)

@@ -42,7 +42,7 @@ class Executed(Struct, frozen=True, gc=False):
     time: float
     """Simulated time [s]."""
     request: Struct
-    """The request."""
+    """Request that was carried out."""
     error: str | None
     """Error of the request; None if it succeeded."""
     n_items: int

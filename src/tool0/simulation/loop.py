@@ -32,7 +32,7 @@ from tool0.simulation.publisher import Publisher
 logger = logging.getLogger(__name__)
 
 POLL_PERIOD = 0.05
-"""Longest time between checks that the loop still runs [wall s]."""
+"""Longest time between checks whether the loop is still running [wall s]."""
 
 R = TypeVar("R")
 
@@ -104,7 +104,7 @@ class Loop:
 
     @property
     def control_period(self) -> float:
-        """Simulated time of a tick [s]."""
+        """Simulated time per tick [s]."""
         return self._core.control_period
 
     @property
@@ -283,7 +283,7 @@ class Loop:
         return self._snapshot_ticks * control_period
 
     def close(self) -> None:
-        """End the loop, answer the rest of the mailbox, and close the engine."""
+        """End the loop, answer the remaining operations, and close the engine."""
         self._closing = True
         self._update_running()
         if self._thread is not None:
@@ -368,7 +368,7 @@ class Loop:
             return
         try:
             action()
-        except Exception as error:  # of any engine
+        except Exception as error:  # any engine may fail
             self._fail(error)
 
     def _fail(self, error: Exception) -> None:

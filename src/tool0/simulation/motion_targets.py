@@ -60,7 +60,7 @@ def goals_of(
         ]
     goals = np.concatenate([np.empty((0, len(start))), *found])
     if not len(goals):
-        # the reason in words
+        # raises with the reason
         kinematics.solutions(T_base_tool @ T_tool_tip, start)
         raise UnreachableError("no posture of the target is within the limits")
     return goals

@@ -18,7 +18,8 @@ class Pace(Protocol):
 
     is_paused: bool
     speed: float | None
-    """Requested simulated seconds per wall second; None runs on request."""
+    """Requested simulated seconds per wall second; None if time passes only on
+    request."""
     fault: Exception | None
     """Error for which time stands still; None without one."""
     steps: int
@@ -76,7 +77,7 @@ class Publisher:
                 None if fault is None else str(fault),
                 pace.speed,
                 manager.setpoints(),
-                {},  # received setpoints: it is this process that computes them
+                {},  # received setpoints: none, since this process computes them
                 core.scene.objects,
                 world.object_states(),
                 core.stall_monitor.stalls,
@@ -90,7 +91,7 @@ class Publisher:
         )
 
     def _announce_lag(self, pace: Pace) -> None:
-        """Publish that the simulation falls behind the wall clock or keeps up again."""
+        """Announce that the simulation falls behind real time, or keeps up again."""
         if not pace.is_realtime or pace.is_paused:
             return
         factor, late_ticks = self._meter.factor, self._meter.late_ticks

@@ -48,7 +48,7 @@ class _Pull(NamedTuple):
     until: float
     """Time at which the pull ends [s]."""
     due: float
-    """Time at which the next force begins [s]."""
+    """Time at which the next force update is due [s]."""
     before: Vector3
     """Position of the attachment point when the last force began, in the robot's root
     frame [m]."""
@@ -88,7 +88,7 @@ class PullSprings:
             self._pulls[link] = known._replace(spring=spring, until=until)
 
     def release(self, link: str | None = None) -> None:
-        """End the spring on a link, or all of them."""
+        """End the spring on one link, or all springs."""
         self._pulls = {
             name: pull
             for name, pull in self._pulls.items()

@@ -52,7 +52,7 @@ class SceneObjects:
         self.objects = tuple(item for item in self.objects if item.name != name)
 
     def changed(self, item: SceneObject) -> None:
-        """Note that the engine gave an object another size, mass or friction."""
+        """Note that the engine changed an object's size, mass or friction."""
         self.objects = tuple(
             item if other.name == item.name else other for other in self.objects
         )

@@ -103,7 +103,7 @@ class Setup:
         if isinstance(engine, OwnDrives):
             for arm in core.arms:
                 arm.stop(core.state)
-            # Time may be held before the first tick, and the robot's state is needed.
+            # Time may stand still before the first tick; the state is needed.
             core.arms.follow(engine.report, core.state)
         return core
 

@@ -1,4 +1,4 @@
-"""A robot in simulation with all its parts: the object of the request handlers."""
+"""A simulated robot with all its parts, on which the request handlers operate."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ class WantedMotions:
                 order = [names.index(joint) for joint in joints]
                 splines = tuple(setpoint.splines[k] for k in order)
                 target = tuple(spline.target for spline in splines)
-                key = (*splines, *target)  # itself, as an address may be used again
+                key = (*splines, *target)  # the splines, as an id may be reused
                 return WantedMotion(_along(setpoint, joints), target=target, key=key)
         return None
 

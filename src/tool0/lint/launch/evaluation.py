@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import Final, final
 
 MAX_LENGTH: Final = 2000
-"""Longest expression, in characters."""
+"""Largest number of characters in an expression."""
 MAX_TEXT: Final = 50_000
-"""Longest text that an expression may create."""
+"""Largest number of characters in a text that an expression creates."""
 MAX_BITS: Final = 4096
 """Largest size of a whole number [bits]."""
 

@@ -1,4 +1,4 @@
-"""A launch file explained: a tree of its includes, nodes and parameters."""
+"""Explanation of a launch file: a tree of its includes, nodes and parameters."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def _item(
     note: str = "",
     items: tuple[Item, ...] = (),
 ) -> Item:
-    """Return an item; "off" comes before any other note."""
+    """Return an item; the remark "off" comes before all others."""
     return Item(
         kind=kind,
         name=name,

@@ -75,7 +75,7 @@ class Place:
     def holds(self) -> bool | None:
         """Whether roslaunch would act on the element.
 
-        None if that depends on an argument without a value.
+        The result is None if this depends on an argument without a value.
         """
         return all_hold(self.conditions)
 
@@ -302,7 +302,7 @@ class LaunchFile:
                     yield item
 
     def argument(self, name: str) -> Argument | None:
-        """Return the argument of this name that has a value, else any of the name."""
+        """Return the argument of this name with a value, or else any of that name."""
         found = [argument for argument in self.arguments if argument.name == name]
         valued = [argument for argument in found if argument.value is not None]
         return next(iter(valued or found), None)

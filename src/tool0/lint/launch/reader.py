@@ -73,7 +73,7 @@ def read_launch(
 
 @final
 class _FileReader:
-    """Reads one file, once."""
+    """Reads one file; used only once."""
 
     def __init__(
         self,
@@ -212,7 +212,7 @@ class _FileReader:
                 file=path,
                 element=root,
                 namespace=include.place.namespace,
-                private=scope.private or [],  # as roslaunch: an empty one is not shared
+                private=scope.private or [],  # like roslaunch: not shared if empty
                 environment=[*scope.environment, *environment],
             )
             reader = _FileReader(outer, given, include)

@@ -153,7 +153,7 @@ def _rosparam_namespace(texts: tuple[NamedText, ...], scope: Scope) -> str | Non
 
 
 def _yaml(file: Text | None, scope: Scope) -> Text | None:
-    """Return the loaded YAML, as written."""
+    """Return the loaded YAML as written."""
     if file is None:
         parts = [n.nodeValue or "" for n in scope.element.childNodes if n.nodeValue]
         where = SourceLocation(
@@ -236,7 +236,7 @@ def _check_package(package: Text, scope: Scope) -> None:
     except DescriptionError:
         near = packages.nearest(name)
         if near is None and not packages.has_ros:
-            return  # without ROS no package of ROS is found
+            return  # without ROS, no ROS package is found
         scope.report(
             "missing-package",
             name,

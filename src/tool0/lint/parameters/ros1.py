@@ -61,7 +61,7 @@ _MOVEIT_KEYS = frozenset(
 )
 """Keys of MoveIt, whose setup assistant writes them into the same files."""
 _KINEMATICS = "kinematics_solver"
-"""Start of MoveIt's keys for a group of joints."""
+"""Prefix of MoveIt's keys for a joint group."""
 
 
 def controller_findings(
@@ -199,7 +199,7 @@ class _Ros1Controller:
                     f"name '{joint.mimic_of}' instead",
                 )
             elif not offered and self.robot.transmissions:
-                # Without any, it is not for Gazebo: a robot's own driver needs none.
+                # A robot without any is not for Gazebo: its own driver needs none.
                 yield entry.finding(
                     "no-transmission",
                     f"'{name}' has no <transmission>, so ros_control cannot find it",
@@ -271,7 +271,7 @@ class _Ros1Controller:
 
 
 def _fits(offered: InterfaceFacts, wanted: Interface) -> bool:
-    """Return whether a <hardwareInterface>, with its package or without, is that."""
+    """Return whether a <hardwareInterface>, with or without package, is that kind."""
     written = offered.written
     return not written or written.rpartition("/")[2] == wanted.value.rpartition("/")[2]
 

@@ -199,7 +199,7 @@ class _Ros2Controller:
                 )
 
     def _has_other_hardware(self) -> bool:
-        """Return whether it names interfaces that joints of tool0 do not have."""
+        """Return whether the controller names interfaces that tool0's joints lack."""
         entries = map(self.parameters.children.get, _KEYS_OF_INTERFACES)
         return any(
             str(item.scalar) not in JOINT_STATES

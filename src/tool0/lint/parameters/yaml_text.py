@@ -145,7 +145,7 @@ def _inner_keys() -> frozenset[str]:
 
 
 def _restored(text: str) -> str:
-    """Return a flat YAML with its lost indentation restored."""
+    """Return a flattened YAML text with its lost indentation restored."""
     flat = {row for row, _, _ in _flat_keys(text)}
     around: list[int] = []  # the indents of the keys that lines are moved below
     lines = []

@@ -34,7 +34,7 @@ class Subject:
         key: str | None = None,
         severity: Severity = "error",
     ) -> Finding:
-        """Return a finding about this; ``key`` replaces its own key."""
+        """Return a finding about this subject; ``key`` replaces the subject's key."""
         return Finding(
             location=self.location,
             rule=rule,
@@ -54,7 +54,7 @@ class Subject:
 @final
 @dataclass(frozen=True, slots=True)
 class Tag:
-    """An element, which may be absent: then it is false and all its parts are empty."""
+    """An element, or an absent one, which is false and has only empty parts."""
 
     element: Element | None
     owner: str = ""

@@ -71,7 +71,7 @@ class JointFacts:
 
     @property
     def is_drivable(self) -> bool:
-        """Whether one motor can drive it: it has one axis and mimics no other."""
+        """Whether one motor can drive the joint: it has one axis and mimics none."""
         return self.type in _DRIVABLE and self.mimic_of is None
 
 
@@ -218,7 +218,7 @@ class RobotFacts:
 
 
 def facts_of(root: Tag) -> RobotFacts:
-    """Return the content of ``root``, a <robot>."""
+    """Return the content of the <robot> element ``root``."""
     extensions = list(root.children("gazebo"))
     links: dict[str, SourceLocation] = {}
     for link in root.children("link"):

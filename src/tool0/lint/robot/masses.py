@@ -103,7 +103,7 @@ def _moments(tensor: Tag, mass: float) -> tuple[float, float, float] | None:
     scale = max(map(abs, found))
     if not scale > 0:
         return (0.0, 0.0, 0.0)
-    # So scaled, and without what is less than rounding, no power over- or underflows.
+    # With this scale, and rounding errors set to 0, no power over- or underflows.
     values = [value / scale if abs(value) > 1e-9 * scale else 0.0 for value in found]
     ixx, iyy, izz, ixy, ixz, iyz = values
     low, middle, high = Inertial(
@@ -279,7 +279,7 @@ def effort_findings(robot: Robot) -> Iterator[Finding]:
         below.setdefault(joint.parent, []).append(joint)
 
     def load(start: str) -> tuple[float, float] | None:
-        """Return mass [kg] and reach [m] of all beyond a link; None for an arm."""
+        """Return mass [kg] and reach [m] of all links beyond one; None for an arm."""
         mass = reach = 0.0
         seen: set[str] = set()
         waiting = [(start, 0.0)]

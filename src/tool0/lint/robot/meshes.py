@@ -15,7 +15,7 @@ from tool0.lint.robot.facts import Robot
 
 _UNRESOLVED = "unresolved-uri"
 _REMOTE = ("model", "http", "https")
-"""URI schemes that Gazebo and RViz download, so that no local path can be checked."""
+"""URI schemes of meshes that Gazebo and RViz download; no local path can be checked."""
 
 
 def mesh_findings(robot: Robot) -> Iterator[Finding]:

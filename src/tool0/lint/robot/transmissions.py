@@ -82,7 +82,7 @@ def _type(transmission: TransmissionFacts) -> Iterator[Finding]:
     if not transmission.type or transmission.type == SIMPLE:
         return
     known = {name.rpartition("/")[2]: name for name in (SIMPLE, *_OTHERS)}
-    # HalfDifferentialTransmission, a robot's own, is 0.92 like the nearest of these.
+    # A robot's own HalfDifferentialTransmission has a similarity of 0.92 to these.
     close = nearest_name(transmission.type.rpartition("/")[2], known, cutoff=0.93)
     has_type = f"{_shown(transmission)} has the type '{short(transmission.type)}'"
     if close is not None and transmission.type not in _OTHERS:
@@ -149,7 +149,7 @@ def _joint(
 
 
 def _counting(transmission: TransmissionFacts) -> tuple[InterfaceFacts, ...]:
-    """Return the interfaces that are read: those in <actuator> only if alone."""
+    """Return the interfaces that are read; those in <actuator> only if alone."""
     named = tuple(item for item in transmission.interfaces if not item.in_actuator)
     return named or transmission.interfaces
 

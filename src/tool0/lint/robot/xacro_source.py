@@ -116,7 +116,7 @@ def _included(tag: Tag, packages: PackageIndex) -> Path | None:
 
 def parameter_findings(root: Tag, _: PackageIndex) -> Iterator[Finding]:
     """Yield unused parameters, and arguments that are declared twice."""
-    # A macro sees what its caller has, so that a use anywhere in the file counts.
+    # A macro sees its caller's parameters, so a use anywhere in the file counts.
     used = set(_used_words(root))
     for macro in root.descendants(_MACRO):
         for parameter in parameters_of(macro):

@@ -35,8 +35,8 @@ from tool0.simulation.arms.motion import ArmMotion
 logger = logging.getLogger(__name__)
 
 UNLOCK_AFTER: Final = 5.0
-"""Simulated time from a protective stop until it can be unlocked [s]: dashboard server,
-``unlock protective stop``
+"""Simulated time from a protective stop until it can be unlocked [s]; source: dashboard
+server, ``unlock protective stop``
 (https://www.universal-robots.com/articles/ur/dashboard-server/dashboard-server-e-series-port-29999/)."""
 _TOO_SOON: Final = (
     "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of "
@@ -67,7 +67,7 @@ class Arm(abc.ABC):
         self.motion = ArmMotion(name, parts, model, hardware, manager)
         """Motion of the arm for a program that has taken it."""
         self.mode = ControllerMode(self.motion.spec, hardware, manager)
-        """Freedrive and force mode of a controller."""
+        """Freedrive or force mode that a controller has started."""
         self._hardware, self._manager = hardware, manager
         self._joints = frozenset(joint.name for joint in parts.joints)
         """Joints of the arm, which a program takes."""
@@ -123,7 +123,7 @@ class Arm(abc.ABC):
             self._set(now, robot=RobotMode.IDLE)
 
     def release_brakes(self, now: JointState) -> None:
-        """Release the brakes; switch the arm on first, if it is off.
+        """Release the brakes; first switch the arm on if it is off.
 
         Nothing moves until the program is played.
         """
@@ -167,7 +167,7 @@ class Arm(abc.ABC):
     # ---- the program that moves it through controllers ------------------------------
 
     def play(self, now: JointState) -> None:
-        """Resume the program: start the controllers that were stopped with it.
+        """Resume the program: start the controllers that stopped with it.
 
         Raises:
             ControlError: If the arm may not move.
@@ -454,7 +454,7 @@ class Arm(abc.ABC):
             self._set(now, RobotMode.BACKDRIVE if engaged else RobotMode.RUNNING)
 
     def _stop(self, now: JointState) -> None:
-        """Stop the arm's motion and its program; then the brakes hold it."""
+        """Stop the arm's motion and its program; the brakes then hold the arm."""
         stopped = self._stop_controllers(now, self._stopped_with)
         if self.motion.is_taken:
             self.motion.abort(now)

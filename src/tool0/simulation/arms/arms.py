@@ -56,7 +56,7 @@ class Arms:
                 for name, parts in found
             )
         self.boxes: tuple[ControlBoxState, ...] = ()
-        """The state of each control box: the same tuple until one changes."""
+        """State of each control box; the same tuple until one of them changes."""
         self._note_change()
         for arm in self._arms:
             arm.box.when_changed = self._note_change

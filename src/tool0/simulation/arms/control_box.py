@@ -70,7 +70,7 @@ class ControlBox:
     # ---- the tick -------------------------------------------------------------------
 
     def tick(self, period: float) -> None:
-        """Move the speed scaling factor towards its value for one tick [s]."""
+        """Move the speed scaling factor towards its target value for one tick [s]."""
         now, target = self.state.speed_scaling, _target(self.state)
         if now != target:
             ramp = RAMP if self._own_drives is None else REAL_RAMP[target > now]

@@ -31,7 +31,7 @@ class ArmMechanics:
         """Postpone all computations, since only some requests need numpy."""
         self._model, self._arm, self._hardware = model, arm, hardware
         self._masses: tuple[float, Array] | None = None
-        """Time for which the mass matrix was computed [s], and the matrix."""
+        """Time of the last mass matrix [s], and the matrix."""
 
     @cached_property
     def chain(self) -> ArmChain:

@@ -32,7 +32,7 @@ SETTLING: Final = 0.1
 """Time from when the setpoint of an arm rests until the arm does [s]: its servos lag by
 about 20 ms."""
 STIFFENING: Final = 10.0
-"""Deceleration when force mode or freedrive ends while the arm moves, or a motion fails
+"""Deceleration of a moving arm when force mode or freedrive ends, or its motion fails
 [rad/s²]."""
 
 

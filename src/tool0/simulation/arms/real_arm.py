@@ -1,4 +1,4 @@
-"""An arm with a controller of its own: a real robot."""
+"""An arm with its own controller: a real robot."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class RealArm(Arm):
         )
         self._drives = drives
         self._report: RobotReport | None = None
-        """Newest report of the controller."""
+        """Newest report of the robot's controller."""
         self._task: ComplianceTask | None = None
         """Task of force mode or freedrive that the arm's own controller executes."""
 

@@ -161,7 +161,7 @@ def line_of(
 
 
 def _kinematics(chain: ArmChain) -> InverseKinematics:
-    """Return an arm's inverse kinematics; ControlError unless it is built like a UR."""
+    """Return an arm's inverse kinematics; ControlError if it is not built like a UR."""
     from tool0.kinematics.inverse import InverseKinematics
 
     return InverseKinematics(chain)

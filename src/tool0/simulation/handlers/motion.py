@@ -120,7 +120,7 @@ def _import_planner(simulation: Simulation, request: Request[Any]) -> None:
 
 
 def _prepare_move(simulation: Simulation, request: MoveJoints) -> None:
-    """Do the slow part; raise CollisionError if the motion is to be refused."""
+    """Do the slow part of ``MoveJoints``; raise CollisionError to refuse the motion."""
     _import_planner(simulation, request)
     if request.collision == "refuse":
         require_free(simulation, request.positions)

@@ -1,4 +1,4 @@
-"""Handlers of the requests about programs: check, run, save and export them."""
+"""Handlers of the program requests: check, run, save and export."""
 
 from __future__ import annotations
 

@@ -163,7 +163,7 @@ class ProgramExecution:
             self._stop_path()
             return
         if self._steps.is_paused:
-            # The clock of a paused path stands still, so it would never end.
+            # The clock of a paused path stands still, so the path would never end.
             self._steps.call(StopArm(arm=self._arm, deceleration=BRAKE))
         self._steps.call(ReturnArm(arm=self._arm))
         while self._steps.box.taken_by == self._name:

@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 StepCoroutine = Generator[None, None, T]
-"""Waits for a snapshot wherever it yields."""
+"""A coroutine that waits for a snapshot wherever it yields."""
 
 BRAKE: Final = 4.0
 """Change of a path's speed factor where a single step ends within the path [1/s²]."""

@@ -40,7 +40,7 @@ class Touch:
         self._known: frozenset[frozenset[str]] = frozenset()
         self._group = self._links
         self._has_occurred = False
-        self._contacts()  # an engine may record them only after the first call
+        self._contacts()  # an engine may only record contacts after the first call
 
     def has_occurred(self) -> bool:
         """Return whether a contact or the requested force has occurred so far."""

@@ -114,7 +114,7 @@ def restarted(
             spawn_z=start.spawn_z,
             scene=Scene(tuple(objects)),
             grasp_assist=start.grasp_assist,
-            allow_penetration=True,  # if there was any, it was accepted then
+            allow_penetration=True,  # any penetration was accepted at the start
             realtime=False,
         ),
     )

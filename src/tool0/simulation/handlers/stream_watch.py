@@ -26,10 +26,10 @@ handles(EndStream, in_tick=True)(
 
 @dataclass(slots=True)
 class _Stream:
-    """The commands to one arm since its last stop."""
+    """Commands to one arm since its last stop."""
 
     last: float
-    """Time at which the last command came [wall s]."""
+    """Time at which the last command arrived [wall s]."""
     timeout: float
     """Silence after the last command that ends the stream [wall s]."""
     is_stream: bool = False
@@ -125,7 +125,7 @@ class StreamWatch:
             if not stream.is_stream or stream.silence is not None:
                 continue
             if is_paused:
-                stream.last = now  # who waits for time to pass sends nothing
+                stream.last = now  # a sender that waits for time to pass sends nothing
             elif now - stream.last > stream.timeout:
                 stream.silence = now - stream.last
                 found.append(arm)

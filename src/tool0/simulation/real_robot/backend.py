@@ -1,4 +1,4 @@
-"""The backend of a real robot: the requests it answers, refuses and checks."""
+"""The backend of a real robot: requests that it answers, refuses and checks."""
 
 from __future__ import annotations
 

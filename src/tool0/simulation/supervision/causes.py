@@ -35,7 +35,7 @@ class TrackedJoint(NamedTuple):
     error: float
     """Largest distance from the setpoint [rad]."""
     effort: float
-    """Largest effort of its drive [N·m]."""
+    """Largest effort of the joint's drive [N·m]."""
     links: frozenset[str]
     """Links that the joint moves."""
 
@@ -60,7 +60,7 @@ class Causes:
             for joint in arm.joints
             if (limits := hardware.limits.get(joint.name)) is not None
         )
-        """The joints with drives, from base to flange."""
+        """Driven joints, from base to flange."""
         self._touching: tuple[Contact, ...] = ()
         """Last contacts of the arm that were seen; ``_touched_at`` is their time
         [s]."""
@@ -73,7 +73,7 @@ class Causes:
             self._touching, self._touched_at = contacts, time
 
     def of(self, joint: TrackedJoint, state: JointState) -> str:
-        """Return the most likely cause that keeps a joint off the path of a tool."""
+        """Return the most likely cause that keeps a joint off a tool's path."""
         return (
             self._obstacle(joint, (joint,), state)
             or self._singularity(state)

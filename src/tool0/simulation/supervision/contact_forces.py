@@ -41,7 +41,7 @@ class _Body:
 
 @final
 class ContactForces:
-    """The filtered forces on the bodies of one arm, the tool last."""
+    """The filtered forces on the bodies of one arm; the tool comes last."""
 
     def __init__(self, arm: ArmParts, model: RobotModel, world: World) -> None:
         self._world = world

@@ -75,7 +75,7 @@ class Supervision:
     # ---- outcomes of goals ----------------------------------------------------------
 
     def explained(self, goal: Goal, result: Result) -> Result:
-        """Return an outcome with the reason why the joints stopped, if it is known."""
+        """Return an outcome with the reason why the joints stopped, if known."""
         if isinstance(result, GripperResult):
             return self._with_grip(goal, result) if result.stalled else result
         if not result.is_violation:
@@ -86,7 +86,7 @@ class Supervision:
         return replace(result, error_string=f"{result.error_string}; {why}")
 
     def gripper_obstacle(self, joint: str) -> str:
-        """Return the cause that stops the gripper that ``joint`` drives."""
+        """Return the cause that stops the gripper with the driven joint ``joint``."""
         touching = self._touching((self._core.model.joint(joint).parent,))
         return touching or "no contact: its stop, or the load"
 

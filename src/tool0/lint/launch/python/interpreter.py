@@ -322,7 +322,7 @@ class Interpreter:
         raise _Leave(node)
 
     def _branch(self, bodies: tuple[list[ast.stmt], ...], scope: Scope) -> None:
-        """Follow several branches, one of which is taken."""
+        """Follow several branches, one of which would be executed."""
         before = dict(scope.names)
         after = []
         for body in bodies:

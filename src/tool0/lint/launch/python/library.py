@@ -14,7 +14,7 @@ from tool0.lint.launch.evaluation import MAX_TEXT, METHODS
 from tool0.lint.launch.python.values import Choice, Unknown, Value, is_text
 
 MAX_ITEMS: Final = 10_000
-"""Longest list."""
+"""Largest number of items in a list."""
 
 PACKAGE_FOLDERS: Final = frozenset(
     f"ament_index_python.{middle}get_package_{what}"

@@ -101,7 +101,7 @@ def read_python_launch(
 
 @final
 class PythonLaunchReader:
-    """Reads one file, once."""
+    """Reads one file; used only once."""
 
     def __init__(
         self, file: Path, state: LaunchState, given: Mapping[str, Origin]
@@ -206,7 +206,7 @@ class PythonLaunchReader:
         *,
         severity: Severity = "error",
     ) -> None:
-        """Add a finding, unless the current action is switched off."""
+        """Add a finding, unless the current action is inactive."""
         if self.state.holds is not False:
             self.findings.append(
                 error_at(location, rule, key, message, remedy, severity=severity)

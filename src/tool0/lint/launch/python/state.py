@@ -36,7 +36,7 @@ class LaunchState:
         return all_hold(self.conditions)
 
     def place(self, location: SourceLocation) -> Place:
-        """Return the place of an action that is executed now."""
+        """Return the place of an action that is being executed."""
         return Place(
             location=location, namespace=self.namespace, conditions=self.conditions
         )

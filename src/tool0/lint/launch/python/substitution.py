@@ -1,4 +1,4 @@
-"""The values of substitutions: LaunchConfiguration, PathJoinSubstitution and others."""
+"""The values of substitutions such as LaunchConfiguration and PathJoinSubstitution."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def as_boolean(word: str) -> bool | None:
 @final
 @dataclass(frozen=True, slots=True)
 class Resolver:
-    """Resolves the texts of one file at one moment."""
+    """Resolves the texts of one file, in the present state of launch."""
 
     file: Path
     state: LaunchState
