@@ -172,7 +172,7 @@ class _Drive:
         return True
 
     def pushes(self, state: JointState) -> bool:
-        """Return whether the joint pushes; note since when it has not moved."""
+        """Return whether the joint pushes; note since when at its present position."""
         effort, time = state.effort[self.index], state.time
         if abs(effort) < self.limit:
             return time - self.last < CHATTER_TIME

@@ -34,7 +34,7 @@ from tool0.simulation.wanted import WantedMotions
 @final
 @dataclass(frozen=True, slots=True)
 class SavedCore:
-    """State of a core at one instant, without that of its engine."""
+    """State of a core at one instant, excluding the state of its engine."""
 
     controllers: Mapping[str, SavedController]
     drives: SavedDrives
@@ -309,7 +309,7 @@ class Core:
             sensor.restart(self._before, self.state, self._forces_on)
 
     def saved(self) -> SavedCore:
-        """Return the state of controllers, drives and clock, without the engine's.
+        """Return the state of controllers, drives and clock, but not the engine's.
 
         Raises:
             ControlError: If a controller or an arm is in a state that cannot be saved.
@@ -331,7 +331,7 @@ class Core:
         )
 
     def resume(self, saved: SavedCore) -> None:
-        """Continue with a saved state of the same controllers, except the engine's."""
+        """Continue with a saved state of the same controllers, but not the engine's."""
         self.sync_from_kernel()
         self.manager.resume(saved.controllers)
         self.hardware.resume(saved.drives)

@@ -425,7 +425,7 @@ class Executor:
     def _moves(
         self, positions: Mapping[str, float], controller: str | None
     ) -> Mapping[str, Mapping[str, float]]:
-        """Return the positions by controller; without one, by those of the joints."""
+        """Return the positions by controller; by default, the joints' controllers."""
         if controller is not None:
             return {controller: positions}
         return self._joints_by_controller(positions)

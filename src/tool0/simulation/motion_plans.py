@@ -94,8 +94,7 @@ class _Moving:
     chains: tuple[ArmChain, ...]
     """Chains of the arms, with the limits that apply."""
     positions: Mapping[str, float]
-    """Positions of all joints [rad | m]; the commanded position of each joint that has
-    one."""
+    """Positions of all joints, commanded ones where available [rad | m]."""
 
     @property
     def joints(self) -> tuple[Joint, ...]:

@@ -21,7 +21,7 @@ class Pace(Protocol):
     """Requested simulated seconds per wall second; None if time passes only on
     request."""
     fault: Exception | None
-    """Error for which time stands still; None without one."""
+    """Error that has stopped time; None without one."""
     steps: int
     """Ticks since the start."""
 

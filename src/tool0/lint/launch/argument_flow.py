@@ -141,7 +141,7 @@ def _origin(launch: LaunchFile, name: str) -> str:
 
 
 def _conditions(launch: LaunchFile, parts: list[_Part]) -> Iterator[_Use]:
-    """Yield each ``if`` and ``unless`` once, even if it is that of a whole group."""
+    """Yield each ``if`` and ``unless`` once, even if it applies to a whole group."""
     seen = set()
     for part in parts:
         for number, condition in enumerate(reversed(part.place.conditions)):

@@ -22,7 +22,7 @@ from tool0.simulation.arms.simulated_arm import SimulatedArm
 
 @final
 class Arms:
-    """The arms in the order of the model.  Only the thread of the tick may use them."""
+    """All arms in the model's order.  Only the thread of the tick may use them."""
 
     def __init__(
         self,

@@ -59,7 +59,7 @@ def handles(
     publishes: bool | None = None,
     local: bool = False,
 ) -> Callable[[Handler], Handler]:
-    """Register the decorated function as the handler of ``request``, a new type.
+    """Register the decorated function as the only handler of ``request``.
 
     The options are those of ``Entry``.  ``publishes`` defaults to ``in_tick``.
     ``changes`` defaults to True for an ``in_tick`` handler that publishes or whose
